@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from itertools import pairwise
 
@@ -162,7 +162,7 @@ def _no_plain_bits(kind: Kind) -> str:
 
 
 def _check_gray(layout: Layout, site: Site) -> None:
-    """Check that a number in Gray code has several contiguous bits. They can include a flag.
+    """Check that a number in Gray code has several bits, contiguous while it is in this code. They can include a flag.
 
     Also check that the parameter that turns Gray code on is 0 or 1 for all order codes.
     """
@@ -181,8 +181,9 @@ def _check_gray(layout: Layout, site: Site) -> None:
     if not switch_values <= {0, 1}:
         message = f"'{layout.gray_when}' can be {max(switch_values)}; it must be 1 for Gray code, or 0 for binary"
         site.report("gray-of", message, "gray", "when")
+    sets_with_gray_code = [parameters for parameters in site.sets if parameters.get(layout.gray_when, 1)]
     for above, below in pairwise(coded_fields):
-        if not _are_adjacent(above, below, site):
+        if not _are_adjacent(above, below, sets_with_gray_code):
             message = (
                 f"'{above.name}' and '{below.name}' are not adjacent; a number in Gray code must be contiguous,"
                 " most significant part first"
@@ -191,10 +192,10 @@ def _check_gray(layout: Layout, site: Site) -> None:
             return
 
 
-def _are_adjacent(above: Field, below: Field, site: Site) -> bool:
-    """Return True if the field above begins where the one below ends, for every order code."""
+def _are_adjacent(above: Field, below: Field, parameter_sets: Iterable[Mapping[str, int]]) -> bool:
+    """Return True if the field above begins where the one below ends, with each set of parameters."""
     end_below = below.low + below.width
-    return all(end_below.value(parameters) == above.low.value(parameters) for parameters in site.sets)
+    return all(end_below.value(parameters) == above.low.value(parameters) for parameters in parameter_sets)
 
 
 def _is_above(upper: Field, lower: Field, site: Site) -> bool:

@@ -300,6 +300,11 @@ class PlacedLayout:
         """True if every frame of the order code says whether the position is usable."""
         return self.layout.judging_bits.value(self.parameters) > 0
 
+    @property
+    def has_parity(self) -> bool:
+        """True if frames of the order code have a parity bit."""
+        return any(isinstance(placed_field.field.kind, Parity) for placed_field in self.fields)
+
     @cached_property
     def crc_field(self) -> PlacedField | None:
         """CRC at the end of the frames of the order code."""

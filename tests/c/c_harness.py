@@ -399,7 +399,8 @@ def crcs(view: DeviceView) -> dict[str, str]:
             )
     for crc in view.crcs:
         if crc.is_called:
-            argument_list = "b, bytes_of(text, b)" if crc.in_bytes else "number(text), 4U * (uint32_t)strlen(text)"
+            bits = f"({crc.data_type})number(text), 4U * (uint32_t)strlen(text)"
+            argument_list = "b, bytes_of(text, b)" if crc.in_bytes else bits
             code_by_crc[crc.crc.name] = _crc(
                 view, crc.crc.name, "uint8_t b[64]; " if crc.in_bytes else "", f"{crc.name}({argument_list})"
             )

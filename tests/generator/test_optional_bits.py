@@ -17,6 +17,7 @@ from typing import Any
 
 import pytest
 from c_harness import GCC, compile_programs, runner_over, write
+from codewheel.commands.cli import main
 from codewheel.commands.outputs import targets_named
 from codewheel.dump.plain import device_dump
 from codewheel.dump.xml import to_xml
@@ -367,3 +368,15 @@ def test_a_virtual_encoder_sends_and_accepts_only_the_flags_that_it_has(code: st
         decoded = codec.decode(device(), layout, encoder.frame(layout.layout, {}))
         assert not decoded.problems
         assert decoded.values[flag] is True
+
+
+@pytest.mark.parametrize(
+    ("code", "text"), [("OPS12EXPXX", "has no CRC, only parity;"), ("OPS12EXXXX", "has no CRC; the position")]
+)
+def test_decode_mentions_parity_only_for_order_codes_that_have_it(
+    code: str, text: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case = next(case for case in cases_of("word", 40) if case.code == code and case.verdict == USABLE)
+    specs = ["--specs", str(SPECS / "options.yaml"), "--specs", str(SPECS / "manufacturer.yaml")]
+    main(["decode", code, f"0b{case.number:0{case.bits}b}", *specs])
+    assert text in " ".join(capsys.readouterr().out.split())

@@ -36,7 +36,7 @@ ROOT = HERE.parents[1]
 PACKAGE = ROOT / "examples" / "rust-target"
 
 #: Made-up specs that are not for this target.
-OTHERS = ("long_crc", "lowfirst", "gray_parity", "options", "crc_options", "switched")
+OTHERS = ("long_crc", "lowfirst", "gray_parity", "options", "crc_options", "long_names", "switched")
 
 
 def _specs() -> Iterator[str]:

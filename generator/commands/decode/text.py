@@ -241,7 +241,7 @@ def _no_error_text(decoded: codec.Decoded, findings: Findings) -> str:
 
 
 def _no_crc_text(decoded: codec.Decoded) -> str:
-    has_parity = decoded.layout is not None and decoded.layout.layout.has_parity
+    has_parity = decoded.layout is not None and decoded.layout.has_parity
     return "this frame has no CRC, only parity" if has_parity else "this frame has no CRC"
 
 

@@ -145,10 +145,14 @@ class Reader:
             number = Operation("|", (shifted_number, name_of(field)))
         return Cast(type_, number) if is_short and lower_fields else number
 
+    @property
+    def before_conversion(self) -> Reader:
+        """The reader of the word before any Gray code in it is converted."""
+        return replace(self, as_sent=True)
+
     def sent(self, field: Field) -> Expr:
         """Return the bits of a field before any Gray code in the word is converted."""
-        reader_of_sent_bits = replace(self, as_sent=True)
-        _, bits = reader_of_sent_bits.value(self.plan.bits_of(field.name))
+        _, bits = self.before_conversion.value(self.plan.bits_of(field.name))
         return bits
 
     def parity_as_sent(self, fields: Sequence[Field], mask: int) -> Expr:

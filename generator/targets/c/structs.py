@@ -110,17 +110,17 @@ class Struct:
         return unsigned(self.reader.word_size)
 
     def covered(self, crc: FrameCrc) -> Expr:
-        """Return the bits of the word that a CRC covers, with bit 0 the last of them."""
+        """Return the bits of the word that a CRC covers, as they are sent, with bit 0 the last of them."""
         word_size = self.reader.word_size
         highest = crc.low + crc.covered.constant if covers_32_bits(crc) else word_size
-        bits = shifted_right(self.reader.lower(highest), crc.low)
+        bits = shifted_right(self.reader.before_conversion.lower(highest), crc.low)
         is_across_halves = covers_32_bits(crc) and highest > 32
         return Cast("uint32_t", bits) if is_across_halves else bits
 
     def received(self, crc: FrameCrc) -> Expr:
-        """Return the CRC in a word, which is in its lowest bits."""
+        """Return the CRC in a word as it is sent, in its lowest bits."""
         width = crc.crc.width
-        return masked(self.reader.lower(width), (1 << width) - 1)
+        return masked(self.reader.before_conversion.lower(width), (1 << width) - 1)
 
     # -- members
 

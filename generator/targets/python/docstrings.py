@@ -32,7 +32,7 @@ from ...say.order_code import parameter
 from ...say.plain_text import counted, plain, wrapped
 from ...say.text import AS_LITERAL as S
 from ...say.text import Statement, sentence, spec_text, statement
-from .literals import WIDTH
+from .line_breaks import WIDTH
 from .names import is_one_choice
 
 #: A quotation mark at the end that is not escaped.

@@ -24,7 +24,8 @@ from .. import NO_OPTIONS, Library, Options, Target, has_biss, main_manufacturer
 from ..registry import copied, licence_in, our_runtime
 from .bits import place_in_bytes, purpose
 from .docstrings import docstring, of_answer, of_crc, of_value
-from .literals import Expr, broken, coded, constant, grouped, literal, mask, quoted, table
+from .line_breaks import broken
+from .literals import Expr, coded, constant, grouped, literal, mask, quoted, table
 from .module import Enumeration, Module
 from .names import (
     BISS,

@@ -1,15 +1,15 @@
-"""Python expressions as trees, data as literals, and the breaking of long lines."""
+"""Python expressions as trees, and data as literals."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property, reduce
 
 from ...model.expressions import Expression, Factor, Term
 from ...model.lookup import assert_never
 from ...model.record import dataclass
 from ...plan.values import Active, Characters, DigitRuns, Meaning, Named, Raw, TwosComplement, ZeroMeans
+from .line_breaks import broken
 
 #: Operators by precedence, lowest first. Arithmetic gets parentheses next to bit operators.
 _LOOSEST_FIRST = (("or",), ("and",), ("not",), ("|",), ("^",), ("&",), ("<<", ">>"), ("+", "-"), ("*", "//", "%"))
@@ -182,91 +182,6 @@ def _collected(value: Expression) -> list[Term]:
     for term in value.terms:
         multiples[term.factors] = multiples.get(term.factors, 0) + term.multiple
     return [Term(multiple, factors) for factors, multiple in multiples.items()]
-
-
-WIDTH = 120
-
-# A quoted text, a bracket or a comma, or any text up to the next of these.
-_TOKEN = re.compile(r'"(?:\\.|[^"\\])*"|[][(){},]|[^][(){},"]+')
-# A line with only a quoted text and a comma, perhaps after its argument name or key.
-_TEXT = re.compile(r'(\s*)(\w+=|"(?:\\.|[^"\\])*": )?("(?:\\.|[^"\\])*"),')
-
-
-def broken(text: str) -> str:
-    """Return the code with long lines broken into one line for each item in the first brackets."""
-    return "\n".join(piece for line in text.split("\n") for piece in _broken_lines(line))
-
-
-def _broken_lines(line: str) -> Iterator[str]:
-    """Yield a line, or one line for each item in its first brackets if it is too long.
-
-    A long text is split into several literals. Items are broken again. A line without brackets stays long.
-    """
-    if len(line) <= WIDTH:
-        yield line
-        return
-    text_item = _TEXT.fullmatch(line)
-    if text_item is not None:
-        indent, name, quoted_text = text_item[1], text_item[2] or "", text_item[3]
-        yield f"{indent}{name}{_split_literal(quoted_text, len(indent))},"
-        return
-    line_start, items, line_end = _items(line)
-    if not items:
-        yield line
-        return
-    indent = line[: len(line) - len(line.lstrip())]
-    yield line_start
-    # A comma would make a tuple of one unpacked value in parentheses.
-    comma = "" if line_start.endswith("*(") and len(items) == 1 else ","
-    for element in items:
-        yield from _broken_lines(f"{indent}    {element}{comma}")
-    yield indent + line_end
-
-
-def _items(line: str) -> tuple[str, list[str], str]:
-    """Return the line up to its first bracket, the items in the brackets, and the rest with the closing bracket.
-
-    The line ``call(a, [b, c]),`` gives ``call(``, the items ``a`` and ``[b, c]``, and ``),``.
-    """
-    # Empty before the first bracket.
-    start = ""
-    items = [""]
-    position, depth = 0, 0
-    for token in _TOKEN.findall(line):
-        if token in "([{":
-            depth += 1
-        elif token in ")]}":
-            depth -= 1
-        is_closing_first_bracket = bool(start) and depth == 0
-        if is_closing_first_bracket:
-            break
-        # Position after the token.
-        position += len(token)
-        if not start:
-            start = line[:position] if depth else ""
-        elif token == "," and depth == 1:
-            items.append("")
-        else:
-            items[-1] += token
-    return start, [element.strip() for element in items if element.strip()], line[position:]
-
-
-def _split_literal(quoted_text: str, indent: int) -> str:
-    """Return a long quoted text as several literals in parentheses, split after spaces."""
-    margin = f"{' ' * indent}    "
-    pieces = [""]
-    for word in quoted_text[1:-1].split(" "):
-        line_with_word = f'{margin}"{pieces[-1]}{word}"'
-        # The space after the word is not counted yet.
-        if pieces[-1] and len(line_with_word) > WIDTH - 2:
-            pieces.append("")
-        pieces[-1] += f"{word} "
-    pieces[-1] = pieces[-1].removesuffix(" ")
-    literal_lines = [f'{margin}"{piece}"' for piece in pieces if piece]
-    is_one_word_too_long = len(literal_lines) == 1 and len(literal_lines[0]) > WIDTH
-    if is_one_word_too_long:
-        return quoted_text
-    return "\n".join(["(", *literal_lines, f"{' ' * indent})"])
 
 
 def quoted(text: str | bytes) -> str:
