@@ -21,6 +21,7 @@ FUNCTIONS = (
     "access",
     "biss_control",
     "biss_latency",
+    "channels",
     "families",
     "motion",
     "read_position",

@@ -83,9 +83,9 @@ def check_misspelt_fields(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
 
 
 def _lacks_a_letter(words: Sequence[str], other_words: Sequence[str]) -> bool:
-    """Return True if names differ in one long word, which has a letter more or less than the other one.
+    """Return True if names differ in one long word, which has a letter more or less inside than the other one.
 
-    A plural is another word, such as ``letters`` next to ``letter``.
+    A word with another beginning or end is another word, such as ``letters`` or ``enabled``.
     """
     if len(words) != len(other_words):
         return False
@@ -93,6 +93,6 @@ def _lacks_a_letter(words: Sequence[str], other_words: Sequence[str]) -> bool:
     if len(different) != 1:
         return False
     word, other_word = different[0]
-    is_long = min(len(word), len(other_word)) >= _SHORTEST
-    is_plural = f"{word}s" == other_word or f"{other_word}s" == word
-    return is_long and not is_plural and len(word) != len(other_word) and is_typo(word, other_word)
+    shorter, longer = sorted((word, other_word), key=len)
+    is_inside = not longer.startswith(shorter) and not longer.endswith(shorter)
+    return len(shorter) >= _SHORTEST and len(longer) > len(shorter) and is_inside and is_typo(shorter, longer)

@@ -1,0 +1,81 @@
+"""``channels.h``: the bits of several data channels on the line, and positions that agree within a tolerance."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+from c_harness import GCC, RUNTIME, SANITIZED
+from working_tools import require
+
+pytestmark = pytest.mark.slow
+
+PROGRAM = r"""
+#include <stdio.h>
+#include <string.h>
+#include "codewheel/channels.h"
+
+static const char *name_of(cw_result result)
+{
+    switch (result) {
+    case CW_OK: return "OK";
+    case CW_FAULT_LINE_LOW: return "LINE_LOW";
+    case CW_FAULT_LINE_HIGH: return "LINE_HIGH";
+    case CW_FAULT_NO_START: return "NO_START";
+    case CW_FAULT_LENGTH: return "LENGTH";
+    case CW_FAULT_CONSTANT: return "CONSTANT";
+    default: return "another";
+    }
+}
+
+static void receive(const char *line)
+{
+    uint8_t rx[4] = { 0U, 0U, 0U, 0U };
+    size_t first = 77U;
+    size_t place;
+    for (place = 0U; line[place] != '\0'; place++) {
+        if (line[place] == '1') {
+            rx[place / 8U] = (uint8_t)(rx[place / 8U] | (0x80U >> (place % 8U)));
+        }
+    }
+    const cw_result result = cw_biss_receive_channels(rx, strlen(line), 5U, &first);
+    printf("%s %u\n", name_of(result), (unsigned)first);
+}
+
+int main(void)
+{
+@lines@
+    printf("%d ", (int)cw_biss_positions_agree(0U, 15U, 4U, 1U));
+    printf("%d ", (int)cw_biss_positions_agree(15U, 0U, 4U, 1U));
+    printf("%d ", (int)cw_biss_positions_agree(3U, 5U, 4U, 1U));
+    printf("%d\n", (int)cw_biss_positions_agree(5U, 5U, 64U, 0U));
+    return 0;
+}
+"""
+#: Received bits, and the result with the index of the first bit of the first of two words, of 3 and 2 bits. A line has
+#: rest, acknowledge, start, CDS, both words and the stop bit (BiSS protocol description C6, p. 3).
+LINES = {
+    "11 00 1 0 101 01 0 11": "OK 6",
+    "1 0 1 1 000 00 0": "OK 4",
+    # Without the bits after the last word.
+    "11 00 1 0 101 01": "OK 6",
+    "11 00 1 0 101 0": "LENGTH 77",
+    # The line is high where the stop bit is.
+    "11 00 1 0 101 01 1": "CONSTANT 77",
+    "11111111": "LINE_HIGH 77",
+    "00001010": "LINE_LOW 77",
+    "11000000": "NO_START 77",
+}
+
+
+def test_words_on_the_line_and_positions(tmp_path: Path) -> None:
+    source, program = tmp_path / "channels.c", tmp_path / "channels"
+    calls = "\n".join(f'    receive("{line.replace(" ", "")}");' for line in LINES)
+    source.write_text(PROGRAM.replace("@lines@", calls), encoding="ascii")
+    strict = ["-Wall", "-Wextra", "-Wconversion", "-Werror"]
+    require([*GCC, *SANITIZED])
+    subprocess.run([*GCC, *SANITIZED, *strict, f"-I{RUNTIME}", str(source), "-o", str(program)], check=True)
+    completed = subprocess.run([program], capture_output=True, text=True, check=True)
+    # 15 and 0 are next to each other in four bits, 3 and 5 are not.
+    assert completed.stdout.splitlines() == [*LINES.values(), "1 1 0 1"]
