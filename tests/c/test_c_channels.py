@@ -71,7 +71,8 @@ LINES = {
 
 def test_words_on_the_line_and_positions(tmp_path: Path) -> None:
     source, program = tmp_path / "channels.c", tmp_path / "channels"
-    calls = "\n".join(f'    receive("{line.replace(" ", "")}");' for line in LINES)
+    lines = [line.replace(" ", "") for line in LINES]
+    calls = "\n".join(f'    receive("{line}");' for line in lines)
     source.write_text(PROGRAM.replace("@lines@", calls), encoding="ascii")
     strict = ["-Wall", "-Wextra", "-Wconversion", "-Werror"]
     require([*GCC, *SANITIZED])

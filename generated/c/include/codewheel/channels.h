@@ -81,7 +81,8 @@ CW_CONSTEXPR
 static inline bool cw_biss_positions_agree(
     uint64_t number, uint64_t other, uint32_t bits, uint64_t tolerance)
 {
-    const uint64_t mask = UINT64_MAX >> (64U - bits);
+    const uint32_t unused = 64U - bits;
+    const uint64_t mask = UINT64_MAX >> unused;
     const uint64_t up = (number - other) & mask;
     const uint64_t down = (other - number) & mask;
     return (up <= tolerance) || (down <= tolerance);
