@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from types import MappingProxyType
@@ -32,7 +33,7 @@ from ..order_codes.parameters import with_answers
 from ..say.evidence import Subject, document, mentions
 from ..say.names_and_places import addresses
 from ..say.order_code import initial
-from ..say.text import hertz, timeout_words
+from ..say.text import counted, hertz, timeout_words
 from .channels import NO_CHANNELS, FrameChannels, channel_notes, frame_channels
 from .frame_parts import (
     CableRow,
@@ -45,6 +46,7 @@ from .frame_parts import (
     parity_of_frame,
     position_coding,
     rough_parts,
+    turn_bits_of_fields,
 )
 
 _NO_ANSWERS: Mapping[str, str] = MappingProxyType({})
@@ -143,6 +145,7 @@ def record(
         *_answer_notes(deciding_alternatives, needed_answers),
         *_clock_notes(numbers, cables, cable_m),
         *_frame_notes(device, frame.measurement.of, frame.placed_layout, parts, as_delivered),
+        *_split_notes(frame),
         *channel_notes(frame.interface, frame.placed_layout),
         *filter(None, (obstacle, crc_obstacle)),
     )
@@ -181,7 +184,7 @@ def _parts_and_obstacle(frame: _PositionFrame) -> tuple[tuple[Part, ...], str]:
             raise NoRecord(f"'{layout.name}' is carried as bytes, and the rules for masters cover frames of bits")
         return tuple(frame_parts(frame.placed_layout, frame.measurement, frame.variant)), ""
     except NoRecord as reason:
-        rough = tuple(rough_parts(frame.placed_layout, frame.measurement))
+        rough = tuple(rough_parts(frame.placed_layout, frame.measurement, frame.variant))
         return rough, f"No master described here can read the position: {reason}."
 
 
@@ -445,6 +448,31 @@ def _frame_notes(
     fixed = [part.name for part in parts if part.role == "status" and not part.active]
     if fixed:
         yield f"{' and '.join(fixed)}: always 1, which a master treats as an inactive status bit."
+
+
+def _split_notes(frame: _PositionFrame) -> Iterator[str]:
+    """Yield a sentence if a position in several fields has no field that begins with the position within a revolution.
+
+    There is another one if the revolutions are not known.
+    """
+    measurement = frame.measurement
+    position_fields = frame.placed_layout.find_fields(frame.placed_layout.layout.names_in(measurement.of))
+    if len(position_fields) == 1:
+        return
+    if frame.device.movement == "rotary" and measurement.counts_per_turn is None:
+        yield (
+            "The spec does not say how many counts a revolution has. All bits of the position are listed as "
+            "singleturn bits."
+        )
+    with suppress(NoRecord):
+        turn_bits = turn_bits_of_fields(frame.placed_layout, measurement, frame.variant)
+        for field in position_fields:
+            highest_bits = turn_bits[field.name]
+            if 0 < highest_bits < field.width:
+                yield (
+                    f"'{field.name}' holds both parts of the position: revolutions in its highest "
+                    f"{counted(highest_bits, 'bit')}, and the position within a revolution below them."
+                )
 
 
 def _register_notes(device: Device, dependence: str, parameters: set[str], as_delivered: bool) -> Iterator[str]:

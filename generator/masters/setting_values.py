@@ -6,7 +6,8 @@ Everything about a master is in its description, a file in ``specs/masters``. Se
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -280,7 +281,7 @@ def _field_texts(rule: Raw, setting_name: str, record: Record) -> Iterator[str]:
         if applies(field_rule, record):
             template_by_kind.setdefault(field_rule["of"], field_rule["text"])
     yield _filled_if_known(rule.get("start", ""), record)
-    parts = _with_whole_position(record) if "position" in template_by_kind else record.parts
+    parts = _with_whole_position(record) if "position" in template_by_kind else _with_two_parts_of_position(record)
     if rule["first"] != "sent_first":
         parts = parts[::-1]
     for part in parts:
@@ -294,13 +295,26 @@ def _field_texts(rule: Raw, setting_name: str, record: Record) -> Iterator[str]:
         yield _filled_if_known(part_text, record)
 
 
-def _with_whole_position(record: Record) -> tuple[Part, ...]:
-    """Return the parts of the frame with multiturn and singleturn merged into one, at the place of singleturn."""
-    position = Part(name="position", role="position", bits=record.numbers["position_bits"] or 0)
+def _with_whole_position(record: Record) -> Sequence[Part]:
+    """Return the parts of the frame with those of the position merged into one."""
+    roles = ["position" if part.role in ("multiturn", "singleturn") else part.role for part in record.parts]
+    parts = [replace(part, role=role) for part, role in zip(record.parts, roles, strict=True)]
+    return _with_neighbours_merged(parts, ("position",))
+
+
+def _with_two_parts_of_position(record: Record) -> Sequence[Part]:
+    """Return the parts of the frame with all multiturn bits in one, and all singleturn bits in one."""
+    return _with_neighbours_merged(record.parts, ("multiturn", "singleturn"))
+
+
+def _with_neighbours_merged(parts: Sequence[Part], roles: Collection[str]) -> Sequence[Part]:
+    """Return the parts with neighbours that have the same one of these roles merged, under the name of that role."""
     merged_parts: list[Part] = []
-    for part in record.parts:
-        if part.role == "singleturn":
-            merged_parts.append(position)
-        elif part.role != "multiturn":
+    for part in parts:
+        if part.role not in roles:
             merged_parts.append(part)
-    return tuple(merged_parts)
+        elif merged_parts and merged_parts[-1].role == part.role:
+            merged_parts[-1] = replace(merged_parts[-1], bits=merged_parts[-1].bits + part.bits)
+        else:
+            merged_parts.append(replace(part, name=part.role))
+    return merged_parts
