@@ -11,10 +11,10 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
-from ..language.master_items import NUMBERS, STEPS
+from ..language.master_items import NUMBERS, STEPS, WORDS
 from ..model.expressions import Expression, ExpressionError
 from ..say.plain_text import decimal
-from ..say.text import hertz
+from ..say.text import counted, hertz
 from .frame_parts import Part
 from .record import Record
 
@@ -69,15 +69,38 @@ def is_within_limits(limit: Raw, record: Record) -> bool:
     return is_in_range and is_listed and not is_excluded
 
 
+#: Items that count bits: the kind of bit, and its place in the frame.
+_COUNTED_BITS: Mapping[str, tuple[str, str]] = {
+    "multiturn_bits": ("multiturn bit", ""),
+    "singleturn_bits": ("singleturn bit", ""),
+    "position_bits": ("position bit", ""),
+    "padding_left": ("zero bit", " before the position"),
+    "padding_right": ("zero bit", " after the position"),
+    "data_bits": ("data bit", ""),
+    "status_bits": ("status bit", ""),
+    "data_and_status_bits": ("data and status bit", ""),
+    "crc_bits": ("CRC bit", ""),
+    "other_bits_left": ("other bit", " before the position"),
+    "other_bits_right": ("other bit", " after the position"),
+    "other_bits_after_status": ("other bit", " after the first status bit"),
+    "parity_bits": ("parity bit", ""),
+    "bits_without_crc": ("bit", " without the CRC"),
+    "frame_bits": ("bit", " in the frame"),
+}
+
+
 def actual_value(name: str, record: Record) -> str:
-    """Return the name of an item of a record with its value, such as ``crc polynomial 0x43`` or ``coding gray``."""
-    item_words = name.replace("_", " ")
+    """Return an item of a record in words of a manual, such as ``Gray code`` or ``4 zero bits before the position``."""
     if name in record.words:
-        return f"{item_words} {record.words[name]}"
-    number = record.numbers[name]
-    if name.startswith("crc_polynomial") and number is not None:
-        return f"{item_words} 0x{number:02X}"
-    return f"{item_words} {number}"
+        return filled(WORDS[name][record.words[name]], record)
+    number = record.known_numbers[name]
+    if name in _COUNTED_BITS:
+        bit, place = _COUNTED_BITS[name]
+        return f"{counted(number, bit)}{place}"
+    if name == "crc_inverted":
+        return "an inverted CRC" if number else "a CRC that is not inverted"
+    number_text = f"0x{number:02X}" if name.startswith("crc_polynomial") else str(number)
+    return f"{NUMBERS[name].removesuffix(', or 0 without a CRC')}: {number_text}"
 
 
 def value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | None, str, str]:

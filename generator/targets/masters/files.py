@@ -19,7 +19,7 @@ from ...masters.sheet import Master, Sheet, shipped_masters
 from ...masters.text import cited, condition_text
 from ...model import Device
 from ...render import Templates, our_templates
-from ...say.evidence import grade_below_manual
+from ...say.evidence import grade_below_manual, titled_in_lists
 from ...say.markdown import text as markdown
 from ...say.plain_text import plain, wrapped
 from ...say.text import BY_NAME
@@ -228,7 +228,7 @@ def _index(library: Library, files: Iterable[str]) -> str:
     for master in shipped_masters():
         rows += [_index_row(master, rule["format"]) for rule in master.files]
     values: Index = {
-        "families": [markdown(device.title) for device in library.devices],
+        "families": [markdown(titled_in_lists(device)) for device in library.devices],
         "rows": [row for row in rows if row["folder"] in folders],
     }
     return TEMPLATES.render("README.md.jinja", values, library.own_templates)
