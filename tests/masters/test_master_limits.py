@@ -48,8 +48,10 @@ def record_with(record: Record, **items: int | str | None) -> Record:
             "ic_mb",
             {"crc_polynomial": 0xB1},
             {"crc_polynomial": 0x12F},
-            "A CRC polynomial has at most 8 bits, including its trailing 1. "
-            "For this encoder: CRC polynomial with its top bit: 0x12F.",
+            (
+                "A CRC polynomial has at most 8 bits, including its trailing 1. "
+                "For this encoder: CRC polynomial with its top bit: 0x12F."
+            ),
         ),
         (
             "ti_motor_control_sdk",
@@ -67,8 +69,10 @@ def record_with(record: Record, **items: int | str | None) -> Record:
             "ti_motor_control_sdk",
             {"crc_inverted": 1},
             {"crc_inverted": 0},
-            "The driver expects the inverted CRC. No setting changes this. "
-            "For this encoder: a CRC that is not inverted.",
+            (
+                "The driver expects the inverted CRC. No setting changes this. "
+                "For this encoder: a CRC that is not inverted."
+            ),
         ),
         (
             "ti_c2000",
@@ -98,8 +102,10 @@ def record_with(record: Record, **items: int | str | None) -> Record:
             "synapticon",
             {"status_active": "high"},
             {"status_active": "mixed"},
-            "Both status bits are active low or both are active high. "
-            "For this encoder: status bits of both active levels.",
+            (
+                "Both status bits are active low or both are active high. "
+                "For this encoder: status bits of both active levels."
+            ),
         ),
         (
             "keb_f5",

@@ -406,14 +406,18 @@ def test_example_of_siemens(values_of: ValuesOf) -> None:
         (
             "keb_f5",
             "ASC8525/SC1 as_printed",
-            "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. "
-            "For this encoder: 1 zero bit after the position.",
+            (
+                "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. "
+                "For this encoder: 1 zero bit after the position."
+            ),
         ),
         (
             "keb_f6",
             "ASC8525/SC1 as_printed",
-            "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. "
-            "For this encoder: 1 zero bit after the position.",
+            (
+                "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. "
+                "For this encoder: 1 zero bit after the position."
+            ),
         ),
         # 16 + 23 bits. 16 + 17 are one too many.
         (
