@@ -65,8 +65,8 @@ def split_notes(
     if len(position_fields) == 1:
         return
     if device.movement == "rotary" and measurement.counts_per_turn is None:
-        sentence = "The spec does not say how many counts a revolution has."
-        yield f"{sentence} All bits of the position are listed as singleturn bits."
+        remedy = "Add the counts per revolution to the spec to list the revolutions"
+        yield f"All bits of the position are listed as singleturn bits. {remedy}."
     with suppress(NoRecord):
         turn_bits = turn_bits_of_fields(placed_layout, measurement, variant)
         for field in position_fields:

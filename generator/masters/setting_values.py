@@ -84,7 +84,7 @@ _COUNTED_BITS: Mapping[str, tuple[str, str]] = {
     "other_bits_right": ("other bit", " after the position"),
     "other_bits_after_status": ("other bit", " after the first status bit"),
     "parity_bits": ("parity bit", ""),
-    "bits_without_crc": ("bit", " without the CRC"),
+    "bits_without_crc": ("bit", " of data, status and others"),
     "frame_bits": ("bit", " in the frame"),
 }
 
@@ -98,9 +98,11 @@ def actual_value(name: str, record: Record) -> str:
         bit, place = _COUNTED_BITS[name]
         return f"{counted(number, bit)}{place}"
     if name == "crc_inverted":
-        return "an inverted CRC" if number else "a CRC that is not inverted"
-    number_text = f"0x{number:02X}" if name.startswith("crc_polynomial") else str(number)
-    return f"{NUMBERS[name].removesuffix(', or 0 without a CRC')}: {number_text}"
+        return "an inverted CRC" if number else "a plain CRC"
+    if name.startswith("crc_polynomial"):
+        polynomial, _, _ = NUMBERS[name].partition(",")
+        return f"{polynomial}: 0x{number:02X}"
+    return f"{NUMBERS[name]}: {number}"
 
 
 def value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | None, str, str]:

@@ -129,8 +129,8 @@ def test_fields_whose_counts_are_not_known(tmp_path: Path, capsys: Capture) -> N
     assert main(["master", "EXAMPLE-X", "--specs", str(tmp_path), "--json"]) == 0
     facts = json.loads(capsys.readouterr().out)["record"]
     assert (facts["multiturn_bits"], facts["singleturn_bits"]) == (0, 4 + 9)
-    (note,) = [note for note in facts["notes"] if "counts a revolution has" in note]
-    assert note.endswith("All bits of the position are listed as singleturn bits.")
+    (note,) = [note for note in facts["notes"] if "singleturn" in note]
+    assert note.startswith("All bits of the position are listed as singleturn bits. Add the counts per revolution")
 
 
 def test_a_channel_without_bits_is_absent(capsys: Capture) -> None:
@@ -147,7 +147,7 @@ def test_a_channel_without_bits_is_absent(capsys: Capture) -> None:
 def test_pages_and_data_lack_a_channel_without_bits(made: dict[str, Device], capsys: Capture) -> None:
     main(["show", "SECOND-B", "--specs", str(MADE), "--json"])
     interface = json.loads(capsys.readouterr().out)["interfaces"]["biss"]
-    assert [layout["name"] for layout in interface["layouts"]] == ["position_data"]
+    assert interface["layouts"] == ["position_data"]
     assert interface["channels"] is None
     device = made["second_channel"]
     names = {}
@@ -207,7 +207,7 @@ def test_numbers_in_words(made: dict[str, Device]) -> None:
     encoder_record = three(made, "THREE-B-12x8x3")
     expected = {
         "frame_bits": "31 bits in the frame",
-        "bits_without_crc": "25 bits without the CRC",
+        "bits_without_crc": "25 bits of data, status and others",
         "padding_left": "0 zero bits before the position",
         "crc_inverted": "an inverted CRC",
         "crc_start": "start value of the CRC: 0",

@@ -41,7 +41,7 @@ def record_with(record: Record, **items: int | str | None) -> Record:
             {"bits_without_crc": 65},
             (
                 "A slave sends 1 to 64 bits of sensor data, status bits included. "
-                "For this encoder: 65 bits without the CRC."
+                "For this encoder: 65 bits of data, status and others."
             ),
         ),
         (
@@ -69,10 +69,7 @@ def record_with(record: Record, **items: int | str | None) -> Record:
             "ti_motor_control_sdk",
             {"crc_inverted": 1},
             {"crc_inverted": 0},
-            (
-                "The driver expects the inverted CRC. No setting changes this. "
-                "For this encoder: a CRC that is not inverted."
-            ),
+            ("The driver expects the inverted CRC. No setting changes this. For this encoder: a plain CRC."),
         ),
         (
             "ti_c2000",
