@@ -6,7 +6,6 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 from ..model import Biss, DataChannels, Interface
-from ..model.part import NOTHING
 
 
 def with_sent_layouts(interface: Interface, parameters: Mapping[str, int]) -> Interface:
@@ -26,6 +25,4 @@ def _with_sent_channels(channels: DataChannels, sent_names: Collection[str]) -> 
     if len(order) < 2:
         return None
     compared = {name: field for name, field in channels.compared.items() if name in sent_names}
-    if len(compared) < 2:
-        return replace(channels, order=order, compared=NOTHING, compared_bits=None, tolerance=0)
     return replace(channels, order=order, compared=compared)

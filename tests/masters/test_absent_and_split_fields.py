@@ -17,8 +17,9 @@ from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.masters.record import Record, record
 from codewheel.masters.setting_values import actual_value
-from codewheel.model import Device
+from codewheel.model import Biss, Device
 from codewheel.order_codes.reduction import with_quantities
+from codewheel.order_codes.sent_layouts import with_sent_layouts
 from test_conditions_of_masters import JOINED, write_spec
 
 Capture = pytest.CaptureFixture[str]
@@ -155,6 +156,21 @@ def test_pages_and_data_lack_a_channel_without_bits(made: dict[str, Device], cap
         page_device = with_quantities(device, device.variant(code))
         names[code] = [layout.name for layout in page_device.interface("biss").layouts]
     assert names == {"SECOND-B": ["position_data"], "SECOND-BT": ["position_data", "temperature_data"]}
+
+
+def test_an_absent_channel_between_two_others(made: dict[str, Device]) -> None:
+    device = made["second_channel"]
+    biss = device.interface("biss")
+    assert isinstance(biss, Biss)
+    assert biss.channels is not None
+    layouts = (*biss.layouts, replace(biss.layouts[0], name="third_data"))
+    channels = replace(biss.channels, order=("position_data", "temperature_data", "third_data"))
+    three_channels = replace(biss, layouts=layouts, channels=channels)
+    sent = with_sent_layouts(three_channels, device.variant("SECOND-B").parameters)
+    assert isinstance(sent, Biss)
+    assert sent.channels is not None
+    assert sent.channels.order == ("position_data", "third_data")
+    assert with_sent_layouts(three_channels, device.variant("SECOND-BT").parameters) is three_channels
 
 
 def test_grade_and_placeholders_next_to_settings(capsys: Capture) -> None:
