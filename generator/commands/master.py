@@ -96,7 +96,7 @@ def run(arguments: argparse.Namespace) -> int:
         return 0
     sheets = [sheet.sheet(master, encoder_record) for master in masters if arguments.master in (None, master.name)]
     if arguments.json:
-        print_json(text.sheet_data(match, encoder_record, sheets))
+        print_json(text.sheet_data(device, match, encoder_record, sheets))
     else:
         print(text.sheet_text(device, match, encoder_record, sheets))
     is_refused = arguments.master is not None and sheets[0].refusals

@@ -48,6 +48,7 @@ from ..model.members import PARTS_BY_CLASS, Member
 from ..model.record import dataclass
 from ..order_codes.labels import Match
 from ..order_codes.reduction import for_interface, reduced_to_codes
+from ..order_codes.sent_layouts import with_sent_layouts
 from .schema import filled
 
 VERSION = 1
@@ -80,7 +81,8 @@ def variant_dump(device: Device, match: Match) -> Item:
     interfaces = ("", variant.interface)
     parameters = tuple(parameter for parameter in reduced_device.parameters if parameter.interface in interfaces)
     measurement = reduced_device.measurement_of(variant.interface)
-    reduced_device = replace(reduced_device, parameters=parameters, measurement=measurement)
+    interface = with_sent_layouts(reduced_device.interface(variant.interface), variant.parameters)
+    reduced_device = replace(reduced_device, parameters=parameters, measurement=measurement, interfaces=(interface,))
     reduced_variant = replace(variant, parameters=_parameters_of_interface(device, variant))
     return _Dump(reduced_device, variant).whole((reduced_variant,), reduced_variant.parameters, label)
 

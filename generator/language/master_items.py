@@ -5,14 +5,30 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-#: Items that are words, with their possible values.
-WORDS: Mapping[str, tuple[str, ...]] = {
-    "interface": ("biss", "ssi"),
-    "movement": ("rotary", "linear"),
-    "coding": ("binary", "gray", "gray_with_status", "gray_excess", "other"),
-    "status_active": ("low", "high", "mixed", "none"),
-    "parity": ("none", "even", "odd"),
-    "singleturn_codes": ("all", "some", "unknown", "none"),
+#: Items that are words: the meaning of each value. Names of numbers in braces stand for the numbers.
+WORDS: Mapping[str, Mapping[str, str]] = {
+    "interface": {"biss": "BiSS C-mode", "ssi": "SSI"},
+    "movement": {"rotary": "rotary", "linear": "linear"},
+    "coding": {
+        "binary": "binary code",
+        "gray": "Gray code",
+        "gray_with_status": "Gray code over the position and the status bits",
+        "gray_excess": "Gray excess code",
+        "other": "Gray code over other bits than the position",
+    },
+    "status_active": {
+        "low": "status bits that are active low",
+        "high": "status bits that are active high",
+        "mixed": "status bits of both active levels",
+        "none": "no status bits",
+    },
+    "parity": {"none": "no parity bit", "even": "even parity", "odd": "odd parity"},
+    "singleturn_codes": {
+        "all": "every value of the singleturn bits within a revolution",
+        "some": "{counts_per_turn} counts per revolution in {singleturn_bits} singleturn bits",
+        "unknown": "an unknown number of counts per revolution",
+        "none": "no revolutions",
+    },
 }
 
 #: Descriptions of the items that are whole numbers, or None if the manual does not say.

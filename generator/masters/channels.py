@@ -40,7 +40,8 @@ NO_CHANNELS = FrameChannels()
 def frame_channels(interface: Interface, position_layout: PlacedLayout) -> FrameChannels:
     """Return the other data channels of the frame with the position. There are none if it carries a single channel."""
     frame = channel_frame(interface)
-    names = [layout.name for layout in frame.layouts] if frame is not None else []
+    layouts = frame.layouts if frame is not None else ()
+    names = [layout.name for layout in layouts if layout.is_sent(position_layout.parameters)]
     if position_layout.name not in names:
         return NO_CHANNELS
     place = names.index(position_layout.name)
@@ -50,7 +51,8 @@ def frame_channels(interface: Interface, position_layout: PlacedLayout) -> Frame
 def channel_notes(interface: Interface, position_layout: PlacedLayout) -> Iterator[str]:
     """Yield a sentence about the channels of BiSS whose data the settings leave out."""
     channel = position_layout.layout.channel
-    other_layouts = [layout for layout in interface.layouts if layout.channel and layout.channel != channel]
+    sent_layouts = [layout for layout in interface.layouts if layout.is_sent(position_layout.parameters)]
+    other_layouts = [layout for layout in sent_layouts if layout.channel and layout.channel != channel]
     if isinstance(interface, Biss) and channel and other_layouts:
         other_channels = " and ".join(f"'{layout.name}' on channel {layout.channel}" for layout in other_layouts)
         yield f"The encoder also sends {other_channels}. These settings are for channel {channel} only."

@@ -55,10 +55,11 @@ def frame_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: 
     """Yield the parts of the frame in the order sent. What the common frame does not have there is ``other``.
 
     Raises:
-        NoRecord: Some bits have no field, or the position is not in one piece.
+        NoRecord: Some bits have no field, the position is not in one piece, or no bits of it are the revolutions.
     """
     layout = placed_layout.layout
-    position_field_names = layout.names_in(measurement.of)
+    turn_bits = turn_bits_of_fields(placed_layout, measurement, variant)
+    position_field_names = tuple(turn_bits)
     stage = "before"
     unread_bits = placed_layout.bits  # Number of bits below the fields so far, the first of which is the highest.
     for field in placed_layout.fields:
@@ -67,9 +68,7 @@ def frame_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: 
         unread_bits = field.low
         role = _role(field, placed_layout, position_field_names, stage)
         if role == "position":
-            is_last = field.name == position_field_names[-1]
-            is_joined = len(position_field_names) > 1
-            yield from _position_parts(field, is_last, is_joined, measurement, variant)
+            yield from _position_parts(field, turn_bits[field.name])
         else:
             yield _part_without_position(field, role)
         stage = _next_stage(stage, role)
@@ -94,21 +93,24 @@ def _part_without_position(field: PlacedField, role: str) -> Part:
     return Part(name=field.name, role=role, bits=field.width)
 
 
-def rough_parts(placed_layout: PlacedLayout, measurement: Measurement) -> Iterator[Part]:
-    """Yield a part for each field, in the order sent, for a frame that masters cannot take.
+def rough_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: Variant) -> Iterator[Part]:
+    """Yield the parts of a frame that masters cannot take, in the order sent.
 
-    The kind of a field decides its role, wherever it is in the frame.
+    The kind of a field decides its role, wherever it is in the frame. If no bits of the position are the revolutions,
+    all of them count as singleturn.
     """
-    position_field_names = placed_layout.layout.names_in(measurement.of)
+    try:
+        turn_bits = turn_bits_of_fields(placed_layout, measurement, variant)
+    except NoRecord:
+        turn_bits = {field.name: 0 for field in _position_fields(placed_layout, measurement)}
     for field in placed_layout.fields:
+        if field.name in turn_bits:
+            yield from _position_parts(field, turn_bits[field.name])
+            continue
         role = _expected_role(field, "after")  # with this stage, zero bits are "after"
-        if field.name in position_field_names:
-            role = "singleturn" if field.name == position_field_names[-1] else "multiturn"
-        elif role == "after":
-            role = "padding"
-        yield Part(
-            name=field.name, role=role, bits=field.width, active=_active_level(field.field) if role == "status" else ""
-        )
+        if role == "other" and _is_parity_of_frame(field, placed_layout):
+            role = "parity"
+        yield _part_without_position(field, role)
 
 
 def _role(field: PlacedField, placed_layout: PlacedLayout, position_field_names: Sequence[str], stage: str) -> str:
@@ -170,27 +172,57 @@ def _is_always_zero(field: PlacedField) -> bool:
     return isinstance(field.field.kind, (Constant, Unused)) and field.field.kind.value == 0
 
 
-def _position_parts(
-    field: PlacedField, is_last: bool, is_joined: bool, measurement: Measurement, variant: Variant
-) -> Iterator[Part]:
-    """Yield the part of a field of the position, or two parts if it holds the turns and the position within a turn.
+def _position_fields(placed_layout: PlacedLayout, measurement: Measurement) -> list[PlacedField]:
+    """Return the fields of the position that the order code has, the most significant one first."""
+    return placed_layout.find_fields(placed_layout.layout.names_in(measurement.of))
 
-    With a joined position, the last field is the position within a turn, and the others are the turns.
+
+def turn_bits_of_fields(placed_layout: PlacedLayout, measurement: Measurement, variant: Variant) -> dict[str, int]:
+    """Return the number of bits that count revolutions in each field of the position, the most significant field first.
+
+    These are the highest bits of the position, even if one of the fields is only partly revolutions.
+
+    Raises:
+        NoRecord: No bits of the position are the revolutions.
     """
-    if is_joined:
-        yield Part(name=field.name, role="singleturn" if is_last else "multiturn", bits=field.width)
-        return
-    turns = measurement.turns.value(variant.parameters) if measurement.turns is not None else 1
-    turn_bits = (turns - 1).bit_length()  # as many as the highest number of turns needs
-    counts = 1
-    if measurement.counts_per_turn is not None:
-        counts = measurement.counts_per_turn.value(variant.parameters)
+    fields = _position_fields(placed_layout, measurement)
+    turn_bits_left = _turn_bits(measurement, sum(field.width for field in fields), variant)
+    turn_bits: dict[str, int] = {}
+    for field in fields:
+        turn_bits[field.name] = min(field.width, turn_bits_left)
+        turn_bits_left -= turn_bits[field.name]
+    return turn_bits
+
+
+def _turn_bits(measurement: Measurement, position_bits: int, variant: Variant) -> int:
+    """Return the number of the highest bits of the position that count revolutions: those above one revolution.
+
+    There are none for a length, and without the counts per revolution.
+
+    Raises:
+        NoRecord: There are several revolutions, but no bits of the position are the revolutions.
+    """
+    turns = measurement.turns.value(variant.parameters) if measurement.turns is not None else None
+    if measurement.counts_per_turn is None or turns == 1:
+        return 0
+    counts = measurement.counts_per_turn.value(variant.parameters)
     is_power_of_two = counts & (counts - 1) == 0
-    if turn_bits and not is_power_of_two:
-        raise NoRecord(f"'{field.name}' has {counts} counts per revolution, so no bits of it are the revolutions")
+    if is_power_of_two:
+        singleturn_bits = (counts - 1).bit_length()
+        return max(position_bits - singleturn_bits, 0)
+    if turns is None:
+        return 0
+    raise NoRecord(f"'{measurement.of}' has {counts} counts per revolution, so no bits of it are the revolutions")
+
+
+def _position_parts(field: PlacedField, turn_bits: int) -> Iterator[Part]:
+    """Yield the part of a field of the position, or two parts if only its highest bits are revolutions."""
+    singleturn_bits = field.width - turn_bits
     if turn_bits:
-        yield Part(name=f"{field.name}_turns", role="multiturn", bits=turn_bits)
-    yield Part(name=field.name, role="singleturn", bits=field.width - turn_bits)
+        turns_name = f"{field.name}_turns" if singleturn_bits else field.name
+        yield Part(name=turns_name, role="multiturn", bits=turn_bits)
+    if singleturn_bits:
+        yield Part(name=field.name, role="singleturn", bits=singleturn_bits)
 
 
 def _active_level(field: Field) -> str:

@@ -7,14 +7,13 @@ rule that needs it reports it as unknown.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from types import MappingProxyType
 
 from ..language.master_items import NUMBERS
 from ..model import (
-    Alternative,
     Biss,
     Clock,
     Crc,
@@ -30,8 +29,6 @@ from ..model import (
 from ..model.order_codes import facts_for_code
 from ..order_codes.parameters import with_answers
 from ..say.evidence import Subject, document, mentions
-from ..say.names_and_places import addresses
-from ..say.order_code import initial
 from ..say.text import hertz, timeout_words
 from .channels import NO_CHANNELS, FrameChannels, channel_notes, frame_channels
 from .frame_parts import (
@@ -46,6 +43,7 @@ from .frame_parts import (
     position_coding,
     rough_parts,
 )
+from .notes import answer_notes, clock_notes, frame_notes, split_notes
 
 _NO_ANSWERS: Mapping[str, str] = MappingProxyType({})
 
@@ -140,9 +138,10 @@ def record(
     cables = cable_table(device, frame.interface, variant.code)
     needed_answers = {alternative.name: answers[alternative.name] for alternative in deciding_alternatives}
     notes = (
-        *_answer_notes(deciding_alternatives, needed_answers),
-        *_clock_notes(numbers, cables, cable_m),
-        *_frame_notes(device, frame.measurement.of, frame.placed_layout, parts, as_delivered),
+        *answer_notes(deciding_alternatives, needed_answers),
+        *clock_notes(numbers, cables, cable_m),
+        *frame_notes(device, frame.measurement.of, frame.placed_layout, parts, as_delivered),
+        *split_notes(device, frame.placed_layout, frame.measurement, frame.variant),
         *channel_notes(frame.interface, frame.placed_layout),
         *filter(None, (obstacle, crc_obstacle)),
     )
@@ -181,7 +180,7 @@ def _parts_and_obstacle(frame: _PositionFrame) -> tuple[tuple[Part, ...], str]:
             raise NoRecord(f"'{layout.name}' is carried as bytes, and the rules for masters cover frames of bits")
         return tuple(frame_parts(frame.placed_layout, frame.measurement, frame.variant)), ""
     except NoRecord as reason:
-        rough = tuple(rough_parts(frame.placed_layout, frame.measurement))
+        rough = tuple(rough_parts(frame.placed_layout, frame.measurement, frame.variant))
         return rough, f"No master described here can read the position: {reason}."
 
 
@@ -403,55 +402,3 @@ def _whole_number(step: Fraction | None, per_um: int) -> int | None:
         return None
     length = step * per_um
     return int(length) if length.denominator == 1 else None
-
-
-def _answer_notes(alternatives: Sequence[Alternative], answer_names: Mapping[str, str]) -> Iterator[str]:
-    """Yield a sentence with the meaning of each of the user's answers."""
-    for alternative in alternatives:
-        for answer in alternative.answers:
-            if answer.name == answer_names[alternative.name]:
-                yield f"With {alternative.name}={answer.name}: {answer.meaning}."
-
-
-def _clock_notes(numbers: Mapping[str, int | None], cables: CableTable, cable_m: int | None) -> Iterator[str]:
-    if numbers["clock_max_hz"] is not None and cables.rows and cable_m is None:
-        yield (
-            "The clocks shown are the fastest that encoder and master support, regardless of cable length. "
-            "Use --cable METRES to get the clocks for a cable length."
-        )
-
-
-def _register_in_words(device: Device, name: str) -> str:
-    """Return a register in words. One that is only reached over another interface has no address here."""
-    for register in device.registers:
-        if register.name == name:
-            return f"{register.printed_name or name} ({addresses(register)})"
-    return name
-
-
-def _frame_notes(
-    device: Device, position_name: str, placed_layout: PlacedLayout, parts: Sequence[Part], as_delivered: bool
-) -> Iterator[str]:
-    """Yield sentences about registers that change the frame, about a signed position, and about fixed status bits."""
-    yield from _register_notes(device, "widths depend", set(placed_layout.layout.bits.parameters), as_delivered)
-    yield from _register_notes(device, "code depends", {placed_layout.layout.gray_when} - {""}, as_delivered)
-    position = placed_layout.find_field(position_name)
-    if position is not None and position.field.number.signed:
-        lowest, highest = device.signed_range(position, placed_layout)
-        yield (
-            f"The position is signed, in two's complement: {lowest} to {highest}. A master that reads it as unsigned "
-            f"shows -1 as {(1 << position.width) - 1}."
-        )
-    fixed = [part.name for part in parts if part.role == "status" and not part.active]
-    if fixed:
-        yield f"{' and '.join(fixed)}: always 1, which a master treats as an inactive status bit."
-
-
-def _register_notes(device: Device, dependence: str, parameters: set[str], as_delivered: bool) -> Iterator[str]:
-    """Yield a sentence about the registers that set any of these parameters. ``dependence`` begins it."""
-    needed_names = device.needed_parameters(parameters)
-    register_names = [parameter.register for parameter in device.run_time_parameters if parameter.name in needed_names]
-    registers = dict.fromkeys(_register_in_words(device, name) for name in register_names)
-    if registers:
-        contents = f"their {initial(device)}. Other values need other settings" if as_delivered else "the given values"
-        yield f"The {dependence} on registers: {', '.join(registers)}. These settings are for {contents}."

@@ -6,14 +6,15 @@ Everything about a master is in its description, a file in ``specs/masters``. Se
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
-from ..language.master_items import NUMBERS, STEPS
+from ..language.master_items import NUMBERS, STEPS, WORDS
 from ..model.expressions import Expression, ExpressionError
 from ..say.plain_text import decimal
-from ..say.text import hertz
+from ..say.text import counted, hertz
 from .frame_parts import Part
 from .record import Record
 
@@ -68,15 +69,40 @@ def is_within_limits(limit: Raw, record: Record) -> bool:
     return is_in_range and is_listed and not is_excluded
 
 
+#: Items that count bits: the kind of bit, and its place in the frame.
+_COUNTED_BITS: Mapping[str, tuple[str, str]] = {
+    "multiturn_bits": ("multiturn bit", ""),
+    "singleturn_bits": ("singleturn bit", ""),
+    "position_bits": ("position bit", ""),
+    "padding_left": ("zero bit", " before the position"),
+    "padding_right": ("zero bit", " after the position"),
+    "data_bits": ("data bit", ""),
+    "status_bits": ("status bit", ""),
+    "data_and_status_bits": ("data and status bit", ""),
+    "crc_bits": ("CRC bit", ""),
+    "other_bits_left": ("other bit", " before the position"),
+    "other_bits_right": ("other bit", " after the position"),
+    "other_bits_after_status": ("other bit", " after the first status bit"),
+    "parity_bits": ("parity bit", ""),
+    "bits_without_crc": ("bit", " of data, status and others"),
+    "frame_bits": ("bit", " in the frame"),
+}
+
+
 def actual_value(name: str, record: Record) -> str:
-    """Return the name of an item of a record with its value, such as ``crc polynomial 0x43`` or ``coding gray``."""
-    item_words = name.replace("_", " ")
+    """Return an item of a record in words of a manual, such as ``Gray code`` or ``4 zero bits before the position``."""
     if name in record.words:
-        return f"{item_words} {record.words[name]}"
-    number = record.numbers[name]
-    if name.startswith("crc_polynomial") and number is not None:
-        return f"{item_words} 0x{number:02X}"
-    return f"{item_words} {number}"
+        return filled(WORDS[name][record.words[name]], record)
+    number = record.known_numbers[name]
+    if name in _COUNTED_BITS:
+        bit, place = _COUNTED_BITS[name]
+        return f"{counted(number, bit)}{place}"
+    if name == "crc_inverted":
+        return "an inverted CRC" if number else "a plain CRC"
+    if name.startswith("crc_polynomial"):
+        polynomial, _, _ = NUMBERS[name].partition(",")
+        return f"{polynomial}: 0x{number:02X}"
+    return f"{NUMBERS[name]}: {number}"
 
 
 def value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | None, str, str]:
@@ -284,7 +310,7 @@ def _field_texts(rule: Raw, setting_name: str, record: Record) -> Iterator[str]:
         if applies(field_rule, record):
             template_by_kind.setdefault(field_rule["of"], field_rule["text"])
     yield _filled_if_known(rule.get("start", ""), record)
-    parts = _with_whole_position(record) if "position" in template_by_kind else record.parts
+    parts = _with_whole_position(record) if "position" in template_by_kind else _with_two_parts_of_position(record)
     if rule["first"] != "sent_first":
         parts = parts[::-1]
     for part in parts:
@@ -298,13 +324,26 @@ def _field_texts(rule: Raw, setting_name: str, record: Record) -> Iterator[str]:
         yield _filled_if_known(part_text, record)
 
 
-def _with_whole_position(record: Record) -> tuple[Part, ...]:
-    """Return the parts of the frame with multiturn and singleturn merged into one, at the place of singleturn."""
-    position = Part(name="position", role="position", bits=record.numbers["position_bits"] or 0)
+def _with_whole_position(record: Record) -> Sequence[Part]:
+    """Return the parts of the frame with those of the position merged into one."""
+    roles = ["position" if part.role in ("multiturn", "singleturn") else part.role for part in record.parts]
+    parts = [replace(part, role=role) for part, role in zip(record.parts, roles, strict=True)]
+    return _with_neighbours_merged(parts, ("position",))
+
+
+def _with_two_parts_of_position(record: Record) -> Sequence[Part]:
+    """Return the parts of the frame with all multiturn bits in one, and all singleturn bits in one."""
+    return _with_neighbours_merged(record.parts, ("multiturn", "singleturn"))
+
+
+def _with_neighbours_merged(parts: Sequence[Part], roles: Collection[str]) -> Sequence[Part]:
+    """Return the parts with neighbours that have the same one of these roles merged, under the name of that role."""
     merged_parts: list[Part] = []
-    for part in record.parts:
-        if part.role == "singleturn":
-            merged_parts.append(position)
-        elif part.role != "multiturn":
+    for part in parts:
+        if part.role not in roles:
             merged_parts.append(part)
-    return tuple(merged_parts)
+        elif merged_parts and merged_parts[-1].role == part.role:
+            merged_parts[-1] = replace(merged_parts[-1], bits=merged_parts[-1].bits + part.bits)
+        else:
+            merged_parts.append(replace(part, name=part.role))
+    return merged_parts

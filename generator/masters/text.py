@@ -11,7 +11,7 @@ from typing import Any
 from ..language.problems import listed
 from ..model import INTERFACES, Biss, Device
 from ..order_codes.labels import Match
-from ..say.evidence import Subject, origin
+from ..say.evidence import Subject, grade_below_manual, origin
 from ..say.order_code import clocks_in_use
 from ..say.plain_text import WIDTH, pairs, wrapped
 from ..say.text import BY_NAME, counted, hertz, microseconds, volts
@@ -270,7 +270,8 @@ def _record_lines(device: Device, match: Match, record: Record) -> list[str]:
         lines.append(wrapped(f"the label is written as in {match.written_as_in}", WIDTH, "  "))
     if match.unlisted:
         lines.append(wrapped(f"accepted, although not listed in the manual: {', '.join(match.unlisted)}", WIDTH, "  "))
-    lines += [wrapped(BY_NAME.sentence(statement), WIDTH, "  ") for statement in origin(device)]
+    statements = (*grade_below_manual(device), *origin(device))
+    lines += [wrapped(BY_NAME.sentence(statement), WIDTH, "  ") for statement in statements]
     if match.special:
         lines.append(wrapped("A code that ends in /Sxxx may differ from the manual.", WIDTH, "  "))
     lines += pairs(facts(record), 2)
@@ -351,7 +352,7 @@ def masters_data(masters: Sequence[Master]) -> dict[str, Any]:
     }
 
 
-def sheet_data(match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[str, Any]:
+def sheet_data(device: Device, match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[str, Any]:
     """Return the record and the settings as plain data, in the shape of ``language/master_settings.schema.json``."""
     return {
         "version": VERSION,
@@ -364,6 +365,8 @@ def sheet_data(match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[st
             "special": match.special,
             "written_as_in": match.written_as_in,
         },
+        "evidence": device.evidence.grade,
+        "placeholders": list(device.evidence.placeholders),
         "alternatives": dict(record.answers),
         "record": _record_data(record),
         "masters": [_sheet_data(sheet) for sheet in sheets],

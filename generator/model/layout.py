@@ -206,6 +206,10 @@ class Layout:
     def has_parity(self) -> bool:
         return any(isinstance(field.kind, Parity) for field in self.fields)
 
+    def is_sent(self, parameters: Mapping[str, int]) -> bool:
+        """Return whether a frame has bits. A layout without bits is absent for these parameters."""
+        return self.bits.value(parameters) > 0
+
     def place(self, parameters: Mapping[str, int]) -> PlacedLayout:
         """Return the layout for one order code, without zero-width fields. Flags of other codes are unexplained.
 

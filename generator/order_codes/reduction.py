@@ -38,6 +38,7 @@ from ..model import (
 from ..model.expressions import Expression, Term
 from ..model.order_codes import fits
 from .parameters import parameters_of
+from .sent_layouts import with_sent_layouts
 
 #: Parts that hold for every order code. They make up most of a device, so the search leaves them out.
 _ALWAYS = (str, int, Source, Expression, Quantity)
@@ -321,6 +322,7 @@ def with_quantities(device: Device, variant: Variant) -> Device:
     known_parameters = {name: value for name, value in variant.parameters.items() if name not in open_parameters}
     parts_with_numbers = {name: _with_numbers(getattr(device, name), known_parameters) for name in _NUMBERED_PARTS}
     interfaces = tuple(with_output_code(interface, variant) for interface in parts_with_numbers["interfaces"])
+    interfaces = tuple(with_sent_layouts(interface, variant.parameters) for interface in interfaces)
     device_with_numbers = replace(device, **parts_with_numbers | {"interfaces": interfaces})
     return _without_crcs(device_with_numbers, sent_crcs(device.interfaces) - sent_crcs(interfaces))
 

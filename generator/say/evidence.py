@@ -38,6 +38,12 @@ def grade(device: Device) -> Statement:
     return statement(grade_text, label="Evidence")
 
 
+def grade_below_manual(device: Device) -> Iterator[Statement]:
+    """Yield the grade of the evidence as ``grade`` does, or nothing if the whole manual was read."""
+    if device.evidence.grade != "manual":
+        yield grade(device)
+
+
 def lowest_grade() -> str:
     """Return the lowest grade, with its meaning."""
     return f"{GRADES[-1]} ({_MEANING[GRADES[-1]]})"

@@ -27,79 +27,88 @@ def record_with(record: Record, **items: int | str | None) -> Record:
             "beckhoff_el5042",
             {"data_bits": 64},
             {"data_bits": 65},
-            "The position has at most 64 bits. For this encoder: data bits 65.",
+            "The position has at most 64 bits. For this encoder: 65 data bits.",
         ),
         (
             "beckhoff_ax8000",
             {"padding_left": 31},
             {"padding_left": 32},
-            "There are at most 31 fill bits. For this encoder: padding left 32.",
+            "There are at most 31 fill bits. For this encoder: 32 zero bits before the position.",
         ),
         (
             "ic_mb",
             {"bits_without_crc": 64},
             {"bits_without_crc": 65},
-            ("A slave sends 1 to 64 bits of sensor data, status bits included. For this encoder: bits without crc 65."),
+            (
+                "A slave sends 1 to 64 bits of sensor data, status bits included. "
+                "For this encoder: 65 bits of data, status and others."
+            ),
         ),
         (
             "ic_mb",
             {"crc_polynomial": 0xB1},
             {"crc_polynomial": 0x12F},
-            "A CRC polynomial has at most 8 bits, including its trailing 1. For this encoder: crc polynomial 0x12F.",
+            (
+                "A CRC polynomial has at most 8 bits, including its trailing 1. "
+                "For this encoder: CRC polynomial with its top bit: 0x12F."
+            ),
         ),
         (
             "ti_motor_control_sdk",
             {"data_bits": 56},
             {"data_bits": 57},
-            "single_turn_len and multi_turn_len together are at most 56. For this encoder: data bits 57.",
+            "single_turn_len and multi_turn_len together are at most 56. For this encoder: 57 data bits.",
         ),
         (
             "ti_motor_control_sdk",
             {"crc_bits": 6},
             {"crc_bits": 16},
-            "The CRC of the position has 6 bits. For this encoder: crc bits 16.",
+            "The CRC of the position has 6 bits. For this encoder: 16 CRC bits.",
         ),
         (
             "ti_motor_control_sdk",
             {"crc_inverted": 1},
             {"crc_inverted": 0},
-            "The driver expects the inverted CRC. No setting changes this. For this encoder: crc inverted 0.",
+            ("The driver expects the inverted CRC. No setting changes this. For this encoder: a plain CRC."),
         ),
         (
             "ti_c2000",
             {"data_bits": 62},
             {"data_bits": 63},
-            "Position, error and warning together are stored in 64 bits. For this encoder: data bits 63.",
+            "Position, error and warning together are stored in 64 bits. For this encoder: 63 data bits.",
         ),
         (
             "moteus",
             {"data_bits": 58},
             {"data_bits": 59},
-            "There are at most 58 data bits. For this encoder: data bits 59.",
+            "There are at most 58 data bits. For this encoder: 59 data bits.",
         ),
         (
             "linuxcnc_hostmot2",
             {"frame_bits": 96},
             {"frame_bits": 97},
-            "A BiSS channel has at most 96 bits. For this encoder: frame bits 97.",
+            "A BiSS channel has at most 96 bits. For this encoder: 97 bits in the frame.",
         ),
         (
             "linuxcnc_hostmot2",
             {"singleturn_bits": 32},
             {"singleturn_bits": 33},
-            "A field has at most 32 bits. For this encoder: singleturn bits 33.",
+            "A field has at most 32 bits. For this encoder: 33 singleturn bits.",
         ),
         (
             "synapticon",
             {"status_active": "high"},
             {"status_active": "mixed"},
-            "Both status bits are active low or both are active high. For this encoder: status active mixed.",
+            (
+                "Both status bits are active low or both are active high. "
+                "For this encoder: status bits of both active levels."
+            ),
         ),
         (
             "keb_f5",
             {"crc_polynomial": 0x43},
             {"crc_polynomial": 0x97},
-            "The CRC is x^6 + x^1 + 1 (0x43). For this encoder: crc polynomial 0x97.",
+            "The CRC is x^6 + x^1 + 1 (0x43). For this encoder: CRC polynomial with its top bit: 0x97.",
         ),
     ],
 )

@@ -27,6 +27,7 @@ from ...model.expressions import Expression
 from ...order_codes.labels import Match
 from ...order_codes.parameters import parameters_of, run_time_names, run_time_widths
 from ...order_codes.reduction import for_interface, reduced_to_codes, with_output_code
+from ...order_codes.sent_layouts import with_sent_layouts
 from ...say import errata as say_errata
 from ...say import layout as say_layout
 from ...say import order_code as say_interface
@@ -72,7 +73,7 @@ def variant_text(device: Device, match: Match) -> str:
     lines += alternative_lines(reduced_device)
     lines += _position_lines([("", device.measurement_of(variant.interface))], variant.parameters)
     lines += _range_lines(reduced_device, variant.interface, variant.parameters)
-    interface = reduced_device.interface(variant.interface)
+    interface = with_sent_layouts(reduced_device.interface(variant.interface), variant.parameters)
     lines += ["", *interface_lines(reduced_device, with_output_code(interface, variant))]
     for layout in interface.layouts:
         lines += ["", *frame_lines(reduced_device, layout, variant)]

@@ -19,7 +19,9 @@ from ...masters.text import (
     standing_mark,
 )
 from ...model import Device, Interface, first_of
+from ...say.evidence import grade_below_manual
 from ...say.markdown import code, joined, link, link_list, text
+from ...say.text import Statement
 from .fact_tables import document_rows
 from .order_code_tables import order_codes
 from .page_links import link_to_erratum
@@ -45,6 +47,7 @@ def _has_records(device: Device, interface: Interface) -> bool:
 
 class MastersPage(TypedDict):
     device: Annotated[Device, "the family"]
+    evidence: Annotated[list[Statement], "grade of the evidence, unless the whole manual was read"]
     legend: Annotated[str, "meaning of the marks on the page"]
     example: Annotated[str, "an order code that masters support"]
     part: Annotated[dict[str, Any], "facts of the interface, with the settings of each master"]
@@ -71,6 +74,7 @@ def page_values(device: Device, kind: str, masters: Sequence[Master]) -> Masters
     return {
         "device": device,
         "example": group_sheets.groups[0].codes[0],
+        "evidence": list(grade_below_manual(device)),
         "legend": text(legend(masters, sheets, with_places=False)),
         "part": _interface_section(device, group_sheets),
     }

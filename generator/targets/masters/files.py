@@ -19,8 +19,10 @@ from ...masters.sheet import Master, Sheet, shipped_masters
 from ...masters.text import cited, condition_text
 from ...model import Device
 from ...render import Templates, our_templates
+from ...say.evidence import grade_below_manual, titled_in_lists
 from ...say.markdown import text as markdown
 from ...say.plain_text import plain, wrapped
+from ...say.text import BY_NAME
 from .. import NO_OPTIONS, Library, Option, Options, Target
 from ..registry import licence_in, names_of_codes
 from .entries import Channel, Content, Raw, content
@@ -97,9 +99,10 @@ def _first_paragraphs(
 
 
 def _paragraphs_on_origin(device: Device, sheets: Sequence[Sheet], rule: Raw, master_device: str) -> Iterator[str]:
-    """Yield the manual and the cited documents of the master, and that the file has not been tested on hardware."""
+    """Yield the manual with the grade of the evidence, the cited documents of the master, and the state of tests."""
     format_, manual = FILE_FORMATS[rule["format"]], device.manual
     yield f"From the spec of {device.title}, manual {manual.title}, revision {manual.revision}."
+    yield from map(BY_NAME.sentence, grade_below_manual(device))
     cited_keys: set[str] = set()
     for sheet in sheets:
         for place in _places_on_device(sheet, master_device):
@@ -225,7 +228,7 @@ def _index(library: Library, files: Iterable[str]) -> str:
     for master in shipped_masters():
         rows += [_index_row(master, rule["format"]) for rule in master.files]
     values: Index = {
-        "families": [markdown(device.title) for device in library.devices],
+        "families": [markdown(titled_in_lists(device)) for device in library.devices],
         "rows": [row for row in rows if row["folder"] in folders],
     }
     return TEMPLATES.render("README.md.jinja", values, library.own_templates)

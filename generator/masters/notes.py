@@ -1,0 +1,86 @@
+"""Sentences about the record of an order code: answers, clocks, and the bits of the frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+
+from ..model import Alternative, Device, Measurement, PlacedLayout, Variant
+from ..say.names_and_places import addresses
+from ..say.order_code import initial
+from ..say.text import counted
+from .frame_parts import CableTable, NoRecord, Part, turn_bits_of_fields
+
+
+def answer_notes(alternatives: Sequence[Alternative], answer_names: Mapping[str, str]) -> Iterator[str]:
+    """Yield a sentence with the meaning of each of the user's answers."""
+    for alternative in alternatives:
+        for answer in alternative.answers:
+            if answer.name == answer_names[alternative.name]:
+                yield f"With {alternative.name}={answer.name}: {answer.meaning}."
+
+
+def clock_notes(numbers: Mapping[str, int | None], cables: CableTable, cable_m: int | None) -> Iterator[str]:
+    if numbers["clock_max_hz"] is not None and cables.rows and cable_m is None:
+        yield (
+            "The clocks shown are the fastest that encoder and master support, regardless of cable length. "
+            "Use --cable METRES to get the clocks for a cable length."
+        )
+
+
+def _register_in_words(device: Device, name: str) -> str:
+    """Return a register in words. One that is only reached over another interface has no address here."""
+    for register in device.registers:
+        if register.name == name:
+            return f"{register.printed_name or name} ({addresses(register)})"
+    return name
+
+
+def frame_notes(
+    device: Device, position_name: str, placed_layout: PlacedLayout, parts: Sequence[Part], as_delivered: bool
+) -> Iterator[str]:
+    """Yield sentences about registers that change the frame, about a signed position, and about fixed status bits."""
+    yield from _register_notes(device, "widths depend", set(placed_layout.layout.bits.parameters), as_delivered)
+    yield from _register_notes(device, "code depends", {placed_layout.layout.gray_when} - {""}, as_delivered)
+    position = placed_layout.find_field(position_name)
+    if position is not None and position.field.number.signed:
+        lowest, highest = device.signed_range(position, placed_layout)
+        yield (
+            f"The position is signed, in two's complement: {lowest} to {highest}. A master that reads it as unsigned "
+            f"shows -1 as {(1 << position.width) - 1}."
+        )
+    fixed = [part.name for part in parts if part.role == "status" and not part.active]
+    if fixed:
+        yield f"{' and '.join(fixed)}: always 1, which a master treats as an inactive status bit."
+
+
+def split_notes(
+    device: Device, placed_layout: PlacedLayout, measurement: Measurement, variant: Variant
+) -> Iterator[str]:
+    """Yield a sentence about the revolutions in a position of several fields if no field ends with them.
+
+    There is another one if the spec does not say how many bits they have.
+    """
+    position_fields = placed_layout.find_fields(placed_layout.layout.names_in(measurement.of))
+    if len(position_fields) == 1:
+        return
+    if device.movement == "rotary" and measurement.counts_per_turn is None:
+        remedy = "Add the counts per revolution to the spec to list the revolutions"
+        yield f"All bits of the position are listed as singleturn bits. {remedy}."
+    with suppress(NoRecord):
+        turn_bits = turn_bits_of_fields(placed_layout, measurement, variant)
+        for field in position_fields:
+            highest_bits = turn_bits[field.name]
+            if 0 < highest_bits < field.width:
+                parts = f"the revolutions in its highest {counted(highest_bits, 'bit')} and the rest below them"
+                yield f"'{field.name}' holds both parts of the position: {parts}."
+
+
+def _register_notes(device: Device, dependence: str, parameters: set[str], as_delivered: bool) -> Iterator[str]:
+    """Yield a sentence about the registers that set any of these parameters. ``dependence`` begins it."""
+    needed_names = device.needed_parameters(parameters)
+    register_names = [parameter.register for parameter in device.run_time_parameters if parameter.name in needed_names]
+    registers = dict.fromkeys(_register_in_words(device, name) for name in register_names)
+    if registers:
+        contents = f"their {initial(device)}. Other values need other settings" if as_delivered else "the given values"
+        yield f"The {dependence} on registers: {', '.join(registers)}. These settings are for {contents}."
