@@ -153,6 +153,7 @@ NO_PARAMETER = (
     ("sets: {position_bits: 12}", "sets: {}"),
     ("sets: {position_bits: 16}", "sets: {}"),
 )
+INTERPOLATED = "{name: position, bits: position_bits + 8}"
 PADDED = "{name: position, bits: position_bits, padded_to: 24}"
 IN_TWO_FIELDS = "{name: turns, bits: 4}\n          - {name: angle, bits: position_bits}"
 
@@ -170,6 +171,11 @@ IN_TWO_FIELDS = "{name: turns, bits: 4}\n          - {name: angle, bits: positio
         (((POSITION, PADDED),), "counts_per_turn: 2^position_bits, turns: 1"),
         ((FRAME_BITS, TWO_SETS, (POSITION, "{name: position, bits: frame_bits}")), "counts_per_turn: 2^position_bits"),
         (((POSITION, "{name: position, bits: position_bits + 4}"),), "counts_per_turn: 2^position_bits, turns: 10"),
+        # A factor is a parameter, as the message about '2^position_bits * 256' says.
+        (
+            ((BITS, f"{BITS}  factor: {{meaning: Interpolation, equals: 256}}\n"), (POSITION, INTERPOLATED)),
+            "counts_per_turn: 2^position_bits * factor",
+        ),
         (
             ((POSITION, IN_TWO_FIELDS), ("crc: biss_6}\n", "crc: biss_6}\n        join: {position: [turns, angle]}\n")),
             "counts_per_turn: 2^position_bits, turns: 10",
