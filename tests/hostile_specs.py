@@ -34,3 +34,12 @@ def digits(name: str, high: str, low: str) -> Item:
 
 def flag(name: str, active: str) -> Item:
     return {"name": name, "active": active, "makes_position": "usable", "note": "Made up"}
+
+
+def sums(names: list[str], used_names: list[str]) -> Item:
+    """Return parameters of these names, each a sum of others, so that something depends on each of the others."""
+    parameters: Item = {}
+    for index, name in enumerate(names):
+        summands = used_names[index :: len(names)] or used_names[:1]
+        parameters[name] = {"meaning": "A word", "equals": " + ".join(summands), "source": "1"}
+    return parameters

@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterable, Mapping
 from fractions import Fraction
 from typing import Any
 
+from ..model.expressions import Expression, ExpressionError
 from .problems import nearest_choice
 
 #: Base unit and power of ten of each unit.
@@ -41,6 +42,9 @@ _WITH_UNIT = re.compile(
 POLYNOMIAL = re.compile(r"(?:x(?:\s*\^\s*[0-9]+)?|1)(?:\s*\+\s*(?:x(?:\s*\^\s*[0-9]+)?|1))+", re.IGNORECASE)
 _DIGITS = re.compile(r"[0-9][0-9A-Fa-f]*|[0-9A-F]{2,}")
 _BYTES = re.compile(r"[0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2})*")
+#: A number, or a power of two with a number, before or after ``*``.
+_NUMBER_OR_POWER = r"\b(?:2\s*\^\s*)?(?:0x[0-9A-Fa-f]+|[0-9]+)\b"
+_FACTOR = re.compile(rf"{_NUMBER_OR_POWER}(?=\s*\*)|(?:(?<=\*)|(?<=\* )){_NUMBER_OR_POWER}(?!\s*\^)")
 _SHIFTED = re.compile(r"\(?1\s*<<\s*(\w+)\)?")
 #: Keys of other tools, each with the keys that may have the same meaning here.
 _ELSEWHERE = {
@@ -135,6 +139,19 @@ def expression_hint(text: str) -> str:
     """Return what to write instead of an expression with powers as in ``2**n`` or ``1 << n``. Empty if unclear."""
     corrected = _SHIFTED.sub(r"2^\1", text.replace("**", "^"))
     return f"; write {corrected}" if corrected != text else ""
+
+
+def product_hint(text: str) -> str:
+    """Return what to write instead of a product with a number, such as ``2^bits * 256``. Empty if unclear."""
+    number = _FACTOR.search(text)
+    if number is None:
+        return ""
+    corrected = f"{text[: number.start()]}factor{text[number.end() :]}"
+    try:
+        Expression.parse(corrected)
+    except ExpressionError:
+        return ""
+    return f"; write {corrected} with the parameter 'factor: {{meaning: ..., equals: {number[0]}}}'"
 
 
 def value_hint(key: str, value: Any, schema: Mapping[str, Any]) -> str:

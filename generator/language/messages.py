@@ -104,6 +104,9 @@ _OF_FIELDS = ("values", "signed", "unit")
 #: Current names of keys, by their names in earlier versions of the language.
 RENAMED = {"steps_per_turn": "counts_per_turn", "steps": "modulus"}
 
+#: Keys of a field with a fixed value. If it depends on the order code, the widths of two fields decide.
+_WIDTH_DECIDES = ("active", "parity")
+
 #: Text after a key that device files have and second readings do not.
 _NO_PROSE = "; a second reading does not have this part; leave it out"
 
@@ -305,6 +308,8 @@ def _explain_enum(error: Any, subject: str) -> tuple[str, str]:
         hint = suggestion(str(error.instance), map(str, error.validator_value), "use one of")
     if not hint:
         hint = f"; use one of {', '.join(map(str, error.validator_value))}"
+    if "use one of" in hint and "fields" in error.absolute_path and error.absolute_path[-1] in _WIDTH_DECIDES:
+        hint += ". If it depends on the order code, write two fields, each with a parameter in 'bits' that is 0 or 1"
     return "not-allowed", f"{subject} cannot be {quoted(error.instance)}{hint}"
 
 

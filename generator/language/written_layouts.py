@@ -94,7 +94,8 @@ class WrittenField(WrittenPart):
     )
     active: Literal["", "high", "low"] = key(
         "For a one-bit flag: the active level. A bit for 'not ready' is a flag too: {name: not_ready, "
-        "active: high, makes_position: not_usable, when_active: the value is not ready}.",
+        "active: high, makes_position: not_usable, when_active: the value is not ready}. If the level "
+        "depends on the order code, write two flags, each with 'bits' that is 0 for the other order codes.",
         default="",
     )
     when_active: Prose = key("Meaning of the flag when it is active.", default="")
@@ -166,7 +167,8 @@ class WrittenField(WrittenPart):
     )
     parity: Literal["", "even", "odd"] = key(
         "With parity_of: parity of the number of ones in the covered fields and the parity bit "
-        "together. Default: even.",
+        "together. Default: even. If it depends on the order code, write two fields, each with 'bits' that is 0 for "
+        "the other order codes.",
         default="",
     )
     over: Literal["", "odd_bits", "even_bits"] = key(
@@ -264,8 +266,8 @@ class WrittenLayout(WrittenPart):
     from_: Literal["encoder", "master"] = key("Sender of the frame.")
     carried_as: Literal["", "bits", "bytes"] = key(
         "Form on the line: one string of bits, with the most significant one sent first, or bytes. "
-        "Frames of 65 to 128 bits need bytes. If a BiSS or SSI frame is not a whole number of bytes, "
-        "its first byte begins with zeros that are not sent.",
+        "Frames of 65 to 128 bits need bytes, and the same length for all order codes. If a BiSS or SSI "
+        "frame is not a whole number of bytes, its first byte begins with zeros that are not sent.",
         default="",
     )
     byte_order: Literal["", "low_byte_first", "high_byte_first"] = key(

@@ -69,6 +69,7 @@ from .layouts import build_layout
 from .parameters import check_named_widths, check_reach, coded_values, held_in_registers, parameter_sets, too_much_work
 from .position_rules import check_measurements, check_position_widths
 from .repeated_facts import check_agreement
+from .unused_parameters import check_unused_parameters
 from .valid_parts import valid_parts_so_far
 
 
@@ -100,6 +101,7 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     check_measurements(device, report)
     check_position_widths(device, report)
     check_named_widths(raw, device, report)
+    check_unused_parameters(raw, variants, report)
     device = replace(device, editions=editions(raw), content_hash=_content_hash(raw))
     device = with_placeholders(raw, device, report)
     check_agreement(raw, device, report)

@@ -110,13 +110,20 @@ def _by_name(path: Path, noun: str, facts: Sequence[_Named], codes: Sequence[str
 
 def _check_unused(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:
     """Report a fact that applies only to order codes of other interfaces."""
-    # Another edition has fewer order codes, and a pattern without any order code has been reported.
+    # Another edition has fewer order codes.
     if report.document.family or not exclusive_facts.interface:
         return
     for path, fact in exclusive_facts.facts:
+        if _is_reported((*path, "only"), report):
+            continue
         if fact.only and not any(fits(fact.only, code) for code in exclusive_facts.codes):
             message = f"no order code with {exclusive_facts.interface} matches {quoted(fact.only)}"
             report.add("only-codes", (*path, "only"), f"{message}; correct the pattern, or remove the entry")
+
+
+def _is_reported(path: Path, report: DocumentReport) -> bool:
+    """Return True if a problem at this place has been reported."""
+    return report.document.original(path) in report.faults()
 
 
 def _check_overlaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:
@@ -135,7 +142,9 @@ def _check_gaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None
     if not exclusive_facts.is_needed:
         return
     facts = [fact for _, fact in exclusive_facts.facts]
-    if not facts:
+    # A wrong pattern, which has been reported, was meant for some of the order codes without a fact.
+    has_wrong_pattern = any(_is_reported((*path, "only"), report) for path, _ in exclusive_facts.facts)
+    if not facts or has_wrong_pattern:
         return
     codes_without = [code for code in exclusive_facts.codes if not facts_for_code(facts, code)]
     if codes_without:

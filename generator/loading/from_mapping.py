@@ -183,6 +183,14 @@ def check_only(raw: Raw, variants: Sequence[Variant], report: DocumentReport) ->
             report.add("only-parameter", (*path, "only"), f"{message}; {remedy}")
 
 
+def parameters_of_flags(raw: Raw, variants: Sequence[Variant]) -> Iterator[str]:
+    """Yield the parameter that distinguishes the order codes of each flag with ``only``."""
+    names_set_by_codes = set_parameters(raw)
+    for _, owner in _mappings_with_only(raw, ()):
+        if "active" in owner:
+            yield only_while(owner["only"], variants, names_set_by_codes)
+
+
 def _unmatched_patterns(only: str, variants: Sequence[Variant]) -> list[str]:
     """Return the patterns of ``only``, which commas separate, that no order code matches."""
     patterns = [pattern.strip() for pattern in only.split(",")]

@@ -230,8 +230,9 @@ def check_layout(layout: Layout, site: Site, low_byte_first: bool) -> bool:
         site.report("width-mismatch", message)
     if not layout.in_bytes and layout.widest > LARGEST_NUMBER:
         message = f"'{layout.name}' has {layout.widest} bits; the maximum is {LARGEST_NUMBER}"
-        can_be_bytes = layout.bits.is_constant and layout.widest <= LARGEST_BYTES and site.interface != Spi.name
-        site.report("too-long", f"{message}, or {LARGEST_BYTES} with 'carried_as: bytes'" if can_be_bytes else message)
+        if layout.widest <= LARGEST_BYTES and site.interface != Spi.name:
+            message += _remedy_for_long_frames(layout)
+        site.report("too-long", message)
     if layout.in_bytes and is_sent_as_bits and layout.widest > LARGEST_BYTES:
         sent_bits = layout.sent_bits.constant
         site.report("too-long", f"'{layout.name}' has {sent_bits} bits; the maximum is {LARGEST_BYTES}")
@@ -251,6 +252,15 @@ def check_layout(layout: Layout, site: Site, low_byte_first: bool) -> bool:
         site.report("duplicate-name", message, "fields", "unused")
     check_joined(layout, site, low_byte_first)
     return len(site.context.report) == problems_before
+
+
+def _remedy_for_long_frames(layout: Layout) -> str:
+    """Return the end of the message about a frame of bits that is too long: how to write it in bytes."""
+    if layout.bits.is_constant:
+        return f", or {LARGEST_BYTES} with 'carried_as: bytes'"
+    condition = "if the frame has the same length for all order codes"
+    remedy = "write the order codes of each length in a spec of their own"
+    return f", or {LARGEST_BYTES} with 'carried_as: bytes' {condition}; {remedy}"
 
 
 def _check_field(layout: Layout, field: Field, site: Site) -> None:

@@ -21,7 +21,7 @@ from codewheel.targets.c.device import views_of
 from codewheel.targets.c.files import generate
 from codewheel.targets.c.names import RESERVED, c_name
 from exhaustive import mostly_exhaustive
-from hostile_specs import BISS_CLOCK, HEAD, Item, crc, digits, flag, layout_of
+from hostile_specs import BISS_CLOCK, HEAD, Item, crc, digits, flag, layout_of, sums
 from uses import declared, use_everything
 from working_tools import require
 
@@ -168,6 +168,7 @@ def hostile(words: list[str]) -> Item:
             "width_of_it": {"meaning": "Width"},
             **{word: {"meaning": "A word"} for word in set_by_code},
             **{word: {"meaning": "A word", "read_from": f"{word}.{word}", "min": 0, "max": 15} for word in read_words},
+            **sums([f"own_sum_{index}" for index in range(-(-len(words) // 4))], words),
         },
         "order_code": {
             "pattern": "H{size}{kind}",

@@ -56,7 +56,9 @@ def test_a_renamed_field_that_is_also_wider_is_not_recognised() -> None:
 def test_a_move_that_no_size_explains_is_a_change_of_its_own() -> None:
     text = diff_text(
         devices([]),
-        devices([("{name: address, low_bit: address_bit, bits: 7}", "{name: address, low_bit: 0, bits: 8}")]),
+        devices(
+            [("{name: address, low_bit: address_bit, bits: 7}", "{name: address, low_bit: address_bit + 1, bits: 6}")]
+        ),
     )
     assert "lowest bit" in text
 

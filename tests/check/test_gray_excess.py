@@ -53,14 +53,17 @@ def test_the_excess_of_order_codes_in_binary_does_not_matter(tmp_path: Path) -> 
 
 
 def test_a_way_out_exists(tmp_path: Path) -> None:
-    """Without an excess, leave 'gray' and 'measurement' out, and call the field 'gray_code', as the message says."""
+    """Without an excess, leave 'gray' and 'measurement' out, and call the field 'gray_code', as the message says.
+
+    The parameters of both are then unused.
+    """
     raw = _write(
         tmp_path,
         ("        gray: {of: position, when: ssi_gray}\n", ""),
         ('measurement: {of: position, counts_per_turn: counts, turns: 1, source: "6.2"}\n', ""),
         ("{name: position, bits: 9}", "{name: gray_code, bits: 9}"),
     )
-    assert _rules(raw) == []
+    assert _rules(raw) == ["unused-parameter", "unused-parameter"]
 
 
 @pytest.mark.parametrize("counts", [360, 500, 720, 3600])

@@ -147,6 +147,13 @@ TWO_SETS = (
     '12: {sets: {position_bits: 12}}\n        "16": {sets: {position_bits: 16}}',
     '12: {sets: {position_bits: 12, frame_bits: 13}}\n        "16": {sets: {position_bits: 16, frame_bits: 25}}',
 )
+#: Without the parameter 'position_bits', on which nothing depends if the position has a fixed width.
+NO_PARAMETER = (
+    (f"parameters:\n{BITS}", "parameters: {}\n"),
+    ("sets: {position_bits: 12}", "sets: {}"),
+    ("sets: {position_bits: 16}", "sets: {}"),
+)
+INTERPOLATED = "{name: position, bits: position_bits + 8}"
 PADDED = "{name: position, bits: position_bits, padded_to: 24}"
 IN_TWO_FIELDS = "{name: turns, bits: 4}\n          - {name: angle, bits: position_bits}"
 
@@ -155,8 +162,8 @@ IN_TWO_FIELDS = "{name: turns, bits: 4}\n          - {name: angle, bits: positio
     ("changes", "measurement"),
     [
         ((), "counts_per_turn: 2^position_bits"),
-        (((POSITION, "{name: position, bits: 12}"),), "counts_per_turn: 3600"),
-        (((POSITION, "{name: position, bits: 24}"),), "counts_per_turn: 4096"),
+        (((POSITION, "{name: position, bits: 12}"), *NO_PARAMETER), "counts_per_turn: 3600"),
+        (((POSITION, "{name: position, bits: 24}"), *NO_PARAMETER), "counts_per_turn: 4096"),
         (
             ((POSITION, "{name: position, bits: 48, signed: true}"),),
             "counts_per_turn: 2^position_bits, turns: 16, highest: 32767",
@@ -164,6 +171,11 @@ IN_TWO_FIELDS = "{name: turns, bits: 4}\n          - {name: angle, bits: positio
         (((POSITION, PADDED),), "counts_per_turn: 2^position_bits, turns: 1"),
         ((FRAME_BITS, TWO_SETS, (POSITION, "{name: position, bits: frame_bits}")), "counts_per_turn: 2^position_bits"),
         (((POSITION, "{name: position, bits: position_bits + 4}"),), "counts_per_turn: 2^position_bits, turns: 10"),
+        # A factor is a parameter, as the message about '2^position_bits * 256' says.
+        (
+            ((BITS, f"{BITS}  factor: {{meaning: Interpolation, equals: 256}}\n"), (POSITION, INTERPOLATED)),
+            "counts_per_turn: 2^position_bits * factor",
+        ),
         (
             ((POSITION, IN_TWO_FIELDS), ("crc: biss_6}\n", "crc: biss_6}\n        join: {position: [turns, angle]}\n")),
             "counts_per_turn: 2^position_bits, turns: 10",

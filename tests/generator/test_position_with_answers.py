@@ -45,7 +45,7 @@ interfaces:
         source: "1"
         fields: [{name: upper, bits: upper_bits}, {name: lower, bits: lower_bits}, {name: end, bits: 1, constant: 1}]
         join: {position: [upper, lower]}
-measurement: {of: position, counts_per_turn: 256, turns: 1, source: "1"}
+measurement: {of: position, counts_per_turn: 2^size, turns: 1, source: "1"}
 evidence: {grade: manual, documents: {manual: all pages}}
 """
 PROGRAM = """

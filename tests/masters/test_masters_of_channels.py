@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -62,5 +63,7 @@ def test_a_frame_with_one_channel_has_no_such_note(name: str, tmp_path: Path) ->
     text = (SPECS / "channels.yaml").read_text(encoding="utf-8")
     start = text.index("    channels:\n")
     text = text[:start] + text[text.index("    layouts:\n") :]
+    # Only the comparison of the channels depends on this parameter.
+    text = re.sub(r", accurate_bits: [0-9]+|  accurate_bits: {.*}\n", "", text)
     settings = sheets(text, tmp_path)[name]
     assert settings.master.several_channels not in settings.notes

@@ -22,7 +22,7 @@ from codewheel.targets.python import names
 from codewheel.targets.python.files import generate
 from codewheel_runtime.frames import descriptions
 from exhaustive import mostly_exhaustive
-from hostile_specs import BISS_CLOCK, HEAD, Item, crc, digits, flag, layout_of
+from hostile_specs import BISS_CLOCK, HEAD, Item, crc, digits, flag, layout_of, sums
 
 pytestmark = pytest.mark.slow
 
@@ -75,7 +75,7 @@ def hostile(words: list[str]) -> Item:
             "own_bits": {"meaning": "Width"},
             "own_gray": {"meaning": "Gray", "read_from": "own_setting.own_gray", "min": 0, "max": 1},
             **{word: {"meaning": "A word"} for word in words[::2]},
-            **{word: {"meaning": "A word", "equals": "own_bits + 1"} for word in words[1::2]},
+            **sums(words[1::2], words[::2]),
         },
         "order_code": {
             "pattern": "H{size}",

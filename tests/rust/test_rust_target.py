@@ -18,7 +18,7 @@ from codewheel_rust.family import Family
 from codewheel_rust.spelling import Scope
 from codewheel_rust.verdicts import conditions
 from exhaustive import mostly_exhaustive
-from hostile_specs import BISS_CLOCK, HEAD, Item, crc, digits, layout_of
+from hostile_specs import BISS_CLOCK, HEAD, Item, crc, digits, layout_of, sums
 from rust_frames import decoding
 from rust_harness import CRATES, LIBRARY, PACKAGE, ROOT, SPECS, Program, compiled, rust_tool, write
 
@@ -223,7 +223,7 @@ def hostile(words: list[str]) -> Item:
         "parameters": {
             "own_bits": {"meaning": "Width"},
             **{word: {"meaning": "A word"} for word in words[::2]},
-            **{word: {"meaning": "A word", "equals": "own_bits + 1"} for word in words[1::2]},
+            **sums(words[1::2], words[::2]),
         },
         "order_code": {
             "pattern": "H{size}",

@@ -323,16 +323,27 @@ def _check_codes(spec: WrittenSpec, codes: Sequence[_Code], report: DocumentRepo
     for code in codes:
         interfaces = code.interfaces
         if len(interfaces) != 1:
-            selected = f"{len(interfaces)} ({', '.join(interfaces)})" if interfaces else "none"
-            message = f"each code must select one interface; {code.text} selects {selected}"
-            first_problems.setdefault("interface", (_PARTS, message))
+            first_problems.setdefault("interface", (_PARTS, _interface_fault(spec, code)))
         for name in required_parameters:
             message = _parameter_fault(name, code, spec.parameters)
             if message:
                 first_problems.setdefault(name, (("parameters", name), message))
     for path, message in first_problems.values():
         report.add("order-code-pattern", path, message, at_key=True)
-    _check_selected_interfaces(spec, codes, report)
+    if "interface" not in first_problems:
+        _check_selected_interfaces(spec, codes, report)
+
+
+def _interface_fault(spec: WrittenSpec, code: _Code) -> str:
+    """Return the message about a code that does not select exactly one interface."""
+    rule = "each code must select one interface"
+    if code.interfaces:
+        selected = f"{len(code.interfaces)} ({', '.join(code.interfaces)})"
+        return f"{rule}, but {code.text} selects {selected}; keep 'interface' in the values of one part"
+    first_interface, *others = spec.interfaces.data or ["ssi"]
+    choice = "or another one" if others else "the only one of this spec"
+    remedy = f"write 'interface: {first_interface}', {choice}, in each value of one part"
+    return f"{rule}, but {code.text} selects none; {remedy}"
 
 
 def _parameter_fault(name: str, code: _Code, parameters: Mapping[str, WrittenParameter]) -> str:

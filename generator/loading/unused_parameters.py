@@ -1,0 +1,82 @@
+"""The rule that some fact of a spec depends on each parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from ..language.problems import DocumentReport, listed, quoted
+from ..language.rules.walk import leaves
+from ..language.schema_files import is_second
+from ..model import Variant
+from ..model.expressions import Expression, ExpressionError
+from .from_mapping import Raw, parameters_of_flags, set_parameters
+
+#: Keys whose value is an expression, and ``when``, which is a parameter in ``gray``.
+EXPRESSION_KEYS = frozenset(
+    (
+        "bits",
+        "compared_bits",
+        "counts_per_turn",
+        "equals",
+        "excess",
+        "highest",
+        "label_is",
+        "low_bit",
+        "max",
+        "min",
+        "modulus",
+        "per_counts",
+        "step_nm",
+        "step_um",
+        "turns",
+        "when",
+        "word_bits",
+    )
+)
+#: Most different values that a message lists.
+_MOST_VALUES = 4
+
+
+def check_unused_parameters(raw: Raw, variants: Sequence[Variant], report: DocumentReport) -> None:
+    """Report each parameter on which nothing depends.
+
+    A parameter with ``equals`` and a ``source`` is a number of the manual, which outputs print. It may be unused. If
+    the spec has another problem, nothing is checked, because the part with the problem may use the parameter.
+    """
+    # Only the spec is checked, because a second reading must agree with it. An older edition may lack the fact that
+    # depends on a parameter.
+    if is_second(report.document.file) or report.document.family or report.faults():
+        return
+    used_names = {*_names_in_expressions(raw), *parameters_of_flags(raw, variants)}
+    names_set_by_codes = set_parameters(raw)
+    for name, definition in raw["parameters"].items():
+        is_printed_number = "equals" in definition and "source" in definition
+        if name in used_names or is_printed_number:
+            continue
+        problem = f"nothing depends on {quoted(name)}"
+        if name in names_set_by_codes:
+            problem += _values_text(name, variants)
+        remedy = "use it, for example in 'bits' of a field, or remove it"
+        if "equals" in definition:
+            remedy += ". If the manual names this number, add its 'source'"
+        report.add("unused-parameter", ("parameters", name), f"{problem}; {remedy}", at_key=True)
+
+
+def _names_in_expressions(raw: Raw) -> Iterator[str]:
+    """Yield the parameters in the expressions of a spec and in the verdicts that depend on an answer."""
+    for path, value in leaves(raw):
+        if path[-1] in EXPRESSION_KEYS and isinstance(value, str):
+            try:
+                yield from Expression.parse(value).parameters
+            except ExpressionError:
+                continue  # The value of a text field.
+        elif "makes_position_if" in path:
+            yield str(path[-1])
+
+
+def _values_text(name: str, variants: Sequence[Variant]) -> str:
+    """Return the different values that order codes set, such as ``, which order codes set to 0 or 1``."""
+    values = sorted({variant.parameters[name] for variant in variants})
+    if len(values) > _MOST_VALUES:
+        return f", which order codes set to {len(values)} different values"
+    return f", which order codes set to {listed(map(str, values), 'or')}" if values else ""
