@@ -70,7 +70,8 @@ def _add_head(app: Sphinx, page: str, _template: str, context: dict[str, Any], d
     encoders: Any = app.env.get_domain("encoder")
     device, variant = encoders.device_of(page), encoders.variant_of(page)
     context["head_title"] = code_title(device, variant) if variant else context.get("title", "")
-    context["description"] = first_paragraph(doctree)
+    # A page of an encoder can begin with a table.
+    context["description"] = first_paragraph(doctree) or (family_description(device) if device else "")
     if variant:
         context["description"] = code_description(device, variant)
     elif device and page.endswith(f"/{device.name}"):

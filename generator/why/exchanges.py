@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from ..model import Constant, Device, Layout, Number, PlacedLayout, Spi, Unused, Variant, number_from_bytes
+from ..model import Constant, Device, Layout, Number, PlacedLayout, Rs485, Spi, Unused, Variant, number_from_bytes
 from ..model.record import dataclass
 from ..reference import codec
 from ..reference.bits import unused_bits
@@ -52,12 +52,12 @@ class ExchangedFrame:
 
 
 def exchange_hypotheses(device: Device, variant: Variant, data: bytes) -> Iterator[Hypothesis]:
-    """Yield one hypothesis that the bytes are whole frames, unless they are only one reply or no whole frames.
+    """Yield one hypothesis that the bytes of RS-485 are whole frames, unless they are only one reply or no whole frames.
 
     Its frame is the last reply, unless the manual leaves open what that means.
     """
-    frames = _frames_in(device, variant, data)
-    if frames is None or not frames:
+    frames = _frames_in(device, variant, data) if variant.interface == Rs485.name else None
+    if not frames:
         return
     is_one_reply = len(frames) == 1 and not frames[0].is_request
     if is_one_reply:

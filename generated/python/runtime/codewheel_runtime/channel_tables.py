@@ -60,7 +60,8 @@ class ChannelTable:
     @property
     def position(self) -> Any:
         """Raw position of each frame in counts, including invalid frames. See ``usable_position``."""
-        return self.channels[self._layout.position].position
+        table: Any = self.channels[int(self._layout.position)]
+        return table.position
 
     @property
     def usable_position(self) -> Any:
@@ -76,7 +77,7 @@ def decode_channels(layout: Any, frames: object) -> ChannelTable:
     length = (layout.bits + 7) // 8
     rows, is_wrong_length = _read(frames, layout.bits, length)
     low_bit = layout.bits
-    tables = []
+    tables: list[Table] = []
     for frame_class, bits in zip(layout.kinds, layout.channel_bits, strict=True):
         low_bit -= bits
         words = _words_in(rows, low_bit, bits)
@@ -84,15 +85,16 @@ def decode_channels(layout: Any, frames: object) -> ChannelTable:
     return ChannelTable(layout, tuple(tables), is_wrong_length)
 
 
-def _read(frames: object, bits: int, length: int) -> tuple[Any, Any]:
+def _read(frames: Any, bits: int, length: int) -> tuple[Any, Any]:
     """Return frames as rows of bytes, and True for each that is too long. Zeros replace these.
 
     A row of bytes may have zeros before the frame, which fill its first byte.
     """
     if isinstance(frames, np.ndarray) and frames.dtype.kind in "uiO" and frames.ndim == 1:
         frames = frames.tolist()
-    if isinstance(frames, (list, tuple)) and not any(isinstance(frame, bytes) for frame in frames):
-        numbers = [whole_number("the frame", frame) for frame in cast(Iterable[Any], frames)]
+    listed = cast(Iterable[Any], frames) if isinstance(frames, (list, tuple)) else ()
+    if isinstance(frames, (list, tuple)) and not any(isinstance(frame, bytes) for frame in listed):
+        numbers = [whole_number("the frame", frame) for frame in listed]
         is_wrong = np.array([not 0 <= number < 1 << bits for number in numbers], bool)
         data = b"".join(
             (0 if wrong else number).to_bytes(length, "big") for number, wrong in zip(numbers, is_wrong, strict=True)
@@ -118,9 +120,10 @@ def _words_in(rows: Any, low_bit: int, bits: int) -> Any:
 
 def _agree(layout: Any, channels: tuple[Table, ...]) -> Any:
     """Return True for each frame whose compared fields agree, whether it is valid or not."""
-    highest = []
+    highest: list[Any] = []
     for field in layout.compared:
-        column = channels[field.channel][field.field].astype(np.int64)
+        table: Any = channels[int(field.channel)]
+        column = table[field.field].astype(np.int64)
         highest.append(column >> (field.width - layout.compared_bits))
     modulus = 1 << layout.compared_bits
     agree = np.ones(len(highest[0]), bool)

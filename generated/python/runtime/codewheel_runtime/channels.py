@@ -159,7 +159,7 @@ class ChannelLayout:
         number = as_word(frame, self.bits, bits)
         if number >> self.bits:
             raise too_long_error(number, self.bits)
-        channels = []
+        channels: list[Any] = []
         low_bit = self.bits
         for frame_class, arguments, channel_bits in zip(self.kinds, self._arguments, self.channel_bits, strict=True):
             low_bit -= channel_bits
