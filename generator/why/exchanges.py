@@ -52,7 +52,7 @@ class ExchangedFrame:
 
 
 def exchange_hypotheses(device: Device, variant: Variant, data: bytes) -> Iterator[Hypothesis]:
-    """Yield one hypothesis that the bytes of RS-485 are whole frames, unless they are only one reply or no whole frames.
+    """Yield one hypothesis that bytes over RS-485 are whole frames, unless they are a single reply or no whole frames.
 
     Its frame is the last reply, unless the manual leaves open what that means.
     """
