@@ -3870,12 +3870,12 @@
     printedPicture.before(drawingArea);
     return {
       follow(resultArea, findExpectedLayout) {
+        const expectedLayout = findExpectedLayout();
         const drawings = resultArea.querySelectorAll(`:scope > .${CLASS}-frame-drawing`);
-        const filledDrawing = drawings.length === 1 ? drawings[0] : null;
-        const expectedLayout = drawings.length ? null : findExpectedLayout();
-        drawingArea.replaceChildren(
-          ...(filledDrawing ? [filledDrawing] : expectedLayout ? [emptyFrame(expectedLayout)] : []));
-        printedPicture.classList.toggle(`${CLASS}-printed`, Boolean(filledDrawing || expectedLayout));
+        // The printed picture of a frame of bytes takes less room than its fields in a row.
+        const isDrawn = Boolean(expectedLayout) && !expectedLayout.layout.order && drawings.length < 2;
+        drawingArea.replaceChildren(...(isDrawn ? [drawings[0] ?? emptyFrame(expectedLayout)] : []));
+        printedPicture.classList.toggle(`${CLASS}-printed`, isDrawn);
       },
     };
   }
@@ -4129,6 +4129,8 @@
       @media print { .${CLASS}-picture { display: none; } }
       @media screen { .${CLASS}-printed { display: none; } }
       .${CLASS}-about { min-height: 1.6em; font-size: .92em; margin: 0 0 .5rem; }
+      .${CLASS}-picture .${CLASS}-about:not(:has(b)) { display: none; }
+      .${CLASS}-picture .${CLASS}-drawing { margin: 0 0 .3rem; }
       .${CLASS}-good > p::before { content: "✓ "; color: var(--codewheel-usable); }
       .${CLASS}-warning > p::before { content: "▲ "; color: var(--codewheel-warning); }
       .${CLASS}-bad > p::before { content: "✕ "; color: var(--codewheel-not-usable); }

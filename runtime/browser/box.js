@@ -264,12 +264,12 @@ function createFramePicture(section) {
   printedPicture.before(drawingArea);
   return {
     follow(resultArea, findExpectedLayout) {
+      const expectedLayout = findExpectedLayout();
       const drawings = resultArea.querySelectorAll(`:scope > .${CLASS}-frame-drawing`);
-      const filledDrawing = drawings.length === 1 ? drawings[0] : null;
-      const expectedLayout = drawings.length ? null : findExpectedLayout();
-      drawingArea.replaceChildren(
-        ...(filledDrawing ? [filledDrawing] : expectedLayout ? [emptyFrame(expectedLayout)] : []));
-      printedPicture.classList.toggle(`${CLASS}-printed`, Boolean(filledDrawing || expectedLayout));
+      // The printed picture of a frame of bytes takes less room than its fields in a row.
+      const isDrawn = Boolean(expectedLayout) && !expectedLayout.layout.order && drawings.length < 2;
+      drawingArea.replaceChildren(...(isDrawn ? [drawings[0] ?? emptyFrame(expectedLayout)] : []));
+      printedPicture.classList.toggle(`${CLASS}-printed`, isDrawn);
     },
   };
 }

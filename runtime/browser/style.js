@@ -89,6 +89,8 @@ function sheet() {
     @media print { .${CLASS}-picture { display: none; } }
     @media screen { .${CLASS}-printed { display: none; } }
     .${CLASS}-about { min-height: 1.6em; font-size: .92em; margin: 0 0 .5rem; }
+    .${CLASS}-picture .${CLASS}-about:not(:has(b)) { display: none; }
+    .${CLASS}-picture .${CLASS}-drawing { margin: 0 0 .3rem; }
     .${CLASS}-good > p::before { content: "✓ "; color: var(--codewheel-usable); }
     .${CLASS}-warning > p::before { content: "▲ "; color: var(--codewheel-warning); }
     .${CLASS}-bad > p::before { content: "✕ "; color: var(--codewheel-not-usable); }
