@@ -63,9 +63,13 @@ def _emptied(match: re.Match[str]) -> str:
 
 
 def without_nodiscard(code: str) -> str:
-    """Return the code without the mark for results that must not be ignored. Its spelling depends on the compiler."""
-    word = r"^#ifndef (\w+_NODISCARD)\n.*?^#endif\n#endif\n|^(\w+_NODISCARD|CW_CONSTEXPR|CW_INLINE)\n"
-    return re.sub(word, "", code, flags=re.MULTILINE | re.DOTALL)
+    """Return the code without the marks whose spelling depends on the compiler.
+
+    These are the mark for results that must not be ignored, and the one for functions that are shorter than a call.
+    """
+    definitions = r"^#ifndef (\w+_NODISCARD)\n.*?^#endif\n#endif\n|^#ifdef __GNUC__\n#define CW_INLINE .*?^#endif\n"
+    marks = rf"{definitions}|^(\w+_NODISCARD|CW_CONSTEXPR|CW_INLINE)\n"
+    return re.sub(marks, "", code, flags=re.MULTILINE | re.DOTALL)
 
 
 #: Macros with arguments: a length at compile time, and a check that can be omitted.
