@@ -16,6 +16,7 @@ CALLS = (
     "(void)cw_received_samples(rx, 0U, 1U, NULL)",
     "(void)!cw_biss_receive(NULL, 0U, 47U, &word)",
     "(void)!cw_biss_receive_bits(rx, 0U, 47U, NULL)",
+    "(void)!cw_biss_find_frame(rx, 0U, 47U, NULL)",
     "(void)!cw_biss_receive_cds(rx, 0U, NULL)",
     "(void)!cw_biss_receive_frame(NULL, 0U, 70U, frame, 9U)",
     "(void)!cw_biss_receive_frame_bits(rx, 0U, 70U, NULL, 9U)",

@@ -24,7 +24,7 @@ SHARED = {
     "transport": "step_send step_poll step_more step_read_one",
     "receive": "words16 words32 samples biss_receive biss_receive_cds ssi_receive ssi_repeats"
     " ask take take_any resume late reason",
-    "channels": "biss_receive_channels biss_positions_agree",
+    "channels": "biss_positions_agree",
     "receive_frame": "biss_receive_frame ssi_receive_frame",
     "runner": "start next done close",
     "spi": "start exchange bytes data store load",

@@ -39,7 +39,7 @@ static void receive(const char *line)
             rx[place / 8U] = (uint8_t)(rx[place / 8U] | (0x80U >> (place % 8U)));
         }
     }
-    const cw_result result = cw_biss_receive_channels(rx, strlen(line), 5U, &first);
+    const cw_result result = cw_biss_find_frame(rx, strlen(line), 5U, &first);
     printf("%s %u\n", name_of(result), (unsigned)first);
 }
 

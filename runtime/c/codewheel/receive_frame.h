@@ -60,26 +60,16 @@ static inline cw_result cw_biss_receive_frame_bits(
     const uint8_t *rx, size_t received, uint32_t bits, uint8_t *frame, size_t length)
 {
     CW_ASSERT((rx != NULL) && (frame != NULL));
-    const size_t start = cw_biss_start(rx, received);
-    const size_t data = start + 2U;
-    const size_t after = data + (size_t)bits;
-    /* The checks of cw_biss_receive_bits again: a shared function makes that one longer. */
-    if (start > received) {
-        return CW_FAULT_LINE_HIGH;
-    }
-    if (cw_received_bit(rx, 0U) == 0U) {
-        return CW_FAULT_LINE_LOW;
-    }
-    if (start == received) {
-        return CW_FAULT_NO_START;
-    }
-    if (((size_t)bits > (8U * length)) || (after > received)) {
+    size_t first = 0U;
+    const cw_result result = cw_biss_find_frame(rx, received, bits, &first);
+    /* The length counts before the stop bit. */
+    if (((result == CW_OK) || (result == CW_FAULT_CONSTANT)) && ((size_t)bits > (8U * length))) {
         return CW_FAULT_LENGTH;
     }
-    if ((after < received) && (cw_received_bit(rx, after) != 0U)) {
-        return CW_FAULT_CONSTANT;
+    if (result != CW_OK) {
+        return result;
     }
-    cw_received_frame(rx, data, bits, frame, length);
+    cw_received_frame(rx, first, bits, frame, length);
     return CW_OK;
 }
 

@@ -8,8 +8,9 @@
  *   1 1 ...      0 0 0 ...     1       CDS   first word   second word   0      0 or 1 ...
  *   rest, delay  acknowledge   start         the channels               stop   ignored
  *
- * The functions of each encoder decode the words, each with its own CRC, and compare the positions
- * in them: see ..._channels_read in its header.
+ * cw_biss_find_frame in receive.h finds the first word. The functions of each encoder decode the
+ * words, each with its own CRC, and compare the positions in them: see ..._channels_receive in its
+ * header.
  *
  * Compiles as C99 and C++11. Needs no library and no allocation. Pointers must not be null. Not yet
  * tested on hardware.
@@ -30,43 +31,6 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/**
- * Find the data channels in the bits received on SLO. See cw_biss_receive_bits, which does the same
- * for a frame with a single word.
- *
- * @param rx  the received bits, packed into bytes
- * @param received  number of bits received, which need not fill whole bytes
- * @param bits  number of bits of all channels together
- * @param first  index of the first bit of the first channel
- * @return OK, or LINE_LOW, LINE_HIGH, NO_START, LENGTH or CONSTANT like cw_biss_receive_bits
- */
-CW_NODISCARD
-CW_CONSTEXPR
-static inline cw_result cw_biss_receive_channels(
-    const uint8_t *rx, size_t received, uint32_t bits, size_t *first)
-{
-    CW_ASSERT((rx != NULL) && (first != NULL));
-    const size_t start = cw_biss_start(rx, received);
-    const size_t stop = start + 2U + (size_t)bits;
-    if (start > received) {
-        return CW_FAULT_LINE_HIGH;
-    }
-    if (cw_received_bit(rx, 0U) == 0U) {
-        return CW_FAULT_LINE_LOW;
-    }
-    if (start == received) {
-        return CW_FAULT_NO_START;
-    }
-    if (stop > received) {
-        return CW_FAULT_LENGTH;
-    }
-    if ((stop < received) && (cw_received_bit(rx, stop) != 0U)) {
-        return CW_FAULT_CONSTANT;
-    }
-    *first = start + 2U;
-    return CW_OK;
-}
 
 /**
  * Return whether two numbers differ by no more than a tolerance. The difference is taken the

@@ -375,6 +375,45 @@ static inline cw_result cw_biss_receive_bits(
     return CW_OK;
 }
 
+/**
+ * Find the frame in the bits received on SLO, for frames of any length. See cw_biss_receive_bits,
+ * which also extracts a word of at most 64 bits.
+ *
+ * @param rx  the received bits, packed into bytes
+ * @param received  number of bits received, which need not fill whole bytes
+ * @param bits  number of bits of the frame, between the CDS bit and the stop bit
+ * @param first  index of the first bit of the frame, unchanged on error
+ * @return OK, or LINE_LOW, LINE_HIGH, NO_START, LENGTH or CONSTANT like cw_biss_receive_bits
+ */
+CW_NODISCARD
+CW_CONSTEXPR
+static inline cw_result cw_biss_find_frame(
+    const uint8_t *rx, size_t received, uint32_t bits, size_t *first)
+{
+    CW_ASSERT((rx != NULL) && (first != NULL));
+    const size_t start = cw_biss_start(rx, received);
+    const size_t data = start + 2U;
+    const size_t after = data + (size_t)bits;
+    /* The checks of cw_biss_receive_bits again: a shared function makes that one longer. */
+    if (start > received) {
+        return CW_FAULT_LINE_HIGH;
+    }
+    if (cw_received_bit(rx, 0U) == 0U) {
+        return CW_FAULT_LINE_LOW;
+    }
+    if (start == received) {
+        return CW_FAULT_NO_START;
+    }
+    if (after > received) {
+        return CW_FAULT_LENGTH;
+    }
+    if ((after < received) && (cw_received_bit(rx, after) != 0U)) {
+        return CW_FAULT_CONSTANT;
+    }
+    *first = data;
+    return CW_OK;
+}
+
 /** Extract the word of single cycle data from whole bytes. See cw_biss_receive_bits. */
 CW_NODISCARD
 CW_CONSTEXPR
