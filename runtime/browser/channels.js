@@ -1,7 +1,7 @@
 // Licence 0BSD: use, modify and distribute this file without any condition.
 // Frames with several data channels, one directly after the other.
 
-/** The frame in a text with all data channels, decoded, or null if the text is not longer than a single channel. */
+/** Decode the frame in a text with all data channels. Return null if the text is not longer than a single channel. */
 function decodeChannels(orderCode, text, registerContents, answers) {
   const { channels } = orderCode.interface;
   if (!channels) return null;
@@ -31,8 +31,6 @@ function decodeEachChannel(placedChannels, number, bits) {
   });
 }
 
-const VERDICTS_FROM_WORST = ["not_usable", "unknown", "usable_with_warning", "usable"];
-
 /** Merge the decoded channels into a whole frame: the errors, reports and fields of all, and their worst verdict. */
 function mergeChannels(channels, decodedChannels) {
   const positionChannel = decodedChannels[channels.position];
@@ -44,7 +42,7 @@ function mergeChannels(channels, decodedChannels) {
   const verdicts = decodedChannels.filter((channel) => channel === positionChannel || channel.verdict !== "unknown")
     .map((channel) => channel.verdict);
   if (comparison && !comparison.agree) verdicts.push("not_usable");
-  const worstVerdict = VERDICTS_FROM_WORST.find((verdict) => verdicts.includes(verdict)) ?? null;
+  const worstVerdict = Object.keys(TABLE.worth).find((verdict) => verdicts.includes(verdict)) ?? null;
   return {
     ...positionChannel,
     problems,
@@ -58,7 +56,7 @@ function mergeChannels(channels, decodedChannels) {
   };
 }
 
-/** Whether the compared fields agree, and the sentence about them. Null if nothing is compared. */
+/** Return whether the compared fields agree, and the sentence about them, or null if nothing is compared. */
 function compareChannels(channels, decodedChannels) {
   if (!channels.compared) return null;
   const bitCount = Number(value(channels.compared_bits, decodedChannels[channels.position].at.parameters));

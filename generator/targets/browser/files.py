@@ -15,7 +15,19 @@ from pathlib import Path
 from typing import Annotated, Any, TypedDict
 
 from ...language.problems import LONGEST_QUOTE, listed
-from ...model import UNEXPLAINED, Alternative, Answer, CodePart, Crc, Device, Fault, Interface, Spelling, Variant
+from ...model import (
+    UNEXPLAINED,
+    Alternative,
+    Answer,
+    CodePart,
+    Crc,
+    Device,
+    Fault,
+    Interface,
+    Spelling,
+    Variant,
+    Verdict,
+)
 from ...model.known_crcs import KNOWN_CRCS
 from ...model.layout import have_lengths
 from ...order_codes import labels
@@ -355,12 +367,12 @@ def _code_without_comment(path: Path) -> str:
 def script_table(library: Library) -> Data:
     """Return the data for the script: texts and tables that are the same for all families, and the families.
 
-    ``worth`` are the verdicts in words, and ``said`` the messages. ``lines``, ``exchanges``, ``doubts``, ``inside`` and
-    ``likely`` are for the explanation of frames that do not decode, or whose values look wrong.
+    ``worth`` are the verdicts in words, worst first, and ``said`` the messages. ``lines``, ``exchanges``, ``doubts``,
+    ``inside`` and ``likely`` are for the explanation of frames that do not decode, or whose values look wrong.
     """
     return {
         "faults": [fault_code.value for fault_code in Fault],
-        "worth": {verdict.value: words for verdict, words in WORTH.items()},
+        "worth": {verdict.value: WORTH[verdict] for verdict in Verdict},
         "unexplained": UNEXPLAINED,
         "said": _MESSAGES,
         "limits": {"text": report.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
