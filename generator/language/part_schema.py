@@ -14,13 +14,14 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from ..model import data_channels, documents, examples, facts, fields, interfaces, kinds, measurement
+from ..model import clocks, data_channels, documents, examples, facts, fields, interfaces, kinds, measurement
 from ..model.key_types import JsonSchema, KeyType, key_type, limits_in_schema, name_of_part
 from ..model.part import DescribedKey, Key, description_of, is_part, keys_of
 from . import written_codes, written_interfaces, written_layouts, written_parts
 
 #: Modules with parts.
 _MODULES = (
+    clocks,
     data_channels,
     documents,
     examples,

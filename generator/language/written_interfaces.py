@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from typing import Literal
 
+from ..model.clocks import CableLength, Clock, Timeout
 from ..model.data_channels import DataChannels
 from ..model.facts import (
     Timing,
 )
-from ..model.interfaces import CableLength, Clock, DataId, MemoryAccess, Network, Port, Timeout
+from ..model.interfaces import (
+    DataId,
+    MemoryAccess,
+    Network,
+    Port,
+)
 from ..model.measurement import Measurement
 from ..model.part import (
     Formula,

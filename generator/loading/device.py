@@ -21,29 +21,24 @@ from ..model import (
     Biss,
     CodePart,
     CodeValue,
-    Constant,
     Crc,
     DataId,
     Device,
     Document,
-    Layout,
     Manufacturer,
     OrderCode,
     Parameter,
     PlacedLayout,
     Register,
     RegisterMeaning,
-    Rs485,
     SpelledValue,
     Spelling,
     Variant,
-    number_to_bytes,
 )
 from ..model.expressions import Expression, ExpressionError, resolve_parameters
 from ..model.registers import bounded, bounded_width, bounds, representable
 from ..order_codes.labels import combinations
 from ..reference.bits import join_value
-from ..reference.codec import EncodeError, encode
 from .crc_rules import check_settings_of_crcs
 from .editions import editions
 from .evidence import with_placeholders
@@ -69,8 +64,8 @@ from .layouts import build_layout
 from .parameters import check_named_widths, check_reach, coded_values, held_in_registers, parameter_sets, too_much_work
 from .position_rules import check_measurements, check_position_widths
 from .repeated_facts import check_agreement
+from .request_rules import check_control_bytes, check_requests
 from .unused_parameters import check_unused_parameters
-from .valid_parts import valid_parts_so_far
 
 
 def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -> Device | None:
@@ -91,8 +86,8 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     check_only(raw, variants, report)
     check_alarms(raw, report)
     device = _device(raw, manufacturer, order_code, variants, alternatives, context)
-    _check_control_bytes(device, report)
-    _check_requests(device, report)
+    check_control_bytes(device, report)
+    check_requests(device, report)
     check_facts_by_code(raw, device, report)
     check_spi_registers(device, report)
     check_frame_kinds(device, report)
@@ -383,71 +378,3 @@ def _bounded_part(register: Register, placed: PlacedLayout, default: int) -> int
     # Only a signed field holds bits that read as more than its highest number.
     is_negative = number_without_sign > highest
     return number_without_sign - (1 << width) if is_negative else number_without_sign
-
-
-def _check_control_bytes(device: Device, report: DocumentReport) -> None:
-    """Check that each printed control byte is the encoding of its data ID."""
-    interface = device.find_interface(Rs485)
-    if interface is None or not valid_parts_so_far(report).has_frames:
-        return
-    variants = device.variants_over(interface.name)
-    if not variants:
-        return
-    for data_id in interface.data_ids:
-        path: Path = ("interfaces", interface.name, "data_ids", data_id.name)
-        layouts = [layout for layout in interface.layouts if data_id.id in layout.selects]
-        if not layouts:
-            problem = f"no layout has data ID {data_id.id:X} in its 'when'; add it to one"
-            report.add("undefined-reference", path, problem)
-            continue
-        control_byte = _control_byte(device, layouts[0], data_id, variants[0])
-        if control_byte is not None and control_byte != data_id.control:
-            problem = f"according to its fields, the control field of data ID {data_id.id:X} is {control_byte:#04x}"
-            message = f"{problem}, but it is {data_id.control:#04x} in the manual"
-            report.add("control-mismatch", (*path, "control"), message)
-
-
-def _control_byte(device: Device, layout: Layout, data_id: DataId, variant: Variant) -> int | None:
-    """Return the first byte of a frame with a data ID, or None if the frame cannot be encoded with zeros."""
-    placed = layout.place(variant.parameters)
-    values = {field.name: 0 for field in layout.data_fields} | {layout.selector: data_id.id}
-    try:
-        frame = encode(device, placed, values)
-    except EncodeError:
-        return None  # Found by other rules.
-    return number_to_bytes(layout, frame, placed.bits)[0]
-
-
-def _check_requests(device: Device, report: DocumentReport) -> None:
-    """Check that an encoder can distinguish its requests by constants in the bytes that two of them share."""
-    interface = device.find_interface(Rs485)
-    if interface is None or not interface.exchanges or not valid_parts_so_far(report).has_frames:
-        return
-    layouts = {layout.name: layout for layout in interface.layouts}
-    requests = [layouts[exchange.request] for exchange in interface.exchanges if exchange.request in layouts]
-    for index, request in enumerate(requests):
-        ambiguous_requests = [earlier for earlier in requests[:index] if not _constants_differ(earlier, request)]
-        if ambiguous_requests:
-            pair = f"'{request.name}' from '{ambiguous_requests[0].name}'"
-            problem = f"no constant distinguishes {pair}; add the command as a 'constant' to both"
-            report.add("rs485-exchange", ("interfaces", interface.name, "layouts", request.name), problem)
-
-
-def _constants_differ(layout: Layout, other_layout: Layout) -> bool:
-    """Return whether two requests have a different constant in the same bit of a byte."""
-    constant_bits, other_constant_bits = _constant_bits(layout), _constant_bits(other_layout)
-    common_places = constant_bits.keys() & other_constant_bits.keys()
-    return any(constant_bits[place] != other_constant_bits[place] for place in common_places)
-
-
-def _constant_bits(layout: Layout) -> dict[tuple[int, int], int]:
-    """Return the constant bits of a layout, by byte and bit."""
-    constant_bits = {}
-    for field in layout.fields:
-        if not isinstance(field.kind, Constant):
-            continue
-        for piece in field.pieces:
-            value_in_byte = field.kind.value >> piece.left
-            for bit in range(piece.mask.bit_length()):
-                constant_bits[piece.byte, piece.right + bit] = (value_in_byte >> bit) & 1
-    return constant_bits

@@ -19,6 +19,7 @@ from .. import model
 from ..cache import Cache
 from ..model import (
     channels,
+    clocks,
     data_channels,
     device,
     documents,
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
 _MODULES: tuple[ModuleType, ...] = (
     *(
         channels,
+        clocks,
         data_channels,
         device,
         documents,

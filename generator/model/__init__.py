@@ -6,6 +6,7 @@ integer whose byte order is in the layout.
 """
 
 from .channels import ChannelFrame, PlacedChannels, channel_frame
+from .clocks import CableLength, Clock, PrintedTimeout, Timeout
 from .data_channels import DataChannels
 from .device import Device, Release, ReleasedChange, TimesRead, Variant
 from .documents import (
@@ -57,8 +58,6 @@ from .interfaces import (
     Alignment,
     BankSelect,
     Biss,
-    CableLength,
-    Clock,
     Clocked,
     ControlField,
     DataId,
@@ -70,13 +69,11 @@ from .interfaces import (
     Network,
     OutputCode,
     Port,
-    PrintedTimeout,
     Profile,
     Rs485,
     Signals,
     Spi,
     Ssi,
-    Timeout,
     WordFormat,
 )
 from .kinds import (

@@ -17,7 +17,7 @@ from ..loading.device import build_device
 from ..loading.overlays import Family
 from ..model import Manufacturer, TimesRead
 from ..model.record import dataclass
-from . import interfaces, order_codes, stated, surroundings, texts
+from . import interfaces, order_codes, registers, stated, surroundings, texts
 from .compare import compare
 from .comparison import Comparison, Disagreement, Read
 from .reading import NOTHING, Facts, Reading, Sort
@@ -32,7 +32,7 @@ def facts_of(reading: Reading) -> Facts:
     facts = Facts()
     order_codes.add_codes(reading, facts)
     interfaces.add_interfaces(reading, facts)
-    interfaces.add_registers(reading, facts)
+    registers.add_registers(reading, facts)
     facts.add(stated.procedures(reading))
     facts.add(surroundings.surroundings(reading))
     facts.add(texts.contents(reading))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 from ...model import (
     Alternative,
@@ -38,11 +37,12 @@ from ...say import register as say_register
 from ...say.errata import answer as say_answer
 from ...say.errata import needed_answers, question
 from ...say.evidence import grade, origin
-from ...say.names_and_places import bit_place, bits, field_at, hexadecimal
+from ...say.names_and_places import bits, field_at, hexadecimal
 from ...say.order_code import open_values, spelling
 from ...say.plain_text import WIDTH, decimal, pairs, wrapped
 from ...say.text import BY_NAME, Style, counted, language
 from ..decode.text import label_differences
+from .picture import picture
 
 
 def device_text(device: Device) -> str:
@@ -310,55 +310,6 @@ def _position_code_note(device: Device, placed: PlacedLayout) -> str:
         return f"{code_text}."
     register_fields = ", ".join(field_at(device, parameter.read_from) for parameter in deciding_parameters)
     return f"{code_text}, according to the factory default of {register_fields}."
-
-
-#: Columns of a picture before its first box, with the edges of the row.
-_PICTURE_MARGIN = 3
-
-
-def picture(placed: PlacedLayout) -> list[str]:
-    """Return the lines of a picture: rows of boxes, one per field in the order sent, each at most 80 columns wide."""
-    rows_of_boxes: list[list[_Box]] = [[]]
-    used_columns = _PICTURE_MARGIN
-    for placed_field in placed.fields:
-        box_text = _box_text(placed_field.field)
-        place_text = bit_place(placed.layout, placed.bits, placed_field.high, placed_field.low)
-        width = max(len(box_text), len(place_text)) + 2  # with a space on each side
-        width_with_edge = width + 1
-        if rows_of_boxes[-1] and used_columns + width_with_edge > WIDTH:
-            rows_of_boxes.append([])
-            used_columns = _PICTURE_MARGIN
-        rows_of_boxes[-1].append(_Box(text=box_text.center(width), place=place_text.center(width)))
-        used_columns += width_with_edge
-    lines: list[str] = []
-    for boxes in rows_of_boxes:
-        if boxes:
-            lines += _box_lines(boxes)
-    return lines
-
-
-class _Box(NamedTuple):
-    """A box of a picture: its text, and the place of the field in the frame, both as wide as the box."""
-
-    text: str
-    place: str
-
-
-def _box_lines(boxes: Sequence[_Box]) -> list[str]:
-    """Return a row of boxes, each with its text, and with its place above it."""
-    places = "".join(f" {box.place}" for box in boxes).rstrip()
-    edge = "+".join("-" * len(box.text) for box in boxes)
-    texts = "|".join(box.text for box in boxes)
-    return [f"  {places}", f"  +{edge}+", f"  |{texts}|", f"  +{edge}+"]
-
-
-def _box_text(field: Field) -> str:
-    """Return the text in the box of a field: its name, with ``= 5h`` for a constant, or only ``5h`` for padding."""
-    if not isinstance(field.kind, Constant):
-        return field.name
-    constant = say_field.short(field.kind.value)
-    has_no_name = bool(field.padding_of) or field.fills_gap
-    return constant if has_no_name else f"{field.name} = {constant}"
 
 
 # -- registers

@@ -71,7 +71,7 @@ FOUNDATIONS: tuple[Rule, ...] = (
     position_verdicts.check_default_answers,
     position_verdicts.check_verdicts_by_answer,
     check_expressions,
-    order_code.check_parameter_cycle,
+    parameters.check_parameter_cycle,
     parameters.check_long_sums,
     order_code.check_order_code_pattern,
 )

@@ -347,3 +347,48 @@ def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: Documen
     needed_unit = "µm" if needed_kind == "micrometres" else needed_kind
     message = f"{quoted(factor.parameter)} is in {unit}, but {quoted_place} must be in {needed_unit}"
     report.add("unit-mismatch", path, message)
+
+
+def check_parameter_cycle(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no parameter is defined by itself, directly or through others."""
+    definitions: dict[str, tuple[str, ...]] = {}
+    for name, parameter in spec.parameters.items():
+        if parameter.equals is not None:
+            definitions[name] = _parameters_in(parameter.equals)
+    settled: set[str] = set()
+    for name in definitions:
+        cycle = _find_cycle(name, definitions, settled)
+        if cycle:
+            message = f"circular definition of parameter: {' -> '.join(cycle)}"
+            report.add("parameter-cycle", ("parameters", cycle[0], "equals"), message)
+
+
+def _find_cycle(start: str, definitions: Mapping[str, tuple[str, ...]], settled: set[str]) -> list[str]:
+    """Return the parameters of a cycle that is reached from ``start``, with the first one also at the end, or none.
+
+    Every parameter that is visited is added to ``settled``, because each cycle is reported once.
+    """
+    # Depth first, without recursion: a long chain of parameters must not exhaust the stack.
+    # ``trail`` has the open definitions, and ``pending`` an iterator for each of them and for the start.
+    trail: list[str] = []
+    pending = [iter((start,))]
+    while pending:
+        name = next(pending[-1], None)
+        if name is None:
+            pending.pop()
+            if trail:
+                settled.add(trail.pop())
+        elif name in trail:
+            settled.update(trail)
+            return [*trail[trail.index(name) :], name]
+        elif name in definitions and name not in settled:
+            trail.append(name)
+            pending.append(iter(definitions[name]))
+    return []
+
+
+def _parameters_in(text: int | str) -> tuple[str, ...]:
+    try:
+        return Expression.parse(text).parameters
+    except ExpressionError:  # Reported by the rule on expressions.
+        return ()

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 from ...model import Timing
-from ...model.interfaces import CableLength, Clock, Timeout
+from ...model.clocks import CableLength, Clock, Timeout
 from ..problems import DocumentReport, Path
 from ..schema_files import is_second
 from ..written import Located

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from ..clocks import CableLength, Clock, PrintedTimeout, Timeout
 from ..data_channels import DataChannels
 from ..facts import Supply
-from ..interfaces import CableLength, Clock, DataId, MemoryAccess, Network, Port, PrintedTimeout, Timeout
+from ..interfaces import (
+    DataId,
+    MemoryAccess,
+    Network,
+    Port,
+)
 from .described import described_part
 from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, Member, Part
 

@@ -1,0 +1,106 @@
+"""Facts about the clock of an interface: its limits, those with long cables, and the time-out after a frame."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from .documents import Sources
+from .part import ClocksInUse, Count, Phrase, key, only_key, part, source_key
+
+
+@part(
+    "Clock frequencies: the limits of the encoder, and clocks that are known to have been used. "
+    "One of the two is required, unless the source is still TODO. The outputs then say that the "
+    "clock is not known.",
+    data="Clock frequencies. A limit is null if it is not known.",
+)
+class Clock:
+    """The master's clock: its limits, inclusive, each None if not known, and clocks with which encoders are read.
+
+    ``used_hz`` has the clocks of programs and masters in ascending order. They are not limits. A spec whose clock has
+    not been stated yet has neither.
+    """
+
+    min_hz: int | None = key(
+        "Lowest clock frequency in hertz. Leave it out if it is not known.",
+        data="Lowest frequency in hertz.",
+        minimum=1,
+        maximum=1000000000,
+        default=None,
+        rule="clock-narrower",
+        label="lowest clock",
+        read="clock",
+    )
+    max_hz: int | None = key(
+        "Highest clock frequency in hertz. Required, unless 'used_hz' is given.",
+        data="Highest frequency in hertz.",
+        minimum=1,
+        maximum=1000000000,
+        default=None,
+        rule="clock-narrower",
+        label="highest clock",
+        read="clock",
+    )
+    used_hz: ClocksInUse = key(
+        "A clock in hertz at which a program or a master reads the encoder, or a list of them in "
+        "ascending order. It is not a limit. Use it if no document of the manufacturer gives the "
+        "limits.",
+        data="Frequencies in hertz that programs or masters use, in ascending order. They are not limits.",
+        default=(),
+        rule="clock-used",
+        label="clock in use",
+        read="clock",
+    )
+    only: Phrase = only_key(default="")
+    source: Sources = source_key()
+
+    @property
+    def fastest_hz(self) -> int | None:
+        """Highest clock if it is known, otherwise the fastest that is in use. None if there is neither."""
+        return self.max_hz if self.max_hz is not None else max(self.used_hz, default=None)
+
+    @property
+    def has_limits(self) -> bool:
+        return self.min_hz is not None or self.max_hz is not None
+
+
+@part("One value.", data="A value calculated in the manual.")
+class PrintedTimeout:
+    """Time-out given in the manual for one clock frequency."""
+
+    clock_hz: int = key("Clock in hertz.", minimum=1)
+    timeout_ns: Count = key("Time-out in nanoseconds.")
+
+
+@part("Time-out after a frame.")
+class Timeout:
+    """Time-out after a frame. ``rule`` is ``follows_clock`` or ``fixed``."""
+
+    rule: Literal["follows_clock", "fixed"] = key(
+        "Rule of the time-out: it depends on the clock, or it is fixed.", read="time", shape="name"
+    )
+    half_clock_periods: int | None = key(
+        "Length in half clock periods: 3 is one and a half periods.",
+        data="Length in half clock periods.",
+        minimum=1,
+        maximum=100,
+        default=None,
+        read="time",
+    )
+    at_most_ns: Count | None = key("Upper bound in nanoseconds.", default=None, read="time", noun="upper bound")
+    typical_ns: Count | None = key("Typical value in nanoseconds.", default=None, read="time", noun="typical value")
+    printed: tuple[PrintedTimeout, ...] = key(
+        "Values calculated in the manual.", writing="They are checked against the rule.", least=0, default=()
+    )
+    only: Phrase = only_key(default="")
+    source: Sources = source_key()
+
+
+@part("One row of the table.", data="Highest clock by cable length.")
+class CableLength:
+    """Clock limit in Hz, exclusive, for cables shorter than a length in metres."""
+
+    shorter_than_m: int = key("Cable length in metres, exclusive upper bound.", minimum=1)
+    below_hz: int = key("Clock in hertz, exclusive upper bound.", minimum=1)
+    only: Phrase = only_key(default="")
+    source: Sources = source_key(default=())

@@ -1,0 +1,122 @@
+"""Facts about registers: names, access, values and limits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from ..model import (
+    Register,
+    RegisterMeaning,
+)
+from ..model.registers import bounded
+from ..say.names_and_places import bits
+from ..say.plain_text import counted
+from .frame_bits import word
+from .reading import (
+    NOTHING,
+    Fact,
+    Facts,
+    Reading,
+    Sort,
+    as_delivered,
+    in_hex,
+    register_text,
+)
+from .stated import Subject
+
+
+def add_registers(reading: Reading, facts: Facts) -> None:
+    """Add the facts of every register, its names, and its word, bit by bit."""
+    for register in reading.device.registers:
+        key, place = reading.key_of(register), ("registers", register.name)
+        subject = Subject(
+            reading, key=key, place=place, description=register_text(register), interface=register.interface
+        )
+        facts.add(_register_facts(subject, register))
+        _add_names(subject, register, facts)
+        # The bits of a joined number follow from those of its fields.
+        facts.derived[Sort.POSITION] += len(register.layout.joins)
+        facts.words[key] = word(subject, register.layout, register)
+
+
+def _add_names(subject: Subject, register: Register, facts: Facts) -> None:
+    """Add the names that a register refers to: the field with limits, and the field that opens it.
+
+    The name of the first is empty if the limits name no field, that of the second is "nothing".
+    """
+    description, place = f"field that the limits of {subject.description} apply to", (*subject.place, "limits_of")
+    facts.add_name(
+        ("bounded",),
+        Fact(sort=Sort.LIMIT, key=subject.key, value=register.limits_of, description=description, place=place),
+    )
+    if register.opened_by:
+        opening_field_name, description = register.opened_by_field or NOTHING, f"field that opens {subject.description}"
+        place = (*subject.place, "opened_by")
+        facts.add_name(
+            ("opener",),
+            Fact(sort=Sort.BEHAVIOUR, key=subject.key, value=opening_field_name, description=description, place=place),
+        )
+
+
+def _register_facts(subject: Subject, register: Register) -> Iterator[Fact]:
+    """Yield the facts of a register: its address and length, its stated members, default, opener and limits."""
+    length_text = counted(register.length, "byte")
+    yield subject.existence_fact(Sort.ADDRESS, length_text, at="address", name=register.name)
+    # A single byte has no byte order.
+    yield from subject.stated_facts(register, without=("byte_order",) if register.length == 1 else ())
+    default = as_delivered(register)
+    if default is not None:
+        # Without a stated default, it is computed from the fixed values of the fields.
+        place = (*subject.place, "fields" if register.default is None else "default")
+        yield subject.detail_fact(Sort.DEFAULT, "default", in_hex(default), "default", place)
+    if register.opened_by:
+        yield subject.detail_fact(Sort.BEHAVIOUR, "opened_by", _opener_text(subject.reading, register), "opener")
+    yield from _limit_facts(subject, register)
+
+
+def _opener_text(reading: Reading, register: Register) -> str:
+    """Return the value that opens a register, and its bits: ``0x5A in register 0x49 bits 7:0``.
+
+    Without such a value, the text is only the register that must be written: ``register 0x49``.
+    """
+    opener = reading.register(register.opened_by)
+    if opener is None:
+        return register.opened_by
+    for field in opener.layout.fields:
+        if register.opened_by_field and field.name != register.opened_by_field:
+            continue
+        for named_value in field.values:
+            if named_value.name == register.opened_by_value:
+                bits_text = reading.bits_of(opener.interface, field)
+                return f"{in_hex(named_value.value)} in {register_text(opener)} {bits_text}"
+    return register_text(opener)
+
+
+def _limit_facts(subject: Subject, register: Register) -> Iterator[Fact]:
+    """Yield the bits that limits of the register or its meanings apply to, and the facts of each meaning.
+
+    A meaning is how the register is read while another one has a given value.
+    """
+    reading = subject.reading
+    limited_parts: list[Register | RegisterMeaning] = [register, *register.meanings]
+    if any(part.min is not None or part.max is not None for part in limited_parts):
+        cases = reading.cases(register.interface)
+        yield Fact(
+            sort=Sort.LIMIT,
+            key=(*subject.key, "bounded"),
+            value={case: _limited_bits_text(register, parameters) for case, parameters in cases.items()},
+            description=f"bits that the limits of {subject.description} apply to",
+            place=reading.first_existing((*subject.place, "limits_of"), subject.place),
+            depends_on=subject.key,
+        )
+    for meaning in register.meanings:
+        # The condition is in words without names, so that it is also the key of the meaning.
+        description = f"{subject.description} while {reading.state(meaning.when, meaning.value)}"
+        yield from subject.inside((description,), ("meanings", meaning.name), description).stated_facts(meaning)
+
+
+def _limited_bits_text(register: Register, parameters: Mapping[str, int]) -> str:
+    """Return the bits of a register that its limits apply to: ``bits 7:0``, or ``all bits`` if they name no field."""
+    names = register.layout.names_in(bounded(register))
+    fields = register.layout.place(parameters).find_fields(names)
+    return " and ".join(bits(field.high, field.low) for field in fields) or "all bits"
