@@ -266,7 +266,7 @@ function createFramePicture(section) {
     follow(resultArea, findExpectedLayout) {
       const expectedLayout = findExpectedLayout();
       const drawings = resultArea.querySelectorAll(`:scope > .${CLASS}-frame-drawing`);
-      // The printed picture of a frame of bytes takes less room than its fields in a row.
+      // The printed picture of a frame of bytes is smaller than its fields in a row.
       const isDrawn = Boolean(expectedLayout) && !expectedLayout.layout.order && drawings.length < 2;
       drawingArea.replaceChildren(...(isDrawn ? [drawings[0] ?? emptyFrame(expectedLayout)] : []));
       printedPicture.classList.toggle(`${CLASS}-printed`, isDrawn);
