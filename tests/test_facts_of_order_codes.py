@@ -5,6 +5,8 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
+import pytest
+
 GENERATOR = Path(__file__).parent.parent / "generator"
 #: Members of the model whose items have ``only``.
 RESTRICTED = {
@@ -109,6 +111,7 @@ def readers() -> dict[str, set[str]]:
     return readers_by_module
 
 
+@pytest.mark.slow
 def test_every_reader_is_known() -> None:
     listed = {module for modules in READERS.values() for module in modules}
     assert {module: names for module, names in readers().items() if module not in listed} == {}

@@ -58,6 +58,7 @@ def test_no_colour_is_respected(folder: Path) -> None:
     assert "\x1b[33m" not in text
 
 
+@pytest.mark.slow
 def test_a_pipe_gets_plain_text(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     from codewheel.commands.cli import main
 

@@ -69,6 +69,7 @@ def test_families_with_equal_models_are_unchanged(sides: tuple[Path, Path]) -> N
     assert unchanged_families(old[:1], new[1:]) == frozenset()
 
 
+@pytest.mark.slow
 def test_no_text_of_an_unchanged_family_is_rendered(sides: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch) -> None:
     old, new = devices_of(sides)
     rendered: Counter[str] = Counter()
@@ -86,6 +87,7 @@ def test_no_text_of_an_unchanged_family_is_rendered(sides: tuple[Path, Path], mo
     assert {name: rendered[name] for name in pages_of_a_family} == dict.fromkeys(pages_of_a_family, 2)
 
 
+@pytest.mark.slow
 def test_changes_and_count_are_those_of_complete_files(sides: tuple[Path, Path]) -> None:
     old, new = devices_of(sides)
 
@@ -102,6 +104,7 @@ def test_changes_and_count_are_those_of_complete_files(sides: tuple[Path, Path])
     assert list(found.changed) == [name for name in sorted(before | after) if before.get(name) != after.get(name)]
 
 
+@pytest.mark.slow
 def test_texts_that_are_left_out_are_not_stored(sides: tuple[Path, Path], tmp_path: Path) -> None:
 
     old, new = devices_of(sides)

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from codewheel.commands.outputs import load_for, targets_named
 from codewheel.language.problems import Problem
+from exhaustive import slow_after
 
 LIKA = Path(__file__).parents[2] / "specs" / "lika"
 #: Family, two texts as printed that are exchanged (AMM5 4.1.2, AM36 4.2, ASC85 4.1, SMA21 4.1), and what is named.
@@ -32,7 +33,7 @@ def unlike_parts(folder: Path) -> list[Problem]:
     return [problem for problem in report.problems if problem.rule == "not-alike"]
 
 
-@pytest.mark.parametrize(("family", "first", "second", "message"), EXCHANGED)
+@pytest.mark.parametrize(("family", "first", "second", "message"), slow_after(2, EXCHANGED))
 def test_a_mistake_in_both_readings_is_reported(
     tmp_path: Path, family: str, first: str, second: str, message: str
 ) -> None:
@@ -46,6 +47,7 @@ def test_a_mistake_in_both_readings_is_reported(
     assert [problem for problem in problems if message in problem.message]
 
 
+@pytest.mark.slow
 def test_an_erratum_explains_a_contact_that_differs(tmp_path: Path) -> None:
     folder = tmp_path / "lika"
     shutil.copytree(LIKA, folder, ignore=shutil.ignore_patterns("*.second.yaml", "*.words.yaml", "*.coverage.json"))
@@ -59,6 +61,7 @@ def test_an_erratum_explains_a_contact_that_differs(tmp_path: Path) -> None:
     assert unlike_parts(folder) == []
 
 
+@pytest.mark.slow
 def test_a_connector_that_no_device_has_is_reported(tmp_path: Path) -> None:
     folder = tmp_path / "lika"
     shutil.copytree(LIKA, folder)

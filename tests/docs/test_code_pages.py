@@ -193,6 +193,7 @@ def device(name: str) -> Device:
     return next(family for family in load_sound()[0] if family.name == name)
 
 
+@pytest.mark.slow
 def test_what_an_order_code_does_not_decide_stays_open() -> None:
     """AMM5 7.3: the user must decide the position of the address in an EEPROM request."""
     amm5 = device("amm5")

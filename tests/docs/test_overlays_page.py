@@ -77,6 +77,7 @@ def _c(generated: Path, family: str) -> str:
     return "\n".join(path.read_text(encoding="utf-8") for path in paths)
 
 
+@pytest.mark.slow
 def test_every_output_has_the_change_with_reason_and_source(generated: Path) -> None:
     """Return the numbers of the Technical Info as a user of each output gets them."""
     header, standard = _c(generated, "tv62_s042"), _c(generated, "tv62")

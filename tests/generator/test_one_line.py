@@ -206,6 +206,7 @@ def random_biss(random_numbers: random.Random) -> str:
     return ",".join([*parts, crc_text] if crc_text else parts)
 
 
+@pytest.mark.slow
 def test_captures_and_specs_read_the_same_frames() -> None:
     random_numbers = random.Random(48)
     compared = 0

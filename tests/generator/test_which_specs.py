@@ -134,6 +134,7 @@ def test_a_spec_of_the_user_comes_before_a_packaged_one(capsys: pytest.CaptureFi
     assert run(capsys, "show", "sma21")[0] == 1, "the packaged spec does not replace one with a problem"
 
 
+@pytest.mark.slow
 def test_in_this_repository_the_edited_files_are_read(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

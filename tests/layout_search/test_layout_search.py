@@ -70,6 +70,7 @@ def test_twenty_layouts_that_differ() -> None:
         assert len(frame) == parse_line(layout.line).bits
 
 
+@pytest.mark.slow
 def test_few_recordings() -> None:
     assert share_right(20, 1, range(1)) >= 0.9
     assert share_right(5, 3, range(1)) >= 0.8
@@ -111,6 +112,7 @@ def test_constants_are_not_named() -> None:
     assert any("error,warning" in same.line for same in answers[0].equal_lines)
 
 
+@pytest.mark.slow
 def test_random_frames_have_no_crc() -> None:
     random_numbers = random.Random(9)
     for _ in range(20):

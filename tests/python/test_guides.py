@@ -50,6 +50,7 @@ def python_blocks(page: Path) -> list[str]:
     return re.findall(r"```+python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
 
 
+@pytest.mark.slow
 def test_pages_are_short(output: Path) -> None:
     folders = package_folders(output)
     assert len(folders) > 10

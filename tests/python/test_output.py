@@ -102,6 +102,7 @@ except e.OrderCodeError as error:
     )
 
 
+@pytest.mark.slow
 def test_lines_are_of_a_length_to_read(files: Mapping[str, str]) -> None:
     for path, text in files.items():
         if path.endswith(".py"):

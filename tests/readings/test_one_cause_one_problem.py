@@ -58,6 +58,7 @@ def test_a_difference_in_another_frame_stays(folder: Path, capsys: pytest.Captur
     assert problems[0].startswith("highest clock over BiSS: 5000000 Hz here, 10000000 Hz in sma21.second.yaml:")
 
 
+@pytest.mark.slow
 def test_a_printed_name_that_differs_everywhere_is_one_problem(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -72,6 +73,7 @@ def test_a_printed_name_that_differs_everywhere_is_one_problem(
     assert re.search(rf" more with the same cause in line \d+, sma21\.second\.yaml:\d+{re.escape(MEND)}$", problem)
 
 
+@pytest.mark.slow
 def test_texts_of_an_example_that_is_gone_are_one_problem_in_the_second_reading(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -84,6 +86,7 @@ def test_texts_of_an_example_that_is_gone_are_one_problem_in_the_second_reading(
     assert problem.endswith("; remove entries for texts that the spec no longer has")
 
 
+@pytest.mark.slow
 def test_revision_and_date_of_an_edition_are_one_problem(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     edit(folder / "sma21.second.yaml", ('revision: "1.2"\n  date: 2024-05-10', 'revision: "1.1"\n  date: 2023-11-10'))
     (problem,) = disagreements(capsys)
@@ -118,6 +121,7 @@ ONE_CAUSE = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("edits", "start"), ONE_CAUSE.values(), ids=ONE_CAUSE)
 def test_one_change_of_a_manual_is_one_disagreement(
     tmp_path: Path,

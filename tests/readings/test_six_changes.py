@@ -127,6 +127,7 @@ def test_a_word_that_is_no_longer_a_choice_is_asked_for(folder: Path, capsys: py
     assert "+10VDC" not in sheet
 
 
+@pytest.mark.slow
 def test_a_change_of_an_edition_that_fails_is_one_problem(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Edition 1.5 of the AMM5 has no alarms, and the editions before it are made from it."""
     shutil.copy(SPECS / "amm5.yaml", folder)
@@ -141,6 +142,7 @@ def test_a_change_of_an_edition_that_fails_is_one_problem(folder: Path, capsys: 
     assert [line.split(": ")[1] for line in problems] == ["overlay-unused"]
 
 
+@pytest.mark.slow
 def test_the_odd_one_of_parts_that_are_alike_is_named(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The start value of a CRC differs in the first of three families by name."""
     for name in ("amm5.yaml", "asc85.yaml"):
