@@ -10,7 +10,7 @@ import inspect
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, Field, dataclass
-from functools import cache
+from functools import cache, cached_property
 from types import MappingProxyType
 from typing import Any, Generic, TypeVar
 
@@ -50,14 +50,12 @@ class Located(Generic[Part]):
 class WrittenPart:
     """A part of a spec. Each key is an attribute. A missing one has its default or, if it is required, is empty."""
 
-    __slots__ = ("_values", "data", "path")
     #: The keys with their types and descriptions.
     described_keys: tuple[DescribedKey, ...] = ()
 
     def __init__(self, data: Any, path: Path = ()) -> None:
         self.data: dict[str, Any] = data if isinstance(data, dict) else {}
         self.path = path
-        self._values: dict[str, Any] = {}
 
     def __init_subclass__(cls) -> None:
         """Collect the keys of a class of parts, and make each of them an attribute that reads its value."""
@@ -67,7 +65,7 @@ class WrittenPart:
             if isinstance(member, Field):
                 # A key can be a reserved word of Python, such as "from".
                 described_keys.append(described_key(name.rstrip("_"), notation, member))
-                setattr(cls, name, _Attribute(described_keys[-1], cls.__module__))
+                setattr(cls, name, _Attribute(name, described_keys[-1], cls.__module__))
         cls.described_keys = tuple(described_keys)
 
     def has(self, *names: str) -> bool:
@@ -89,9 +87,10 @@ class WrittenPart:
 
 
 class _Attribute:
-    """A key of a written part, which is read at its first use."""
+    """A key of a written part, which is read at its first use. The value then hides this attribute in the part."""
 
-    def __init__(self, described: DescribedKey, module: str) -> None:
+    def __init__(self, attribute_name: str, described: DescribedKey, module: str) -> None:
+        self.attribute_name = attribute_name
         self.described = described
         self.module = module
 
@@ -99,28 +98,30 @@ class _Attribute:
         """Return the value of the key in a part, or this attribute itself if asked for by the class."""
         if part is None:
             return self
-        name = self.described.name
-        values = part._values
-        if name not in values:
-            values[name] = self._read_value(part)
-        return values[name]
+        value = self._read_value(part)
+        part.__dict__[self.attribute_name] = value
+        return value
 
     def _read_value(self, part: WrittenPart) -> Any:
         """Return the value of the key. If it is missing or has a wrong type, return its default or an empty value."""
-        value_type = key_type(self.described.notation)
         name = self.described.name
         value = None
         if name in part.data:
-            value = _find_reader(value_type, self.module)(part.data[name], (*part.path, name))
+            value = self._reader(part.data[name], (*part.path, name))
         if value is not None:
             return value
-        return (
-            _empty_value(value_type, self.module, (*part.path, name)) if self._is_required else self.described.default
-        )
+        if self.described.default is not MISSING:
+            return self.described.default
+        return _empty_value(self._value_type, self.module, (*part.path, name))
 
-    @property
-    def _is_required(self) -> bool:
-        return self.described.default is MISSING
+    @cached_property
+    def _value_type(self) -> KeyType:
+        return key_type(self.described.notation)
+
+    @cached_property
+    def _reader(self) -> Reader:
+        """The function that reads a value of the key. It is looked up late, since its class may be defined later."""
+        return _find_reader(self._value_type, self.module)
 
 
 def written(about: str, **options: Any) -> Callable[[type[T]], type[T]]:
