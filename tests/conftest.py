@@ -9,6 +9,7 @@ import json
 import os
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from pathlib import Path
@@ -52,7 +53,14 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: Sequence[pytest.Item]) -> None:
     """A test that needs a shared artefact is slow, because one of them must build it. So are exhaustive tests."""
+    cases_seen: Counter[tuple[Path, str, str]] = Counter()
     for test in items:
+        for thinned in test.iter_markers("one_in"):
+            count, mark = thinned.args
+            cases = (test.path, getattr(test, "originalname", test.name), mark)
+            if cases_seen[cases] % count:
+                test.add_marker(mark)
+            cases_seen[cases] += 1
         if ROOT / "tests" / "verify" in test.path.parents:
             test.add_marker(pytest.mark.exhaustive)
         if "made_once" in getattr(test, "fixturenames", ()) or test.get_closest_marker("exhaustive"):

@@ -336,6 +336,7 @@ ALTERED: list[tuple[str, tuple[int | str, ...]]] = [
 ]
 
 
+@pytest.mark.one_in(3, "exhaustive")
 @pytest.mark.parametrize(("name", "path"), ALTERED, ids=lambda parameter: ".".join(map(str, parameter)))
 def test_a_lost_fact_would_be_seen(devices: Mapping[str, Device], name: str, path: tuple[int | str, ...]) -> None:
     """The comparison is effective: a change of any single text or number of the description changes the model."""

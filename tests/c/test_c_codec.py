@@ -248,6 +248,7 @@ def within_limits(device: Device, name: str, variant: Variant, placed: PlacedLay
     return low <= value <= (register.max.value(variant.parameters) if register.max is not None else value)
 
 
+@pytest.mark.one_in(2, "exhaustive")
 def test_decode_and_encode_are_inverse_for_every_order_code(machine: tuple[Device, Run]) -> None:
     device, run = machine
     pairs = round_trips(Table(device))
@@ -294,6 +295,7 @@ def test_the_table_form_of_a_crc_gives_the_same(
     check(runner_over(device, tmp_path), round_trips(Table(device)))
 
 
+@pytest.mark.one_in(2, "exhaustive")
 def test_disturbed_frames_have_the_same_fault_as_in_the_model(machine: tuple[Device, Run]) -> None:
     device, run = machine
     pairs, kinds = disturbed_frames(device)

@@ -383,6 +383,7 @@ FAULTS = {
 }
 
 
+@pytest.mark.one_in(3, "exhaustive")
 @pytest.mark.slow
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_fault_is_seen(fault: str, include: Path, tmp_path: Path) -> None:

@@ -189,6 +189,7 @@ def test_a_biss_buffer_gives_a_position_and_its_verdict(
     assert run(lines) == expected
 
 
+@pytest.mark.one_in(2, "exhaustive")
 @pytest.mark.parametrize("interface", SSI, ids=lambda interface: interface.code)
 def test_ssi_buffers_give_a_position_and_two_of_them_must_agree(
     interface: Interface, include: Path, made_once: MadeOnce

@@ -86,6 +86,7 @@ class ExpectedReports:
         return f"0 {'-' if verdict is None else verdict} {mask}"
 
 
+@pytest.mark.one_in(2, "exhaustive")
 def test_verdict_and_reports_are_those_of_the_reference(machine: tuple[Device, Run]) -> None:
     device, run = machine
     pairs = []
@@ -107,6 +108,7 @@ def test_verdict_and_reports_are_those_of_the_reference(machine: tuple[Device, R
     assert verdicts >= set(expected.get(device.name, "").split()), verdicts
 
 
+@pytest.mark.one_in(2, "exhaustive")
 def test_every_report_is_made_and_has_its_text(machine: tuple[Device, Run]) -> None:
     """One report at a time. For several, the text is that of the lowest bit."""
     whole, run = machine
@@ -132,6 +134,7 @@ def every_report_is_made(device: Device, run: Run) -> None:
     assert run([f"{code} text of 0"]) == ['"" "" "" "" ""']
 
 
+@pytest.mark.one_in(2, "exhaustive")
 def test_the_strict_form_wants_unused_bits_as_the_manual_has_them(machine: tuple[Device, Run]) -> None:
     device, run = machine
     pairs = []

@@ -18,7 +18,7 @@ from codewheel.model import Device
 from codewheel.model.members import PARTS_BY_CLASS, Part
 from codewheel.targets import Library
 from codewheel.targets.registry import files_of, load_target
-from exhaustive import mostly_exhaustive, mostly_slow
+from exhaustive import mostly_exhaustive
 from pair import Case, devices, diff_text, sides
 
 _WITHOUT = {"before": [], "edits": [], "backwards": False}
@@ -39,7 +39,8 @@ def test_every_rule_has_its_pair() -> None:
     assert {case["rule"] for case in CASES} | _ELSEWHERE == set(RULES)
 
 
-@pytest.mark.parametrize("case", mostly_slow(CASES, *CASES[::3]), ids=lambda case: case["rule"])
+@pytest.mark.one_in(3, "slow")
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case["rule"])
 def test_what_is_printed(case: Case) -> None:
     text = diff_text(*sides(case))
     assert text == case["shown"].rstrip("\n")

@@ -159,6 +159,7 @@ EACH = pytest.mark.parametrize(
 )
 
 
+@pytest.mark.one_in(5, "exhaustive")
 @EACH
 def test_no_damage_makes_it_raise(path: pathlib.Path) -> None:
     """Remove or replace random places of a valid spec. The result is problems or a valid spec, never an exception."""
@@ -174,6 +175,7 @@ def test_no_damage_makes_it_raise(path: pathlib.Path) -> None:
             assert problem.format()
 
 
+@pytest.mark.one_in(5, "exhaustive")
 @EACH
 def test_the_quick_test_agrees_with_jsonschema(path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It accepts each valid spec, so that jsonschema is not imported, and nothing that jsonschema rejects."""

@@ -156,6 +156,7 @@ def test_editions_of_sma21() -> None:
         assert ["Panasonic" in value.meaning for value in output.values if value.text == "JP"] == [False]
 
 
+@pytest.mark.exhaustive
 @pytest.mark.slow
 def test_nothing_is_filled_in_for_the_old_serial_number(generated: Path) -> None:
     """Neither order of its bytes has a name in any language."""

@@ -167,6 +167,7 @@ def test_a_manufacturer_file_of_another_name_is_read_again(
     assert (out / "python" / "other_encoders").is_dir()
 
 
+@pytest.mark.exhaustive
 @pytest.mark.slow
 def test_only_changed_families_are_checked_again(folder: Path, specs: Path, capsys: pytest.CaptureFixture[str]) -> None:
     def check(*options: str) -> tuple[int, str, str]:

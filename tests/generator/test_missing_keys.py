@@ -87,6 +87,7 @@ def _data(file: Path) -> dict[str, Any]:
     return parse(file.read_text(encoding="utf-8"), lambda _: None, lambda _: None)[0]
 
 
+@pytest.mark.exhaustive
 def test_each_key_of_editions_and_of_the_top(spec: Path) -> None:
     data = _data(spec)
     places = [path for path in _places(data) if len(path) == 1 or path[0] in ("editions", "manual")]

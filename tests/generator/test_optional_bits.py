@@ -216,6 +216,7 @@ def made() -> MadeEncoder:
     return MadeEncoder(device(), members, {"word": ("spare", 1), "reply": ("rest", 0)})
 
 
+@pytest.mark.one_in(3, "exhaustive")
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("layout", FRAMES)
 @pytest.mark.parametrize("count", COUNTS)

@@ -203,6 +203,7 @@ def made() -> MadeEncoder:
     return MadeEncoder(load_made("crc_options"), members, {"answer": ("rest", 0), "reply": ("rest", 0)})
 
 
+@pytest.mark.one_in(3, "exhaustive")
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("layout", FRAMES)
 @pytest.mark.parametrize("count", COUNTS)

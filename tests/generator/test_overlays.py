@@ -84,6 +84,7 @@ def test_what_is_unknown_is_taken_away_and_said_to_be_unknown(tmp_path: Path) ->
     ]
 
 
+@pytest.mark.one_in(3, "exhaustive")
 @pytest.mark.parametrize(
     ("changes", "message"),
     [

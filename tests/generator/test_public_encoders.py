@@ -60,6 +60,7 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
+@pytest.mark.exhaustive
 def test_their_self_tests_in_c_pass(generated: Path, tmp_path: Path) -> None:
     sources = sorted(map(str, (generated / "c" / "selftest").glob("*.c")))
     flags = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1", "-shared", "-fPIC"]

@@ -162,6 +162,7 @@ def words_of(family: Family, order_code: str, count: int) -> Iterator[int]:
         yield word
 
 
+@pytest.mark.one_in(3, "exhaustive")
 @pytest.mark.parametrize("family", FAMILIES, ids=lambda family: f"{family.name}-{next(iter(family.bits))}")
 def test_words(import_generated: Importer, family: Family) -> None:
     np: Any = pytest.importorskip("numpy")

@@ -270,6 +270,7 @@ ENGINES = {
 }
 
 
+@pytest.mark.one_in(3, "exhaustive")
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("name", FRAMES)
 def test_every_engine_decides_as_the_table_does(

@@ -105,6 +105,7 @@ FIRST = {
 }
 
 
+@pytest.mark.one_in(3, "exhaustive")
 @pytest.mark.slow
 @pytest.mark.parametrize("maker", MISTAKES, ids=lambda maker: maker.__name__)
 def test_what_was_planted_is_listed_and_mostly_first(maker: Maker, devices: Mapping[str, Device]) -> None:

@@ -74,6 +74,7 @@ def test_a_number_that_its_type_cannot_hold_is_left_out(amm5: Device) -> None:
         assert ">65536<" in text
 
 
+@pytest.mark.exhaustive
 @pytest.mark.slow
 def test_the_installed_target(tmp_path: Path) -> None:
     """The commands of its README, with ``--target`` so that nothing is installed into this environment."""

@@ -56,6 +56,7 @@ def test_columns_make_the_frames_they_come_from(family: Family) -> None:
                 assert frames_as_list(case.view.encode_many(less, *arguments_of(case))) == wire, (name, join.name)
 
 
+@pytest.mark.one_in(3, "exhaustive")
 @pytest.mark.parametrize("family", CASES_OF_FAMILIES, indirect=True)
 def test_what_one_frame_refuses_columns_refuse(family: Family) -> None:
     source = random.Random(f"refusals {family.device.name}")

@@ -180,6 +180,7 @@ def shape(files: Mapping[str, str]) -> list[str]:
     return _shape(files["python/lika_encoders/amm5.py"])
 
 
+@pytest.mark.one_in(3, "exhaustive")
 @pytest.mark.slow
 @pytest.mark.parametrize("text", HOSTILE)
 def test_text_of_a_spec_stays_text(

@@ -310,6 +310,7 @@ def test_c_reads_a_word_of_16_bits_as_its_bytes(outputs: Path, tmp_path: Path) -
     assert printed == [f"{word} {word & 0x3FFF}" for word in usable]
 
 
+@pytest.mark.exhaustive
 def test_python_accepts_exactly_the_valid_words(package: Any) -> None:
     module = importlib.import_module("ams_encoders.as5047p")
     kinds = [module.PositionRequest, module.ReadRequest, module.WriteRequest, module.WriteData]

@@ -37,6 +37,7 @@ def test_the_fixture(generated_python: tuple[Path, ModuleType], virtual_encoder:
     names["test_a_lost_reply"](virtual_encoder)
 
 
+@pytest.mark.exhaustive
 def test_the_simulation(tmp_path: Path) -> None:
     """In the page, 0F4243D3h is position 1,000,003 of AMM5A21/65KSC1 with its flags and CRC."""
     verilator = require(["verilator", "--version"])
