@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from codewheel.commands.cli import main
+from python_path import new_packages
 from working_tools import require
 
 pytestmark = pytest.mark.slow
@@ -101,7 +102,8 @@ def test_the_steps_of_a_spec_read_neighbours_on_their_own(outputs: Path, tmp_pat
 @pytest.fixture(scope="module")
 def package(outputs: Path) -> Iterator[Any]:
     sys.path.insert(0, str(outputs / "mps" / "python"))
-    yield importlib.import_module("mps_encoders")
+    with new_packages():
+        yield importlib.import_module("mps_encoders")
     sys.path.remove(str(outputs / "mps" / "python"))
 
 
