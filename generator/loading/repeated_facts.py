@@ -41,19 +41,21 @@ def check_shared_facts(documents: Sequence[Document], report: Report) -> None:
         for kind in _COMMON:
             # ``name`` is that of a register or CRC, such as ``{"registers": ["preset"]}``.
             for name in alike_names.get(kind, ()):
-                documents_with_fact = [document for document in documents_of_maker if name in _parts(kind, document)]
-                _compare(kind, name, documents_with_fact, report)
+                documents_with_fact = [
+                    document for document in documents_of_maker if name in _parts_by_name(kind, document)
+                ]
+                _report_different_facts(kind, name, documents_with_fact, report)
         compare_ports(alike_names.get("ports", ()), documents_of_maker, report)
         compare_connectors(maker_document, documents_of_maker, report)
 
 
-def _parts(kind: str, document: Document) -> Mapping[str, WrittenRegister | Located[Crc]]:
+def _parts_by_name(kind: str, document: Document) -> Mapping[str, WrittenRegister | Located[Crc]]:
     """Return the registers or CRCs of a spec by name."""
     spec = WrittenSpec(document.data)
     return by_name(spec.registers) if kind == "registers" else by_part_name(spec.crcs)
 
 
-def _compare(kind: str, name: str, documents_with_fact: Sequence[Document], report: Report) -> None:
+def _report_different_facts(kind: str, name: str, documents_with_fact: Sequence[Document], report: Report) -> None:
     """Report each device whose register or CRC differs from the most common one, fact by fact.
 
     ``kind`` is a key of ``_COMMON``. Among equally common facts, the one of the first file applies. A difference is not
@@ -61,7 +63,7 @@ def _compare(kind: str, name: str, documents_with_fact: Sequence[Document], repo
     """
     facts_by_key: dict[tuple[str, ...], list[tuple[Document, _Fact]]] = {}
     for document in sorted(documents_with_fact, key=lambda document: document.file):
-        for key, fact in _facts(kind, _parts(kind, document)[name]):
+        for key, fact in _shared_facts(kind, _parts_by_name(kind, document)[name]):
             facts_by_key.setdefault(key, []).append((document, fact))
     for key, facts in facts_by_key.items():
         affected_place = (kind, name, *key)
@@ -84,7 +86,7 @@ def _compare(kind: str, name: str, documents_with_fact: Sequence[Document], repo
             report.add("not-alike", document, (kind, name, *path), message)
 
 
-def _facts(kind: str, definition: WrittenRegister | Located[Crc]) -> Iterator[tuple[tuple[str, ...], _Fact]]:
+def _shared_facts(kind: str, definition: WrittenRegister | Located[Crc]) -> Iterator[tuple[tuple[str, ...], _Fact]]:
     """Yield the shared facts of a register or CRC, each with its place as an erratum gives it.
 
     A field has its name in that place, such as ``("warning", "at")``, and its index in the path of the fact, such as
@@ -99,7 +101,7 @@ def _facts(kind: str, definition: WrittenRegister | Located[Crc]) -> Iterator[tu
 
 
 def _facts_of_field(field: WrittenField, path: Path) -> Iterator[tuple[tuple[str, ...], _Fact]]:
-    """Yield the shared facts of a field, its position, width and named values, as ``_facts`` does."""
+    """Yield the shared facts of a field, its position, width and named values, as ``_shared_facts`` does."""
     for key, number_or_text in (("at", field.at), ("bits", field.bits)):
         if number_or_text is not None:
             yield (field.name, key), ((*path, key), str(number_or_text))
@@ -152,7 +154,7 @@ def _check_default(device: Device, register: Register, path: Path, report: Docum
         contradictions = [problem.message for problem in decoded.problems if problem.fault is Fault.CONSTANT]
         for placed_field in placed.fields:
             value = decoded.values.get(placed_field.name)
-            contradictions.append(_contradiction(placed_field, default, value, variant))
+            contradictions.append(_describe_contradiction(placed_field, default, value, variant))
         problem = next(filter(None, contradictions), "")
         if problem:
             message = f"the default {default:#x} contradicts a field: {problem}"
@@ -185,7 +187,7 @@ def _check_preset(device: Device, register: Register, path: Path, report: Docume
             return
 
 
-def _contradiction(placed_field: PlacedField, default: int, value: int | str | None, variant: Variant) -> str:
+def _describe_contradiction(placed_field: PlacedField, default: int, value: int | str | None, variant: Variant) -> str:
     """Return how a field contradicts its number in the default of its register, or an empty string.
 
     ``default`` is that of the register, and ``value`` the decoded value of the field, such as the name of the number.
@@ -283,7 +285,7 @@ def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
                 continue
             variants_of_value = [variant for variant in variants if variant.parts.get(part["name"]) == text_of_value]
             if variants_of_value and all(
-                named_counts.isdisjoint(_quantities(device, variant)) for variant in variants_of_value
+                named_counts.isdisjoint(_numbers_of_code(device, variant)) for variant in variants_of_value
             ):
                 settings = ", ".join(f"{name} = {number}" for name, number in value["sets"].items())
                 first_count = next(number for number in numbers if number >= _LEAST)
@@ -309,6 +311,7 @@ def _check_bits_named(raw: Raw, device: Device, report: DocumentReport) -> None:
     not checked.
     """
     units = {parameter.name: parameter.unit for parameter in device.parameters}
+    built_interfaces = {interface.name for interface in device.interfaces}
     for index, part in enumerate(raw["order_code"]["parts"]):
         for text_of_value, value in part["values"].items():
             named_bits = [int(number) for number in _BITS.findall(_compared_meaning(value or {}))]
@@ -321,6 +324,9 @@ def _check_bits_named(raw: Raw, device: Device, report: DocumentReport) -> None:
             ):
                 continue
             variants = [variant for variant in device.variants if variant.parts.get(part["name"]) == text_of_value]
+            # An interface with errors has no frames here, so that any number could be right.
+            if not built_interfaces.issuperset(variant.interface for variant in variants):
+                continue
             if any(named_bits[0] in _frame_and_position_widths(device, variant) for variant in variants):
                 continue
             name = next(iter(bits_by_parameter))
@@ -339,11 +345,10 @@ def _frame_and_position_widths(device: Device, variant: Variant) -> set[int]:
     Frames without the position do not count. Without a measurement, there are no widths.
     """
     measurement = device.measurement_of(variant.interface)
-    interface = next((candidate for candidate in device.interfaces if candidate.name == variant.interface), None)
     widths: set[int] = set()
-    if interface is None or measurement is None:
+    if measurement is None:
         return widths
-    for layout in interface.layouts:
+    for layout in device.interface(variant.interface).layouts:
         placed = layout.place(variant.parameters)
         position_fields = placed.find_fields(layout.names_in(measurement.of))
         if layout.sender == "encoder" and position_fields:
@@ -351,7 +356,7 @@ def _frame_and_position_widths(device: Device, variant: Variant) -> set[int]:
     return widths
 
 
-def _quantities(device: Device, variant: Variant) -> set[int]:
+def _numbers_of_code(device: Device, variant: Variant) -> set[int]:
     """Return the numbers of an order code: its parameters, their powers of two, and those of its measurement."""
     measurement = device.measurement_of(variant.interface)
     expressions = (
