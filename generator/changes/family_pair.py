@@ -169,7 +169,7 @@ class FamilyPair:
                 return self.new_names_by_kind.get(kind, {}).get(value, value)
 
     @cached_property
-    def _points(self) -> dict[str, list[ComparisonPoint]]:
+    def _points_by_interface(self) -> dict[str, list[ComparisonPoint]]:
         """The points for comparing expressions, by new interface, and under an empty name those of all interfaces.
 
         There is one for each common order code and each setting of registers and answers.
@@ -212,14 +212,14 @@ class FamilyPair:
 
         The points are those of an interface, or of all if ``interface`` is empty.
         """
-        return compare_at_points(old, new, self._points.get(interface, ()))
+        return compare_at_points(old, new, self._points_by_interface.get(interface, ()))
 
     def low_bits_and_widths(self, field: Field, interface: str, *, is_old: bool) -> tuple[int | str, ...]:
         """Return low bit and width of a field in turn, for every point of an interface: ``(0, 17, 0, 19)`` for two.
 
         Without points, these are the two expressions as texts: ``("0", "resolution")``.
         """
-        if not self._points.get(interface):
+        if not self._points_by_interface.get(interface):
             return field.low.render(), field.width.render()
         low_bits = self.values_at_points(field.low, interface, is_old=is_old)
         widths = self.values_at_points(field.width, interface, is_old=is_old)
@@ -230,7 +230,7 @@ class FamilyPair:
 
         ``is_old`` selects the parameters of the old or the new family.
         """
-        points = self._points.get(interface, ())
+        points = self._points_by_interface.get(interface, ())
         if is_old:
             return tuple(expression.value(point.old_parameters) for point in points)
         return tuple(expression.value(point.new_parameters) for point in points)

@@ -106,12 +106,12 @@ class _Parser:
         self._complain = complain
         self._stand_in = stand_in
         parser_events = iter(yaml.parse(text, Loader=_LOADER))
-        self._events = iter(CorrectedEvents(parser_events, LINE_BREAK.split(text), _is_text, self._refuse))
+        self._events = iter(CorrectedEvents(parser_events, LINE_BREAK.split(text), _is_text, self._report))
         #: Values by anchor. None while the value is being read.
         self._anchors: dict[str, _Value | None] = {}
         self._count = 0
 
-    def _refuse(self, event: Any, rule: str, message: str, path: Path = ()) -> None:
+    def _report(self, event: Any, rule: str, message: str, path: Path = ()) -> None:
         self._complain(_build_error(event, rule, message, path))
 
     def document(self) -> tuple[dict[str, Any], Mark]:
@@ -217,7 +217,7 @@ class _Parser:
             if key in map_data:
                 first_line = mark.children[key].key_line
                 message = f"duplicate key {quoted(key)}, already on line {first_line}; keep one of them"
-                self._refuse(key_event, "duplicate-key", message, (*path, key))
+                self._report(key_event, "duplicate-key", message, (*path, key))
                 continue
             value.mark.key_line = key_event.start_mark.line + 1
             value.mark.key_column = key_event.start_mark.column + 1
@@ -228,13 +228,13 @@ class _Parser:
         """Return the key as written, so that ``01`` stays a text, or None after a report if it is not usable."""
         if not isinstance(event, yaml.ScalarEvent):
             self._read_value(event, (), depth + 1)  # Discarded, but its events must be read.
-            self._refuse(event, "bad-key", "a key is one word, not a list, a map or an alias", path)
+            self._report(event, "bad-key", "a key is one word, not a list, a map or an alias", path)
             return None
         if event.value == "<<" and not event.style:
-            self._refuse(event, "merge-key", "merge keys are not part of YAML 1.2; write out the entries", path)
+            self._report(event, "merge-key", "merge keys are not part of YAML 1.2; write out the entries", path)
             return None
         if event.value == "" or FORBIDDEN.search(event.value) or event.tag not in (None, "!", f"{_CORE}str"):
-            self._refuse(event, "bad-key", "a key is one word, without a tag and without control characters", path)
+            self._report(event, "bad-key", "a key is one word, without a tag and without control characters", path)
             return None
         return str(event.value)
 
@@ -246,27 +246,27 @@ class _Parser:
         forbidden = FORBIDDEN.search(text) if event.style == '"' else None
         if forbidden is not None:
             message = f"the character U+{ord(forbidden[0]):04X} is not allowed in text; remove its escape"
-            return self._unusable(event, path, "not-text", message)
+            return self._replace(event, path, "not-text", message)
         if tag in ("!", f"{_CORE}str") or (tag is None and is_quoted):
             return text
         if tag is not None and tag not in _TAGGED_TYPES:
-            return self._unusable(event, path, "tag", f"the tag {quoted(_short(tag))} is not supported; remove it")
+            return self._replace(event, path, "tag", f"the tag {quoted(_short_tag(tag))} is not supported; remove it")
         if len(text) > MAX_DIGITS and _INTEGER.fullmatch(text):
             message = f"a number of {len(text)} digits is too long; put it in quotes if it is text"
-            return self._unusable(event, path, "number-too-long", message)
+            return self._replace(event, path, "number-too-long", message)
         value = _resolve_scalar(text)
         if tag is not None and not isinstance(value, _TAGGED_TYPES[tag]):
-            return self._unusable(event, path, "tag", f"{quoted(text)} is not of type {_short(tag)}")
+            return self._replace(event, path, "tag", f"{quoted(text)} is not of type {_short_tag(tag)}")
         return value
 
-    def _unusable(self, event: Any, path: Path, rule: str, message: str) -> None:
-        self._refuse(event, rule, message)
+    def _replace(self, event: Any, path: Path, rule: str, message: str) -> None:
+        self._report(event, rule, message)
         self._stand_in(path)
 
     def _check_container_tag(self, event: Any) -> None:
         container_tag = "map" if isinstance(event, yaml.MappingStartEvent) else "seq"
         if event.tag not in (None, "!", f"{_CORE}{container_tag}"):
-            self._refuse(event, "tag", f"the tag {quoted(_short(event.tag))} is not supported; remove it")
+            self._report(event, "tag", f"the tag {quoted(_short_tag(event.tag))} is not supported; remove it")
 
 
 def _resolve_scalar(text: str) -> str | int | float | bool | None:
@@ -290,7 +290,7 @@ def _is_text(scalar: str) -> bool:
     return isinstance(_resolve_scalar(scalar), str)
 
 
-def _short(tag: str) -> str:
+def _short_tag(tag: str) -> str:
     return tag.replace(_CORE, "!!")
 
 

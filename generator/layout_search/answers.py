@@ -54,7 +54,7 @@ def answer(recording: Recording, layout: FoundLayout) -> Answer:
     return Answer(
         line=parts.line(recording.interface),
         equal_lines=tuple(_equal_lines(recording, layout, parts)),
-        notes=tuple(_notes(recording, layout)),
+        notes=tuple(_describe_certainty(recording, layout)),
     )
 
 
@@ -173,7 +173,7 @@ def _line_with_flags(recording: Recording, layout: FoundLayout, parts: _Parts) -
         yield EqualLine(replace(parts, behind=behind).line("biss"), reason)
 
 
-def _notes(recording: Recording, layout: FoundLayout) -> Iterator[str]:
+def _describe_certainty(recording: Recording, layout: FoundLayout) -> Iterator[str]:
     """Yield how certain the CRC, the constant bits and the position are."""
     split = layout.split
     crc = layout.crc

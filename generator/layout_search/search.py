@@ -63,7 +63,7 @@ def _possible_layouts(recording: Recording) -> Iterator[FoundLayout]:
         body_bits = recording.bits - (crc.width if crc is not None else 0)
         crc_cost = crc.cost if crc is not None else 0.0
         for parity in (*parities_of(recording, body_bits), None):
-            first, end = _bits_without(parity, body_bits)
+            first, end = _bits_between_checks(parity, body_bits)
             parity_cost = _parity_cost(recording, parity, crc) if parity is not None else 0.0
             for split in splits_of(recording, first, end):
                 # A line has no parity over Gray code.
@@ -73,7 +73,7 @@ def _possible_layouts(recording: Recording) -> Iterator[FoundLayout]:
                 yield FoundLayout(crc=crc, parity=parity, split=split, cost=total_cost)
 
 
-def _bits_without(parity: FoundParity | None, body_bits: int) -> tuple[int, int]:
+def _bits_between_checks(parity: FoundParity | None, body_bits: int) -> tuple[int, int]:
     """Return the first bit and the end of the bits between a CRC and a parity bit."""
     if parity is None:
         return 0, body_bits

@@ -79,7 +79,7 @@ def compare_connectors(maker_document: Document, documents: Sequence[Document], 
             place = next((path for path, part in items(document.data, "connectors") if part.get("name") == name), None)
             if place is not None:
                 _compare_connector(contacts_by_line, document, place, report)
-                cables += _cables(document, place)
+                cables += _cable_at(document, place)
                 continue
             message = f"{quoted(device)} has no connector or cable {quoted(name)}"
             reference_path: Path = ("alike", "connectors", group_index, index)
@@ -95,7 +95,7 @@ class _Cable(NamedTuple):
     wires: frozenset[str]
 
 
-def _cables(document: Document, path: Path) -> Iterator[_Cable]:
+def _cable_at(document: Document, path: Path) -> Iterator[_Cable]:
     """Yield the cable at a place, or nothing for a connector. A shield is not a wire."""
     connector = document.data["connectors"][path[-1]]
     if connector["kind"] == "cable":
@@ -158,12 +158,12 @@ def _contacts_by_line(connector: Any, path: Path, document: Document) -> dict[_L
     contacts: list[tuple[_Line, _Contact]] = []
     for contact_path, contact in items(connector, "contacts"):
         place = _Contact(str(contact["contact"]), str(connector["name"]), document, (*path, *contact_path))
-        contacts += [(line, place) for line in _lines(str(contact["signal"]), interfaces)]
+        contacts += [(line, place) for line in _lines_of_signal(str(contact["signal"]), interfaces)]
     counts = Counter(line for line, _ in contacts)
     return {line: contact for line, contact in contacts if counts[line] == 1}
 
 
-def _lines(signal: str, interfaces: Sequence[str]) -> Iterator[_Line]:
+def _lines_of_signal(signal: str, interfaces: Sequence[str]) -> Iterator[_Line]:
     """Yield the lines that a signal names, for each interface: ``("biss", "ma+")``, ``("", "0 V")``."""
     for name in signal_names(signal):
         if name in _SHIELDS:  # It is on the case, whose name differs between manuals.

@@ -59,7 +59,7 @@ def check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None:
         if kind.of:
             problem = f"'{field.name}' must be the last field of '{layout.name}', even with 'crc_of'"
         site.report("crc-not-last", problem)
-    problem = next(chain(_no_run(layout, kind, site), _left_out(layout, field, kind)), "")
+    problem = next(chain(_yield_gap_in_fields(layout, kind, site), _yield_fields_left_out(layout, field, kind)), "")
     if problem:
         site.report("crc-of", problem, "crc_of")
     is_sent_as_bits = INTERFACES[site.interface].carried_as == "bits" and layout.byte_order == "high_byte_first"
@@ -99,7 +99,7 @@ def _is_plain(crc: Crc) -> bool:
     return not crc.init and not crc.refin and not crc.refout
 
 
-def _left_out(layout: Layout, crc: Field, kind: CrcValue) -> Iterator[str]:
+def _yield_fields_left_out(layout: Layout, crc: Field, kind: CrcValue) -> Iterator[str]:
     """Yield at most one problem: fields that a CRC with ``crc_of`` does not list, unless a note names them.
 
     Constants and unused bits need no mention. The note can be that of the layout or of the CRC.
@@ -117,7 +117,7 @@ def _left_out(layout: Layout, crc: Field, kind: CrcValue) -> Iterator[str]:
         yield f"'{crc.name}' leaves out {names_left_out}; {remedy}"
 
 
-def _no_run(layout: Layout, kind: CrcValue, site: Site) -> Iterator[str]:
+def _yield_gap_in_fields(layout: Layout, kind: CrcValue, site: Site) -> Iterator[str]:
     """Yield at most one problem: the reason why the fields in ``crc_of`` are not adjacent bits at a fixed place."""
     if kind.of and layout.in_bytes:
         interface = INTERFACES[site.interface]

@@ -73,19 +73,19 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
 
     Parts that could not be built are missing from the result. It can be used only if nothing was reported.
     """
-    definitions = _definitions(raw)
+    definitions = _derived_expressions(raw)
     order_code = code_grammar(raw["order_code"])
-    alternatives = tuple(_alternative(raw_alternative) for raw_alternative in raw.get("alternatives", ()))
+    alternatives = tuple(_build_alternative(raw_alternative) for raw_alternative in raw.get("alternatives", ()))
     default_answers = {
         name: value for alternative in alternatives for name, value in alternative.answers[0].sets.items()
     }
-    variants = _variants(order_code, definitions, {**held_in_registers(raw, report), **default_answers})
-    context = _context(raw, report, definitions, variants, alternatives)
+    variants = _list_variants(order_code, definitions, {**held_in_registers(raw, report), **default_answers})
+    context = _build_context(raw, report, definitions, variants, alternatives)
     if too_much_work(raw, context) or (variants and not check_reach(raw, context, variants)):
         return None
     check_only(raw, variants, report)
     check_alarms(raw, report)
-    device = _device(raw, manufacturer, order_code, variants, alternatives, context)
+    device = _build_device_without_procedures(raw, manufacturer, order_code, variants, alternatives, context)
     check_control_bytes(device, report)
     check_requests(device, report)
     check_facts_by_code(raw, device, report)
@@ -111,7 +111,7 @@ def _content_hash(raw: Raw) -> str:
     return hashlib.sha256(content.encode("ascii")).hexdigest()[:8]
 
 
-def _context(
+def _build_context(
     raw: Raw,
     report: DocumentReport,
     definitions: Mapping[str, Expression],
@@ -135,7 +135,7 @@ def _context(
     )
 
 
-def _device(
+def _build_device_without_procedures(
     raw: Raw,
     manufacturer: Manufacturer,
     order_code: OrderCode,
@@ -145,7 +145,7 @@ def _device(
 ) -> Device:
     """Return the family without its procedures, which need the built device."""
     # Interfaces come before registers, which determines the order of the reported problems.
-    interfaces, registers = build_interfaces(raw, context), _registers(raw, context)
+    interfaces, registers = build_interfaces(raw, context), _build_registers(raw, context)
     parameters = raw["parameters"].items()
     return record(
         Device,
@@ -153,7 +153,7 @@ def _device(
         name=raw["device"],
         manufacturer=manufacturer,
         documents=tuple(record(Document, document, key=key) for key, document in raw.get("documents", {}).items()),
-        parameters=tuple(_parameter(name, parameter, context) for name, parameter in parameters),
+        parameters=tuple(_build_parameter(name, parameter, context) for name, parameter in parameters),
         order_code=order_code,
         variants=variants,
         crcs=tuple(context.crcs.values()),
@@ -169,7 +169,7 @@ def _device(
     )
 
 
-def _definitions(raw: Raw) -> Mapping[str, Expression]:
+def _derived_expressions(raw: Raw) -> Mapping[str, Expression]:
     """Return the expressions of the parameters that follow from others, by name, without invalid ones."""
     definitions = {}
     for name, parameter in raw["parameters"].items():
@@ -184,17 +184,17 @@ def _definitions(raw: Raw) -> Mapping[str, Expression]:
 
 def code_grammar(raw: Raw) -> OrderCode:
     """Return the grammar of order codes from its checked data."""
-    parts = tuple(_code_part(part) for part in raw["parts"])
-    spellings = tuple(_spelling(spelling) for spelling in raw.get("also_written", ()))
+    parts = tuple(_build_code_part(part) for part in raw["parts"])
+    spellings = tuple(_build_spelling(spelling) for spelling in raw.get("also_written", ()))
     return record(OrderCode, raw, parts=parts, also_written=spellings)
 
 
-def _code_part(raw: Raw) -> CodePart:
-    values = tuple(_code_value(text, value or {}, raw) for text, value in raw["values"].items())
+def _build_code_part(raw: Raw) -> CodePart:
+    values = tuple(_build_code_value(text, value or {}, raw) for text, value in raw["values"].items())
     return record(CodePart, raw, values=values, open_only_with=_allowed_values(raw, "open_only_with"))
 
 
-def _spelling(raw: Raw) -> Spelling:
+def _build_spelling(raw: Raw) -> Spelling:
     """Return an alternative spelling of order codes, with the texts that represent values of a part."""
     spelled_values: list[SpelledValue] = []
     for part, values_by_text in raw.get("values", {}).items():
@@ -202,16 +202,16 @@ def _spelling(raw: Raw) -> Spelling:
     return record(Spelling, raw, values=tuple(spelled_values))
 
 
-def _alternative(raw: Raw) -> Alternative:
-    answers = tuple(_answer(name, answer) for name, answer in raw["values"].items())
+def _build_alternative(raw: Raw) -> Alternative:
+    answers = tuple(_build_answer(name, answer) for name, answer in raw["values"].items())
     return Alternative(raw["name"], raw["meaning"], answers, sources(raw), raw.get("default", ""))
 
 
-def _answer(name: str, raw: Raw) -> Answer:
+def _build_answer(name: str, raw: Raw) -> Answer:
     return Answer(name, raw["meaning"], MappingProxyType(dict(raw["sets"])), sources(raw))
 
 
-def _code_value(text: str, raw: Raw, part: Raw) -> CodeValue:
+def _build_code_value(text: str, raw: Raw, part: Raw) -> CodeValue:
     allowed_values = _allowed_values(raw, "only_with")
     return record(CodeValue, raw, text=text, only_with=allowed_values, supply=supply(raw, sources(part)))
 
@@ -220,7 +220,7 @@ def _allowed_values(raw: Raw, key: str) -> Mapping[str, tuple[str, ...]]:
     return MappingProxyType({name: tuple(values) for name, values in raw.get(key, {}).items()})
 
 
-def _variants(
+def _list_variants(
     order_code: OrderCode, definitions: Mapping[str, Expression], default_values: Mapping[str, int]
 ) -> tuple[Variant, ...]:
     """Return every listed order code with its parameters.
@@ -236,7 +236,7 @@ def _variants(
     return tuple(variants)
 
 
-def _parameter(name: str, raw: Raw, context: Context) -> Parameter:
+def _build_parameter(name: str, raw: Raw, context: Context) -> Parameter:
     """Return a parameter with its limits, from its codes if it has any, and its largest value over all order codes."""
     codes = coded_values(raw)
     if codes:
@@ -249,14 +249,14 @@ def _parameter(name: str, raw: Raw, context: Context) -> Parameter:
     return record(Parameter, raw, name=name, equals=equals, largest=max(all_values, default=0), by_code=codes)
 
 
-def _registers(raw: Raw, context: Context) -> tuple[Register, ...]:
+def _build_registers(raw: Raw, context: Context) -> tuple[Register, ...]:
     """Return the registers whose layouts are valid."""
     definitions = enumerate(raw.get("registers", ()))
-    registers = (_register(definition, ("registers", index), context) for index, definition in definitions)
+    registers = (_build_register(definition, ("registers", index), context) for index, definition in definitions)
     return tuple(register for register in registers if register is not None)
 
 
-def _register(raw: Raw, path: Path, context: Context) -> Register | None:
+def _build_register(raw: Raw, path: Path, context: Context) -> Register | None:
     """Return a register, or None if its layout is not valid. A register without fields is one number."""
     interface = raw.get("interface", Biss.name)
     register_bits = 8 * raw["length"]
@@ -275,14 +275,14 @@ def _register(raw: Raw, path: Path, context: Context) -> Register | None:
         opened_by_field=opener.get("field", ""),
         opened_by_value=opener.get("value", ""),
         layout=layout,
-        meanings=tuple(_register_meaning(meaning, context) for meaning in raw.get("meanings", ())),
+        meanings=tuple(_build_register_meaning(meaning, context) for meaning in raw.get("meanings", ())),
         **context.expressions(raw, ("min", "max")),
     )
     _check_limits(register, path, context)
     return register
 
 
-def _register_meaning(raw: Raw, context: Context) -> RegisterMeaning:
+def _build_register_meaning(raw: Raw, context: Context) -> RegisterMeaning:
     return record(RegisterMeaning, raw, value=raw["is"], **context.expressions(raw, ("min", "max")))
 
 
@@ -299,7 +299,7 @@ def _check_limits(register: Register, path: Path, context: Context) -> None:
     # Without such a dependency, the first order code stands for all.
     for parameters in sets if depends_on_order_code else sets[:1]:
         placed = register.layout.place(parameters)
-        problem = _wrong_limits(register, placed, parameters) or _wrong_default(register, placed, parameters)
+        problem = _problem_of_limits(register, placed, parameters) or _problem_of_default(register, placed, parameters)
         if problem is not None:
             rule, key, message = problem
             context.report.add(rule, (*path, key), message)
@@ -318,7 +318,7 @@ class _Limits(NamedTuple):
     zero_means: int
 
 
-def _limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Limits:
+def _limits_for_code(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Limits:
     """Return the limits of a register for one order code. If the highest number is stored as 0, it is not ``high``."""
     bounded_field = placed.find_field(bounded(register))
     zero_means = bounded_field.field.number.zero_means if bounded_field is not None else 0
@@ -328,10 +328,10 @@ def _limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, i
     return _Limits(low, high, zero_means)
 
 
-def _wrong_limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Wrong | None:
+def _problem_of_limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Wrong | None:
     """Return the first problem of the limits for an order code, or None."""
     lowest, highest = representable(register, placed)
-    limits = _limits(register, placed, parameters)
+    limits = _limits_for_code(register, placed, parameters)
     width_text = f"the {bounded_width(register, placed)} bits of '{register.limits_of}'"
     if limits.high > highest:
         return "limit-does-not-fit", "max", f"the maximum {limits.high} does not fit into {width_text}"
@@ -342,13 +342,13 @@ def _wrong_limits(register: Register, placed: PlacedLayout, parameters: Mapping[
     return None
 
 
-def _wrong_default(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Wrong | None:
+def _problem_of_default(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Wrong | None:
     """Return the first problem of the default for an order code, or None."""
     default = register.default
     if default is None:
         return None
-    limits = _limits(register, placed, parameters)
-    value = _bounded_part(register, placed, default)
+    limits = _limits_for_code(register, placed, parameters)
+    value = _number_within_limits(register, placed, default)
     # A stored zero can stand for another number.
     meant_value = value or limits.zero_means
     named_numbers = [named_value.value for named_value in register.values]
@@ -364,7 +364,7 @@ def _wrong_default(register: Register, placed: PlacedLayout, parameters: Mapping
     return "default-does-not-fit", "default", f"the default {problem}"
 
 
-def _bounded_part(register: Register, placed: PlacedLayout, default: int) -> int:
+def _number_within_limits(register: Register, placed: PlacedLayout, default: int) -> int:
     """Return the number in the default to which the limits apply, with its sign: a field, a join or the register."""
     bounded_name, width = bounded(register), bounded_width(register, placed)
     bounded_joins = [join for join in register.layout.joins if join.name == bounded_name]

@@ -47,11 +47,12 @@ def editions(raw: Raw) -> tuple[ManualEdition, ...]:
     for revision, edition in editions_by_revision.items():
         dates_by_revision.setdefault(revision, edition.get("date", ""))
     return tuple(
-        _edition(editions_by_revision.get(revision, {}), revision, date) for revision, date in dates_by_revision.items()
+        _build_edition(editions_by_revision.get(revision, {}), revision, date)
+        for revision, date in dates_by_revision.items()
     )
 
 
-def _edition(definition: Raw, revision: str, date: str) -> ManualEdition:
+def _build_edition(definition: Raw, revision: str, date: str) -> ManualEdition:
     """Return an edition. ``definition`` is its entry in the spec, or empty if it has none."""
     return record(ManualEdition, definition, revision=revision, date=date)
 

@@ -84,8 +84,10 @@ def read_history(spec: Path, report: Report) -> tuple[Release, ...]:
     if not file.is_file():
         return ()
     try:
-        releases = tuple(_release(release) for release in json.loads(file.read_text(encoding="utf-8"))["releases"])
-        if all(_is_text(release) for release in releases):
+        releases = tuple(
+            _build_release(release) for release in json.loads(file.read_text(encoding="utf-8"))["releases"]
+        )
+        if all(_has_only_texts(release) for release in releases):
             return releases
     except (OSError, ValueError, TypeError, KeyError):
         pass
@@ -94,7 +96,7 @@ def read_history(spec: Path, report: Report) -> tuple[Release, ...]:
     return ()
 
 
-def _release(data: dict[str, object]) -> Release:
+def _build_release(data: dict[str, object]) -> Release:
     """Return a version from the data of the file.
 
     Raises:
@@ -111,7 +113,7 @@ def _release(data: dict[str, object]) -> Release:
     return Release(**{**data, "changes": released_changes, "names": tuple(names)})  # type: ignore[arg-type]
 
 
-def _is_text(release: Release) -> bool:
+def _has_only_texts(release: Release) -> bool:
     """Return True if all members of a release and of its changes are texts."""
     texts: list[object] = [release.version, release.since, release.manual, *release.names]
     for change in release.changes:

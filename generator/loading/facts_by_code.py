@@ -47,15 +47,15 @@ def check_facts_by_code(raw: Raw, device: Device, report: DocumentReport) -> Non
 
 def _all_exclusive_facts(raw: Raw, device: Device, report: DocumentReport) -> Iterator[ExclusiveFacts]:
     """Yield the facts of the interfaces and of the device, those of each kind and name together."""
-    all_codes = _codes(device.variants)
+    all_codes = _codes_of(device.variants)
     for interface in device.interfaces:
-        codes = _codes(device.variants_over(interface.name))
+        codes = _codes_of(device.variants_over(interface.name))
         yield from _facts_of_interface(raw["interfaces"][interface.name], interface, codes, report)
-    yield from _by_name(("timings",), "a timing", device.timings, all_codes)
-    yield from _by_name(("characteristics",), "a characteristic", device.characteristics, all_codes)
+    yield from _group_by_name(("timings",), "a timing", device.timings, all_codes)
+    yield from _group_by_name(("characteristics",), "a characteristic", device.characteristics, all_codes)
 
 
-def _codes(variants: Sequence[Variant]) -> list[str]:
+def _codes_of(variants: Sequence[Variant]) -> list[str]:
     return [variant.code for variant in variants]
 
 
@@ -65,25 +65,25 @@ def _facts_of_interface(
     """Yield the clocks, the time-outs, the clock limits for each cable length, and the timings of each name."""
     path = ("interfaces", interface.name)
     if isinstance(interface, Clocked):
-        clocks = _placed(raw, (*path, "clock"), interface.clocks)
+        clocks = _with_paths(raw, (*path, "clock"), interface.clocks)
         is_whole = (*path, "clock") not in report.document.kept_indices
         yield ExclusiveFacts("a clock", clocks, codes, interface.short, is_needed=is_whole)
     if isinstance(interface, Biss):
-        timeouts = _placed(raw, (*path, "timeout"), interface.timeouts)
+        timeouts = _with_paths(raw, (*path, "timeout"), interface.timeouts)
         is_needed = not explained(report.document, *path, "timeout")
         is_whole = (*path, "timeout") not in report.document.kept_indices
         yield ExclusiveFacts("a time-out", timeouts, codes, interface.short, is_needed=is_needed and is_whole)
     if isinstance(interface, Ssi):
-        rows = _placed(raw, (*path, "cable_lengths"), interface.cable_lengths)
+        rows = _with_paths(raw, (*path, "cable_lengths"), interface.cable_lengths)
         for length in dict.fromkeys(row.shorter_than_m for row in interface.cable_lengths):
             are_of_length = [row.shorter_than_m == length for row in interface.cable_lengths]
             rows_of_length = list(compress(rows, are_of_length))
             noun = f"a clock for cables shorter than {length} m"
             yield ExclusiveFacts(noun, rows_of_length, codes, interface.short, other_rules=True)
-    yield from _by_name((*path, "timings"), "a timing", interface.timings, codes)
+    yield from _group_by_name((*path, "timings"), "a timing", interface.timings, codes)
 
 
-def _placed(raw: Raw, path: tuple[str, ...], facts: Sequence[Restricted]) -> list[tuple[Path, Restricted]]:
+def _with_paths(raw: Raw, path: tuple[str, ...], facts: Sequence[Restricted]) -> list[tuple[Path, Restricted]]:
     """Return facts with their paths. A single one may be written without a list."""
     key = path[-1]
     if isinstance(raw.get(key), Mapping):
@@ -98,7 +98,7 @@ class _Named(Restricted, Protocol):
     def name(self) -> str: ...
 
 
-def _by_name(path: Path, noun: str, facts: Sequence[_Named], codes: Sequence[str]) -> Iterator[ExclusiveFacts]:
+def _group_by_name(path: Path, noun: str, facts: Sequence[_Named], codes: Sequence[str]) -> Iterator[ExclusiveFacts]:
     """Yield the facts of each name that several have. An order code may have none of them."""
     facts_by_name: dict[str, list[tuple[Path, Restricted]]] = {}
     for index, fact in enumerate(facts):
@@ -132,7 +132,8 @@ def _check_overlaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> 
         common_codes = [code for code in exclusive_facts.codes if fits(first.only, code) and fits(fact.only, code)]
         if common_codes:
             line, _ = report.document.position(first_path)
-            message = f"{_codes_text(common_codes)} already {_has(common_codes)} {exclusive_facts.noun}, on line {line}"
+            have = "has" if len(common_codes) == 1 else "have"
+            message = f"{_codes_text(common_codes)} already {have} {exclusive_facts.noun}, on line {line}"
             place = (*path, "only") if fact.only else path
             report.add("only-overlap", place, f"{message}; give each order code exactly one with 'only'")
 
@@ -150,7 +151,7 @@ def _check_gaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None
     if codes_without:
         last_path, _ = exclusive_facts.facts[-1]
         noun = exclusive_facts.noun.removeprefix("a ")
-        message = f"{_codes_text(codes_without)} {_has(codes_without)} no {noun}"
+        message = f"{_codes_text(codes_without)} {_has_or_have(codes_without)} no {noun}"
         remedy = "extend 'only', or add an entry for other order codes"
         if noun == "time-out":
             remedy += ". If the manual gives none for them, add an erratum that affects interfaces.biss.timeout"
@@ -163,5 +164,5 @@ def _codes_text(codes: Sequence[str]) -> str:
     return f"the order code {quoted(codes[0])}{others}"
 
 
-def _has(codes: Sequence[str]) -> str:
+def _has_or_have(codes: Sequence[str]) -> str:
     return "has" if len(codes) == 1 else "have"

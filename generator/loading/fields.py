@@ -72,7 +72,7 @@ class Context:
         return {key: self.expression(raw[key]) if key in raw else None for key in keys}
 
 
-def _makes_position(raw: Raw, interface: str) -> Verdict | None:
+def _verdict_while_active(raw: Raw, interface: str) -> Verdict | None:
     """Return the verdict on the position while a flag is active, or None if it has none.
 
     It is the one in the spec, or otherwise the one that the interface defines for flags of this name.
@@ -145,11 +145,11 @@ def kind_of(raw: Raw, context: Context, interface: str, width: Expression) -> Ki
     if "unused" in raw:
         return Unused(raw["unused"], Verdict(raw.get("makes_position", "usable_with_warning")))
     if "active" in raw:
-        return _flag(raw, context, interface)
+        return _build_flag(raw, context, interface)
     if "values" in raw:
-        return Choice(_choices(raw, width))
+        return Choice(_named_values(raw, width))
     if "values_of" in raw:
-        return Choice(tuple(map(_value_of, context.data_ids.get(interface, ()))))
+        return Choice(tuple(map(_value_of_data_id, context.data_ids.get(interface, ()))))
     if "crc" in raw:
         return CrcValue(raw["crc"], tuple(raw.get("crc_of", ())))
     if "parity_of" in raw:
@@ -158,21 +158,21 @@ def kind_of(raw: Raw, context: Context, interface: str, width: Expression) -> Ki
         covered_names = (one_or_more_names,) if isinstance(one_or_more_names, str) else tuple(one_or_more_names)
         return Parity(covered_names, raw.get("parity") == "odd", raw.get("over", ""))
     if "digits" in raw:
-        return Decimal(_runs(raw["digits"]))
+        return Decimal(_digit_runs(raw["digits"]))
     if "text" in raw:
         return Text()
     return record(Number, raw)
 
 
-def _choices(raw: Raw, width: Expression) -> tuple[Value, ...]:
+def _named_values(raw: Raw, width: Expression) -> tuple[Value, ...]:
     """Return the named values of a field. With ``others``, all other values have names too."""
     values = build_values(raw)
     if "others" in raw:
-        values += _reserved(values, width.constant)
+        values += _name_reserved_numbers(values, width.constant)
     return values
 
 
-def _flag(raw: Raw, context: Context, interface: str) -> Flag:
+def _build_flag(raw: Raw, context: Context, interface: str) -> Flag:
     """Return a flag. ``makes_position_if`` has one entry, such as ``{encoder_follows_edition_2: not_usable}``.
 
     Its key is the parameter that decides, and its value the verdict if this is 1. ``only`` becomes the parameter that
@@ -189,7 +189,7 @@ def _flag(raw: Raw, context: Context, interface: str) -> Flag:
         verdict_parameter=verdict_parameter,
         verdict_if_set=verdict_if_set,
         active_low=raw["active"] == "low",
-        makes_position=_makes_position(raw, interface),
+        makes_position=_verdict_while_active(raw, interface),
         only_while=context.only_while(raw["only"]) if "only" in raw else "",
     )
 
@@ -197,26 +197,26 @@ def _flag(raw: Raw, context: Context, interface: str) -> Flag:
 def build_values(raw: Raw) -> tuple[Value, ...]:
     """Return the named values in ``raw['values']``, in the order of the spec."""
     values = raw.get("values", {}).items()
-    return tuple(record(Value, value, name=name, makes_position=_verdict(value)) for name, value in values)
+    return tuple(record(Value, value, name=name, makes_position=_verdict_of_value(value)) for name, value in values)
 
 
-def _verdict(raw: Raw) -> Verdict | None:
+def _verdict_of_value(raw: Raw) -> Verdict | None:
     """Return the verdict of a named value, or None if it has none."""
     return Verdict(raw["makes_position"]) if "makes_position" in raw else None
 
 
 def build_combinations(raw: Raw) -> tuple[Combination, ...]:
     """Return the combinations of a layout in the order of the spec."""
-    return tuple(map(_combination, raw.get("combinations", ())))
+    return tuple(map(_build_combination, raw.get("combinations", ())))
 
 
-def _combination(raw: Raw) -> Combination:
+def _build_combination(raw: Raw) -> Combination:
     """Return a combination. Its conditions are texts such as ``warning.active``, of a field and a value."""
     conditions = tuple(f"{name}.{value}" for name, value in raw["when"].items())
     return record(Combination, raw, when=conditions, makes_position=Verdict(raw["makes_position"]))
 
 
-def _reserved(values: Sequence[Value], width: int) -> tuple[Value, ...]:
+def _name_reserved_numbers(values: Sequence[Value], width: int) -> tuple[Value, ...]:
     """Return a named value, such as ``reserved_3``, for each number of ``width`` bits that is not in ``values``."""
     meaning = "Reserved: the manual does not say what it means"
     listed_numbers = {value.value for value in values}
@@ -224,7 +224,7 @@ def _reserved(values: Sequence[Value], width: int) -> tuple[Value, ...]:
     return tuple(Value(f"{RESERVED}_{number}", number, "", {}, meaning, ()) for number in unlisted_numbers)
 
 
-def _value_of(data_id: DataId) -> Value:
+def _value_of_data_id(data_id: DataId) -> Value:
     """Return a data ID as a named value of the field that holds it."""
     return Value(
         name=data_id.name,
@@ -236,7 +236,7 @@ def _value_of(data_id: DataId) -> Value:
     )
 
 
-def _runs(digits: Sequence[Raw]) -> tuple[Digits, ...]:
+def _digit_runs(digits: Sequence[Raw]) -> tuple[Digits, ...]:
     """Return the runs of a decimal number, most significant first, each with the divisor that moves it to the ones.
 
     For two runs of three and two digits, the divisors are 100 and 1, and the moduli 1000 and 100.

@@ -68,7 +68,7 @@ def check_errata(device: Device, report: DocumentReport) -> None:
         return
     for erratum in device.errata:
         decoder_verdicts = set(_verdicts_of_affected_bits(device, erratum))
-        wrong_verdicts = [verdict for verdict in _stated(erratum.used) if verdict not in decoder_verdicts]
+        wrong_verdicts = [verdict for verdict in _verdicts_in_text(erratum.used) if verdict not in decoder_verdicts]
         if not decoder_verdicts or not wrong_verdicts:
             continue
         possible_verdicts = listed((quoted(verdict.value) for verdict in Verdict if verdict in decoder_verdicts), "or")
@@ -77,7 +77,7 @@ def check_errata(device: Device, report: DocumentReport) -> None:
         report.add("erratum-verdict", ("errata", erratum.name, "used"), message)
 
 
-def _stated(text: str) -> Iterator[Verdict]:
+def _verdicts_in_text(text: str) -> Iterator[Verdict]:
     """Yield the verdicts that a text names. Each is removed, so that "usable" is not found in "not usable"."""
     remaining_text = " ".join(text.split())
     for verdict, pattern in _IN_WORDS:
@@ -97,7 +97,7 @@ def _verdicts_of_affected_bits(device: Device, erratum: Erratum) -> Iterator[Ver
             verdicts: list[Verdict] = []
             for field in layout.fields:
                 if _is_affected(field, layout_place, erratum):
-                    verdicts += _verdicts(field)
+                    verdicts += _verdicts_of_field(field)
             if not verdicts:
                 continue
             if layout.tells_validity:
@@ -125,7 +125,7 @@ def _is_affected(field: Field, place: str, erratum: Erratum) -> bool:
     )
 
 
-def _verdicts(field: Field) -> Iterator[Verdict]:
+def _verdicts_of_field(field: Field) -> Iterator[Verdict]:
     """Yield the verdicts while a flag or unused bit is active.
 
     A flag has its verdict, also that of another answer of an alternative, and that of other order codes if only some of
@@ -217,12 +217,12 @@ def _are_distinguished(layout: Layout, other_layout: Layout) -> bool:
     """
     if layout.selector:
         return True
-    constants, other_constants = _constants(layout), _constants(other_layout)
+    constants, other_constants = _constants_by_name(layout), _constants_by_name(other_layout)
     common_names = constants.keys() & other_constants.keys()
     return any(constants[name] != other_constants[name] for name in common_names)
 
 
-def _constants(layout: Layout) -> dict[str, int]:
+def _constants_by_name(layout: Layout) -> dict[str, int]:
     """Return the value of each constant of a layout, by its name."""
     return {field.name: field.kind.value for field in layout.fields if isinstance(field.kind, Constant)}
 

@@ -67,13 +67,13 @@ def record(part_class: Callable[..., T], raw: Raw, /, **values: Any) -> T:
     Other members have their default, otherwise an empty value: no text, 0, false, or None if the type allows it. Nested
     parts of the model, and lists of them, are filled in the same way.
     """
-    for name, hint, has_default in _members(part_class):
+    for name, hint, has_default in _members_with_types(part_class):
         if name in values:
             continue
         if hint == Sources:
             values[name] = sources(raw, name)
         elif name in raw:
-            values[name] = _value(hint, raw[name])
+            values[name] = _convert_to_type(hint, raw[name])
         elif not has_default:
             container_or_type = get_origin(hint) or hint
             values[name] = _EMPTY.get(container_or_type)
@@ -86,7 +86,7 @@ def records(part_class: Callable[..., T], raw: Raw, key: str) -> tuple[T, ...]:
 
 
 @cache
-def _members(part_class: Any) -> list[tuple[str, Any, bool]]:
+def _members_with_types(part_class: Any) -> list[tuple[str, Any, bool]]:
     """Return the members of a class, each as its name, its type, and True if it has a default."""
     # Names are resolved in the module, so that a member called 'bytes' does not hide the type.
     hints = get_type_hints(part_class, localns={})
@@ -97,7 +97,7 @@ def _has_default(member: Field[Any]) -> bool:
     return member.default is not MISSING or member.default_factory is not MISSING
 
 
-def _value(hint: Any, value: Any) -> Any:
+def _convert_to_type(hint: Any, value: Any) -> Any:
     """Return a value of a spec as the type ``hint``, such as ``tuple[Value, ...]``, ``Clock`` or ``Clock | None``.
 
     A map becomes an object if the type, or the first type in it, is a class of the model. Other values stay.
@@ -105,13 +105,13 @@ def _value(hint: Any, value: Any) -> Any:
     type_arguments = get_args(hint)
     inner_type = type_arguments[0] if type_arguments else hint
     if get_origin(hint) is tuple:
-        return tuple(_member(inner_type, member) for member in value)
+        return tuple(_convert_map(inner_type, member) for member in value)
     if isinstance(inner_type, type) and is_dataclass(inner_type):
-        return _member(inner_type, value)
+        return _convert_map(inner_type, value)
     return value
 
 
-def _member(part_class: Any, value: Any) -> Any:
+def _convert_map(part_class: Any, value: Any) -> Any:
     """Return a map of the spec as an object of a class, and any other value as it is."""
     return record(part_class, value) if isinstance(value, Mapping) else value
 
@@ -144,12 +144,12 @@ def only_while(only: str, variants: Sequence[Variant], parameters: Collection[st
     Return an empty string if there is none.
     """
     for name in parameters:
-        if _distinguishes(name, only, variants):
+        if _is_nonzero_only_for(name, only, variants):
             return name
     return ""
 
 
-def _distinguishes(parameter: str, only: str, variants: Sequence[Variant]) -> bool:
+def _is_nonzero_only_for(parameter: str, only: str, variants: Sequence[Variant]) -> bool:
     """Return True if a parameter is not 0 for exactly the order codes of ``only``."""
     return all((variant.parameters.get(parameter, 0) != 0) == fits(only, variant.code) for variant in variants)
 
@@ -232,10 +232,10 @@ def _mappings_with_only(value: Any, path: Path) -> Iterator[tuple[Path, Raw]]:
 
 
 def build_procedures(raw: Raw, device: Device) -> tuple[Procedure, ...]:
-    return tuple(_procedure(definition, device) for definition in raw.get("procedures", ()))
+    return tuple(_build_procedure(definition, device) for definition in raw.get("procedures", ()))
 
 
-def _procedure(raw: Raw, device: Device) -> Procedure:
+def _build_procedure(raw: Raw, device: Device) -> Procedure:
     """Return a procedure. Steps without a source have its source, and ``do`` selects the function for a step."""
     arguments = [record(Argument, argument, meant_as=argument.get("as", "")) for argument in raw.get("arguments", ())]
     steps = []
@@ -245,7 +245,7 @@ def _procedure(raw: Raw, device: Device) -> Procedure:
     return record(Procedure, raw, arguments=tuple(arguments), steps=tuple(steps))
 
 
-def _write(raw: Raw, source: Sources, device: Device) -> Step:
+def _build_write_step(raw: Raw, source: Sources, device: Device) -> Step:
     """Return a write step. It sets one field if it names one, otherwise a whole register.
 
     The value is the name of a value of that field, or of the only field of the register. Any other name is an argument
@@ -269,19 +269,19 @@ def _write(raw: Raw, source: Sources, device: Device) -> Step:
     return WriteStep(register_name, value_name, number, meaning=meaning, source=source)
 
 
-def _read(raw: Raw, source: Sources, device: Device) -> Step:
+def _build_read_step(raw: Raw, source: Sources, device: Device) -> Step:
     return record(ReadStep, raw, source=source)
 
 
-def _poll(raw: Raw, source: Sources, device: Device) -> Step:
+def _build_poll_step(raw: Raw, source: Sources, device: Device) -> Step:
     return record(PollStep, raw, source=source, value=raw.get("until", 0))
 
 
-def _wait(raw: Raw, source: Sources, device: Device) -> Step:
+def _build_wait_step(raw: Raw, source: Sources, device: Device) -> Step:
     return record(WaitStep, raw, source=source, microseconds=1000 * raw.get("at_least_ms", 0))
 
 
-def _send(raw: Raw, source: Sources, device: Device) -> Step:
+def _build_send_step(raw: Raw, source: Sources, device: Device) -> Step:
     """Return a send step. The request is one byte, the control field of the data ID, or empty without this data ID."""
     interface = device.find_interface(Rs485)
     data_ids = interface.data_ids if interface is not None else ()
@@ -290,4 +290,10 @@ def _send(raw: Raw, source: Sources, device: Device) -> Step:
     return record(SendStep, raw, source=source, request=bytes(controls[:1]), microseconds=pause_us)
 
 
-_STEPS = {"write": _write, "read": _read, "poll": _poll, "wait": _wait, "send": _send}
+_STEPS = {
+    "write": _build_write_step,
+    "read": _build_read_step,
+    "poll": _build_poll_step,
+    "wait": _build_wait_step,
+    "send": _build_send_step,
+}

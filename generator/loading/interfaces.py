@@ -36,10 +36,10 @@ from .valid_parts import valid_parts_so_far
 
 
 def build_interfaces(raw: Raw, context: Context) -> tuple[Interface, ...]:
-    return tuple(_interface(name, definition, context) for name, definition in raw["interfaces"].items())
+    return tuple(_build_interface(name, definition, context) for name, definition in raw["interfaces"].items())
 
 
-def _interface(name: str, raw: Raw, context: Context) -> Interface:
+def _build_interface(name: str, raw: Raw, context: Context) -> Interface:
     """Return an interface with its valid layouts. Others have been reported."""
     layouts: list[Layout] = []
     for index, definition in enumerate(raw["layouts"]):
@@ -137,12 +137,12 @@ def build_measurement(raw: Raw, context: Context) -> Measurement | None:
     return Measurement(of=definition["of"], source=sources(definition), **context.expressions(definition, keys))
 
 
-def _clocks(raw: Raw) -> tuple[Clock, ...]:
+def _build_clocks(raw: Raw) -> tuple[Clock, ...]:
     """Return the clocks of an interface: one for all order codes, or several with disjoint order codes."""
-    return tuple(map(_clock, _one_or_more(raw.get("clock", {}))))
+    return tuple(map(_build_clock, _one_or_more(raw.get("clock", {}))))
 
 
-def _clock(raw: Raw) -> Clock:
+def _build_clock(raw: Raw) -> Clock:
     """Return a clock. The clocks in use are one number or a list in the spec, and sorted here."""
     used_hz = raw.get("used_hz", ())
     clocks_in_use = tuple(sorted(used_hz)) if isinstance(used_hz, Sequence) else (used_hz,)
@@ -154,7 +154,7 @@ def _one_or_more(value: Raw | Sequence[Raw]) -> Sequence[Raw]:
     return [value] if isinstance(value, Mapping) else value
 
 
-def _ssi(raw: Raw, context: Context) -> Mapping[str, Any]:
+def _members_of_ssi(raw: Raw, context: Context) -> Mapping[str, Any]:
     """Return the members of an SSI interface that differ from the spec, by name. Its source is their default."""
     source = sources(raw)
     output_code = None
@@ -162,27 +162,29 @@ def _ssi(raw: Raw, context: Context) -> Mapping[str, Any]:
         output_code = OutputCode(raw["output_code"], sources(raw, "output_code_source") or source)
     cable_rows = raw.get("cable_lengths", ())
     return {
-        "clocks": _clocks(raw),
+        "clocks": _build_clocks(raw),
         "alignment": Alignment(raw.get("alignment", ""), sources(raw, "alignment_source") or source),
         "output_code": output_code,
         "cable_lengths": tuple(record(CableLength, row, source=sources(row) or source) for row in cable_rows),
     }
 
 
-def _biss(raw: Raw, context: Context) -> Mapping[str, Any]:
+def _members_of_biss(raw: Raw, context: Context) -> Mapping[str, Any]:
     """Return the members of a BiSS interface that differ from the spec, by name."""
     control = raw.get("control_data", {})
     timeouts = _one_or_more(raw.get("timeout", ()))
     return {
-        "clocks": _clocks(raw),
+        "clocks": _build_clocks(raw),
         "timeouts": tuple(record(Timeout, timeout) for timeout in timeouts),
-        "channels": _channels(raw, context),
-        "control_data": tuple(_control_field(definition, control, context) for definition in control.get("fields", ())),
+        "channels": _build_channels(raw, context),
+        "control_data": tuple(
+            _build_control_field(definition, control, context) for definition in control.get("fields", ())
+        ),
         "control_data_note": control.get("note", ""),
     }
 
 
-def _channels(raw: Raw, context: Context) -> DataChannels | None:
+def _build_channels(raw: Raw, context: Context) -> DataChannels | None:
     """Return the data channels that one frame carries, or None if the spec does not list them."""
     if "channels" not in raw:
         return None
@@ -192,20 +194,20 @@ def _channels(raw: Raw, context: Context) -> DataChannels | None:
     return record(DataChannels, {"order": (), **raw_channels}, source=source, **bits)
 
 
-def _rs485(raw: Raw, context: Context) -> Mapping[str, Any]:
-    return {"port": record(Port, {**_PORT, **raw.get("port", {})}), "exchanges": _exchanges(raw, context)}
+def _members_of_rs485(raw: Raw, context: Context) -> Mapping[str, Any]:
+    return {"port": record(Port, {**_PORT, **raw.get("port", {})}), "exchanges": _build_exchanges(raw, context)}
 
 
-def _spi(raw: Raw, context: Context) -> Mapping[str, Any]:
+def _members_of_spi(raw: Raw, context: Context) -> Mapping[str, Any]:
     bits = context.expression(raw.get("word_bits", _WORD[0]))
-    return {"clocks": _clocks(raw), "word_bits": bits, "exchanges": _exchanges(raw, context)}
+    return {"clocks": _build_clocks(raw), "word_bits": bits, "exchanges": _build_exchanges(raw, context)}
 
 
-def _exchanges(raw: Raw, context: Context) -> tuple[Exchange, ...]:
-    return tuple(_exchange(exchange, raw.get("source", ""), context) for exchange in raw.get("exchanges", ()))
+def _build_exchanges(raw: Raw, context: Context) -> tuple[Exchange, ...]:
+    return tuple(_build_exchange(exchange, raw.get("source", ""), context) for exchange in raw.get("exchanges", ()))
 
 
-def _exchange(raw: Raw, source: str, context: Context) -> Exchange:
+def _build_exchange(raw: Raw, source: str, context: Context) -> Exchange:
     word_bits = context.expression(raw["word_bits"]) if "word_bits" in raw else None
     return record(Exchange, {"source": source, **raw}, word_bits=word_bits)
 
@@ -213,10 +215,10 @@ def _exchange(raw: Raw, source: str, context: Context) -> Exchange:
 #: Settings of a port that the manual does not give.
 _PORT = {"data_bits": 8, "parity": "none", "stop_bits": 1, "flow_control": "none"}
 #: Functions that build the members of an interface which differ from the spec.
-_INTERFACES = {"ssi": _ssi, "biss": _biss, "rs485": _rs485, "spi": _spi}
+_INTERFACES = {"ssi": _members_of_ssi, "biss": _members_of_biss, "rs485": _members_of_rs485, "spi": _members_of_spi}
 
 
-def _control_field(raw: Raw, parent: Raw, context: Context) -> ControlField:
+def _build_control_field(raw: Raw, parent: Raw, context: Context) -> ControlField:
     """Return a field of the control frame. A CRC has its own width, and other fields one bit unless they give more."""
     default_bits = context.crcs[raw["crc"]].width if raw.get("crc") in context.crcs else 1
     bits = raw.get("bits", default_bits)
@@ -239,8 +241,8 @@ def check_spi_registers(device: Device, report: DocumentReport) -> None:
     if interface is None or not valid_parts_so_far(report).has_frames:
         return
     for register in device.registers_over(interface.name):
-        frame_names = set(_frames(interface, register))
-        for frame_name, bits in _widths(device, interface, frame_names):
+        frame_names = set(_frames_with_register(interface, register))
+        for frame_name, bits in _widths_of_value(device, interface, frame_names):
             needed_bytes = (bits + 7) // 8
             if needed_bytes != register.length:
                 register_text = f"'{register.name}' has {counted(register.length, 'byte')}"
@@ -250,7 +252,7 @@ def check_spi_registers(device: Device, report: DocumentReport) -> None:
                 break
 
 
-def _frames(interface: Spi, register: Register) -> Iterator[str]:
+def _frames_with_register(interface: Spi, register: Register) -> Iterator[str]:
     """Yield the names of the requests and replies that carry the value of a register, if it can be read or written."""
     for exchange in interface.exchanges:
         reads_register = exchange.purpose == "read" and register.readable
@@ -260,7 +262,7 @@ def _frames(interface: Spi, register: Register) -> Iterator[str]:
             yield exchange.reply
 
 
-def _widths(device: Device, interface: Spi, frame_names: Collection[str]) -> Iterator[tuple[str, int]]:
+def _widths_of_value(device: Device, interface: Spi, frame_names: Collection[str]) -> Iterator[tuple[str, int]]:
     """Yield the name of each of these frames with the width of its value, for each order code that has the value."""
     for layout in interface.layouts:
         if layout.name not in frame_names:

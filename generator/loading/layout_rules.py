@@ -68,7 +68,7 @@ def _check_parts_of_join(join: Join, fields: Mapping[str, Field], site: Site) ->
         if name in join.fields[:index]:
             site.report("join-order", f"'{join.name}' contains '{name}' twice", "join", join.name, index)
             continue
-        reason = _no_plain_bits(fields[name].kind) if name in fields else ""
+        reason = _obstacle_to_join(fields[name].kind) if name in fields else ""
         # A reason may already end with a remedy after a semicolon.
         if reason:
             has_remedy = ";" in reason
@@ -89,10 +89,10 @@ def _check_order_of_join(join: Join, fields: Mapping[str, Field], layout: Layout
         must_be_lower, must_be_higher = (above, below) if low_first else (below, above)
         if _is_above(fields[must_be_lower], fields[must_be_higher], site):
             message = f"'{join.name}' has '{above}' above '{below}', but '{layout.name}' sends '{must_be_lower}' first"
-            site.report("join-order", message + _remedy(low_first, site), "join", join.name, index)
+            site.report("join-order", message + _remedy_for_order(low_first, site), "join", join.name, index)
 
 
-def _remedy(low_first: bool, site: Site) -> str:
+def _remedy_for_order(low_first: bool, site: Site) -> str:
     """Return the end of the message about joined fields in the wrong order."""
     if low_first:
         return ", and the low byte of each number comes first"
@@ -140,7 +140,7 @@ def _check_parities(layout: Layout, site: Site) -> None:
             site.report("parity-of", problem, "fields", field.name, "parity_of")
 
 
-def _no_plain_bits(kind: Kind) -> str:
+def _obstacle_to_join(kind: Kind) -> str:
     """Return the reason that a joined number cannot contain a field of this kind, and the remedy. Empty if it can.
 
     The two are separated by a semicolon: ``which is signed; leave 'signed' out``. Not every reason has a remedy. A

@@ -98,7 +98,7 @@ def apply_overlays(
         overlays_of_family = [overlay for overlay in valid_overlays if overlay.data["of"] == name]
         corrections = [overlay for overlay in overlays_of_family if "applies_to" not in overlay.data]
         # None if there is no correction, or if the corrected family could not be built.
-        corrected_family = _with_overlays(family_with_files, corrections, "", build, report) if corrections else None
+        corrected_family = _apply_overlays(family_with_files, corrections, "", build, report) if corrections else None
         resulting_families.append(corrected_family or family_with_files)
         for special_family in _special_families(family_with_files, overlays_of_family, corrections, build, report):
             special = special_family.device.name.removeprefix(f"{name}_")
@@ -131,7 +131,7 @@ def _special_families(
         if "applies_to" in overlay.data:
             overlays_by_special.setdefault(overlay.data["applies_to"]["special"], []).append(overlay)
     for special, special_overlays in overlays_by_special.items():
-        special_family = _with_overlays(family, [*corrections, *special_overlays], special, build, report)
+        special_family = _apply_overlays(family, [*corrections, *special_overlays], special, build, report)
         if special_family is not None:
             yield special_family
 
@@ -147,7 +147,7 @@ def _refuse_same_names(overlays: Sequence[Document], report: Report) -> None:
             report.add("duplicate-name", overlay, ("overlay",), message)
 
 
-def _with_overlays(
+def _apply_overlays(
     family: Family, overlays: Sequence[Document], special: str, build: Build, report: Report
 ) -> Family | None:
     """Return the family that results from applying overlays to another, or None if it cannot be built.
@@ -176,18 +176,18 @@ def _with_overlays(
             *(erratum for erratum in family.device.errata if erratum.edition),
             *errata_of(layered_spec.applied),
         ),
-        overlays=tuple(_overlay(overlay) for overlay in overlays),
+        overlays=tuple(_build_overlay(overlay) for overlay in overlays),
         title=f"{device.title}, special models /{special}" if special else device.title,
         base=family.device.name if special else "",
         times_read=family.device.times_read,
     )
     if special:
-        device = _of_codes(device, overlays, report)
+        device = _reduce_to_listed_codes(device, overlays, report)
     files = family.files | {overlay.file for overlay in overlays}
     return Family(device, document, files, plain=None if special else family)
 
 
-def _overlay(document: Document) -> Overlay:
+def _build_overlay(document: Document) -> Overlay:
     special = document.data.get("applies_to", {}).get("special", "")
     return Overlay(document.data["overlay"], document.data["title"], special)
 
@@ -261,7 +261,7 @@ def shortened(names: Sequence[str]) -> str:
     return f"{', '.join(unique_names[:_MOST_NAMED])} and {omitted} more"
 
 
-def _of_codes(device: Device, overlays: Sequence[Document], report: Report) -> Device:
+def _reduce_to_listed_codes(device: Device, overlays: Sequence[Document], report: Report) -> Device:
     """Return the device with only the order codes that the overlays list under ``applies_to``.
 
     Report unknown order codes. If no known one is listed, the device keeps all of them.

@@ -41,7 +41,7 @@ def check_named_widths(raw: Raw, device: Device, report: DocumentReport) -> None
         if not is_checked or parameter.name in used_words:
             continue
         frames = ((interface, layout) for interface in device.interfaces for layout in interface.layouts)
-        problem = next(filter(None, (_difference(device, parameter, *frame) for frame in frames)), "")
+        problem = next(filter(None, (_describe_difference(device, parameter, *frame) for frame in frames)), "")
         if problem:
             remedy = "correct 'equals', or rename the parameter if it is another number"
             report.add("parameter-width", ("parameters", parameter.name, "equals"), f"{problem}; {remedy}")
@@ -57,7 +57,7 @@ def _used_words(raw: Raw) -> Iterator[str]:
             yield from _WORD.findall(value)
 
 
-def _difference(device: Device, parameter: Parameter, interface: Interface, layout: Layout) -> str:
+def _describe_difference(device: Device, parameter: Parameter, interface: Interface, layout: Layout) -> str:
     """Return how a parameter differs from the width of the number of its name in a frame, or an empty string.
 
     It is empty if the encoder does not send a number of this name with this layout.
@@ -93,20 +93,23 @@ def check_reach(raw: Raw, context: Context, variants: Sequence[Variant]) -> bool
         sets_to_check = sets_of_interface if parameter_names else sets_of_interface[:1]
         sets_and_expressions = product(sets_to_check, (expression_text, *formulas_of_parameters))
         problem = next(
-            filter(None, (_fault(expression, parameters) for parameters, expression in sets_and_expressions)), ""
+            filter(
+                None, (_error_of_expression(expression, parameters) for parameters, expression in sets_and_expressions)
+            ),
+            "",
         )
         if problem:
             context.report.add("bad-expression", path, problem)
     for name, definition in raw["parameters"].items():
         if "equals" not in definition:
             continue
-        problems = [_fault(definition["equals"], variant.parameters) for variant in variants]
+        problems = [_error_of_expression(definition["equals"], variant.parameters) for variant in variants]
         if problems and all(problems):
             context.report.add("bad-expression", ("parameters", name, "equals"), problems[0])
     return len(context.report) == problems_before
 
 
-def _fault(text: int | str, parameters: Mapping[str, int]) -> str:
+def _error_of_expression(text: int | str, parameters: Mapping[str, int]) -> str:
     """Return the reason why an expression has no value for these parameters, or an empty string.
 
     It is empty for an expression with a syntax error or an unknown parameter, which other rules report.
@@ -138,7 +141,7 @@ def held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
         if register is None or field is None:
             defaults[name] = definition.get("max", 0)  # reported by the rule on references
             continue
-        low_and_width = _place(field)
+        low_and_width = _lowest_bit_and_width(field)
         if low_and_width is None:
             message = f"'{definition['read_from']}' must be placed with 'at' and a constant width"
             report.add("undefined-reference", ("parameters", name, "read_from"), message)
@@ -158,7 +161,7 @@ def held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
             defaults[name] = definition.get("max", 0)
         else:
             number = (register["default"] >> low_bit) & ((1 << width) - 1)
-            defaults[name] = _default(name, definition, number, field.get("zero_means", 0), report)
+            defaults[name] = _default_of_parameter(name, definition, number, field.get("zero_means", 0), report)
     return MappingProxyType(defaults)
 
 
@@ -167,10 +170,10 @@ def _register_and_field(raw: Raw, definition: Raw) -> tuple[Raw | None, Raw | No
     register_name, _, field_name = definition["read_from"].partition(".")
     registers = raw.get("registers", ())
     register = next((candidate for candidate in registers if candidate["name"] == register_name), None)
-    return register, _field(register, field_name) if register is not None else None
+    return register, _find_raw_field(register, field_name) if register is not None else None
 
 
-def _default(name: str, definition: Raw, number: int, zero_means: int, report: DocumentReport) -> int:
+def _default_of_parameter(name: str, definition: Raw, number: int, zero_means: int, report: DocumentReport) -> int:
     """Return the value of a parameter whose field has this number by default, and check it.
 
     A parameter with codes has the value of the code, or 0 if the number is not one of them. ``zero_means`` is the value
@@ -259,7 +262,7 @@ def _check_codes(name: str, definition: Raw, width: int, report: DocumentReport)
         first_text_by_code.setdefault(code, code_text)
 
 
-def _field(register: Raw, name: str) -> Raw | None:
+def _find_raw_field(register: Raw, name: str) -> Raw | None:
     """Return a field of a register as in the spec, or None if there is no such field.
 
     A register without fields is one number, whose field has the name of the register. If the register uses a group, any
@@ -272,7 +275,7 @@ def _field(register: Raw, name: str) -> Raw | None:
     return next((field for field in own_fields if field.get("name") == name), field_of_group)
 
 
-def _place(field: Raw) -> tuple[int, int] | None:
+def _lowest_bit_and_width(field: Raw) -> tuple[int, int] | None:
     """Return the lowest bit and the width of a field, such as ``(0, 8)`` for ``at: 7:0``.
 
     Return None for a field without a valid ``at``, or with a width that is an expression.

@@ -56,7 +56,7 @@ def _problems_of(device: Device, interface: Interface) -> Iterator[tuple[Path, s
     measurement_path: Path = ("measurement",)
     if interface.measurement is not None:
         measurement_path = ("interfaces", interface.name, "measurement")
-    for case in _cases(device, interface, measurement):
+    for case in _yield_cases(device, interface, measurement):
         range_of_layout = case.layout.position_range
         problem = _measurement_problem(device, measurement.within(range_of_layout), case)
         if problem is not None:
@@ -90,7 +90,7 @@ def _check_gray(device: Device, report: DocumentReport) -> None:
         measurement = device.measurement_of(interface.name)
         for layout in interface.layouts:
             problem = _reason_against_excess(layout, measurement, run_time_names)
-            if problem is None and measurement is not None and _codes_position(layout, measurement):
+            if problem is None and measurement is not None and _is_in_gray(layout, measurement):
                 variants = _gray_variants(device, interface, layout, run_time_names)
                 problem = _problem_of_counts(layout, measurement, variants)
             if problem is not None:
@@ -108,7 +108,7 @@ def _gray_variants(device: Device, interface: Interface, layout: Layout, switche
     return [variant for variant in variants if layout.place(variant.parameters).gray]
 
 
-def _codes_position(layout: Layout, measurement: Measurement) -> bool:
+def _is_in_gray(layout: Layout, measurement: Measurement) -> bool:
     """Return True if the lowest field of the measured position is in Gray code, and counts within a turn."""
     if layout.sender != "encoder" or measurement.counts_per_turn is None:
         return False
@@ -135,7 +135,7 @@ def _reason_against_excess(
     """
     if layout.gray_excess is None:
         return None
-    if measurement is None or not _codes_position(layout, measurement) or not _is_position_alone(layout, measurement):
+    if measurement is None or not _is_in_gray(layout, measurement) or not _is_position_alone(layout, measurement):
         problem = f"'excess' needs 'counts_per_turn' and 'turns: 1' of '{layout.gray_of}', as one unsigned field"
         return "excess", f"{problem}; measure this field of a frame from the encoder, or leave 'excess' out"
     if measurement.highest is not None or layout.position_range is not None:
@@ -198,7 +198,7 @@ def _set_at_run_time(device: Device) -> set[str]:
     return {name for name in names if not held_names.isdisjoint(device.needed_parameters([name]))}
 
 
-def _cases(device: Device, interface: Interface, measurement: Measurement) -> Iterator[_Case]:
+def _yield_cases(device: Device, interface: Interface, measurement: Measurement) -> Iterator[_Case]:
     """Yield each layout that the encoder sends with each order code of the interface."""
     for layout in (candidate for candidate in interface.layouts if candidate.sender == "encoder"):
         names = layout.names_in(measurement.of)
@@ -220,7 +220,7 @@ def _measurement_problem(device: Device, measurement: Measurement, case: _Case) 
             return name, f"'{name}' is {value} for {case.variant.code}; it must be at least 1"
         if name in _STEPS and value > _MOST:
             return name, f"'{name}' is {value} for {case.variant.code}; it must be at most {_MOST}"
-    if (unit_problem := _other_unit(case, values)) is not None:
+    if (unit_problem := _unit_problem(case, values)) is not None:
         return unit_problem
     position_range = case.layout.position_range
     never_wraps = position_range is not None and not position_range.wraps
@@ -233,14 +233,14 @@ def _measurement_problem(device: Device, measurement: Measurement, case: _Case) 
             message = f"'{name}' is {value} for {case.variant.code}, which is the highest count"
             return name, f"{message}; including 0 there are {value + 1}"
     return (
-        _does_not_fit(device, measurement, case, key, values)
-        or _out_of_range(measurement, case, key)
-        or _upside_down(measurement, case, key, values)
+        _width_problem(device, measurement, case, key, values)
+        or _range_problem(measurement, case, key)
+        or _order_problem(measurement, case, key, values)
         or _revolution_problem(case, key, values)
     )
 
 
-def _other_unit(case: _Case, values: Mapping[str, int]) -> tuple[str, str] | None:
+def _unit_problem(case: _Case, values: Mapping[str, int]) -> tuple[str, str] | None:
     """Return the key and the message if the unit of a single position field contradicts the length of a count."""
     key = next((name for name in ("step_um", "step_nm") if name in values), "")
     position_fields = [case.layout.field(name) for name, _ in case.fields]
@@ -255,7 +255,7 @@ def _other_unit(case: _Case, values: Mapping[str, int]) -> tuple[str, str] | Non
     return key, f"{message}, so a count is 1 {unit}; correct one of the two, or write 'unit: counts'"
 
 
-def _does_not_fit(
+def _width_problem(
     device: Device, measurement: Measurement, case: _Case, key: str, values: Mapping[str, int]
 ) -> tuple[str, str] | None:
     """Return the key and the message if the position has too few bits, or unused bits where it must use all."""
@@ -272,8 +272,8 @@ def _does_not_fit(
         highest = measurement.highest.value(case.variant.parameters)
         if highest >= end_of_width:
             return "highest", f"'highest' is {highest}, but {width_text} and ends at {end_of_width - 1}"
-    width_parameters = _sources(device, *(case.layout.field(name).width for name, _ in case.fields))
-    count_parameters = _sources(
+    width_parameters = _parameters_behind(device, *(case.layout.field(name).width for name, _ in case.fields))
+    count_parameters = _parameters_behind(
         device, *filter(None, (measurement.counts_per_turn, measurement.turns, measurement.modulus))
     )
     # A position of fixed width can begin with zeros, as manuals draw it. Decoders reject a position above the counts.
@@ -289,7 +289,7 @@ def _does_not_fit(
     return None
 
 
-def _out_of_range(measurement: Measurement, case: _Case, key: str) -> tuple[str, str] | None:
+def _range_problem(measurement: Measurement, case: _Case, key: str) -> tuple[str, str] | None:
     """Return the key and the message if the range of a position does not fit its only field, or is unknown."""
     if measurement.total is None or len(case.fields) != 1:
         return None
@@ -299,7 +299,7 @@ def _out_of_range(measurement: Measurement, case: _Case, key: str) -> tuple[str,
     is_signed = case.layout.field(name).number.signed
     if measurement.highest is None:
         if is_signed and total != 1 << width and not total & (total - 1):
-            return key, _too_wide(case, field_text, total)
+            return key, _message_of_too_many_numbers(case, field_text, total)
         if not is_signed or not total & (total - 1):
             return None
         message = f"{field_text} is signed, and its range does not follow from {total} counts for {case.variant.code}"
@@ -313,14 +313,16 @@ def _out_of_range(measurement: Measurement, case: _Case, key: str) -> tuple[str,
     return "highest", f"'highest' is {highest} for {total} counts, so {positions}, but {possible_range}"
 
 
-def _too_wide(case: _Case, field_text: str, total: int) -> str:
+def _message_of_too_many_numbers(case: _Case, field_text: str, total: int) -> str:
     """Return the message about a signed position that can be more numbers than the encoder has positions."""
     message = f"{field_text} is signed and has {case.width} bits, but the position wraps around after {total} counts"
     remedy = "'position_range: {wraps: false}' if it never wraps around, otherwise give 'highest'"
     return f"{message} for {case.variant.code}; give that layout {remedy}"
 
 
-def _upside_down(measurement: Measurement, case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str] | None:
+def _order_problem(
+    measurement: Measurement, case: _Case, key: str, values: Mapping[str, int]
+) -> tuple[str, str] | None:
     """Return the key and the message if a number of revolutions is below the position within one revolution.
 
     In a frame of bytes, the order in which fields are sent does not tell which one is more significant.
@@ -365,7 +367,7 @@ def _at_run_time(device: Device, expression: Expression) -> bool:
     return not held_names.isdisjoint(device.needed_parameters(expression.parameters))
 
 
-def _sources(device: Device, *expressions: Expression) -> frozenset[str]:
+def _parameters_behind(device: Device, *expressions: Expression) -> frozenset[str]:
     """Return the parameters behind these expressions: those set by order codes or held in registers."""
     names = (name for expression in expressions for name in expression.parameters)
     return device.needed_parameters(names) - device.definitions.keys()
@@ -416,7 +418,7 @@ def _check_width(device: Device, interface: Interface, layout: Layout, field: Fi
         ("field_groups", field.group) if field.group else ("interfaces", interface.name, "layouts", layout.name)
     )
     message = f"'{field.name}' always has {width} bits, but the counts of {code} need {bits}"
-    correct_width = _right_width(measurement, fills_width, bits)
+    correct_width = _corrected_width(measurement, fills_width, bits)
     report.add(
         "measurement-does-not-fit",
         (*owner_path, "fields", field.name),
@@ -424,7 +426,7 @@ def _check_width(device: Device, interface: Interface, layout: Layout, field: Fi
     )
 
 
-def _right_width(measurement: Measurement, fills_width: bool, bits: int) -> str:
+def _corrected_width(measurement: Measurement, fills_width: bool, bits: int) -> str:
     """Return the corrected ``bits``, such as ``bits: 24``. It is a parameter if some order code fills the width."""
     counts = measurement.counts_per_turn
     assert counts is not None
@@ -437,10 +439,10 @@ def _right_width(measurement: Measurement, fills_width: bool, bits: int) -> str:
 
 def _needed_bits(measurement: Measurement, variant: Variant) -> int | None:
     """Return the bits that the positions of an order code fill, or None if that is not a whole number."""
-    counts = _value(measurement.counts_per_turn, variant) * _value(measurement.turns, variant)
+    counts = _value_or_one(measurement.counts_per_turn, variant) * _value_or_one(measurement.turns, variant)
     return counts.bit_length() - 1 if counts > 0 and not counts & (counts - 1) else None
 
 
-def _value(expression: Expression | None, variant: Variant) -> int:
+def _value_or_one(expression: Expression | None, variant: Variant) -> int:
     """Return the value of an expression for an order code, or 1 if there is none."""
     return 1 if expression is None else expression.value(variant.parameters)

@@ -92,15 +92,15 @@ def write_revision(place: RevisionPath, folder: Path) -> RevisionFiles:
     Raises:
         RevisionError: The revision cannot be read, or has names or sizes that no specs have.
     """
-    commit = _commit(place.revision)
-    path = _in_repository(place)
-    blobs_by_path = _entries(commit, path)
+    commit = _find_commit(place.revision)
+    path = _path_in_repository(place)
+    blobs_by_path = _list_files(commit, path)
     if not blobs_by_path:
         raise RevisionError(f"there is no {visible(path) or 'file'} in {visible(place.revision)}")
     is_single_file = path in blobs_by_path
     manufacturer_path = posixpath.join(posixpath.dirname(path), _BESIDE)
     if is_single_file and path != manufacturer_path:
-        blobs_by_path |= _entries(commit, manufacturer_path)
+        blobs_by_path |= _list_files(commit, manufacturer_path)
     # A file given by name is a spec, whatever its suffix.
     blobs_of_specs = {name: blob for name, blob in blobs_by_path.items() if name.endswith(SUFFIXES) or name == path}
     _refuse_bad_names(place.revision, blobs_of_specs)  # Also those of hidden files.
@@ -113,7 +113,7 @@ def write_revision(place: RevisionPath, folder: Path) -> RevisionFiles:
             f"{visible(str(place))} contains {len(blobs_of_specs)} YAML files; name the folder of the specs"
         )
     _refuse_large_files(place, blobs_of_specs)
-    content_by_blob = _contents(blobs_of_specs.values())
+    content_by_blob = _read_contents(blobs_of_specs.values())
     target_paths = _target_paths(blobs_of_specs, folder)
     for name, file in target_paths.items():
         file.parent.mkdir(exist_ok=True)
@@ -155,7 +155,7 @@ def _target_paths(names: Iterable[str], folder: Path) -> dict[str, Path]:
     return paths
 
 
-def _commit(revision: str) -> str:
+def _find_commit(revision: str) -> str:
     """Return the hash of the commit that a revision names.
 
     Raises:
@@ -165,15 +165,15 @@ def _commit(revision: str) -> str:
     if not revision or revision.startswith("-") or "\0" in revision:
         raise RevisionError(f"'{revision_text}' is not a revision; write it like v1.0:specs/my_encoder.yaml")
     try:
-        commit = _git(["rev-parse", "--verify", "--quiet", f"{revision}^{{commit}}"])
+        commit = _run_git(["rev-parse", "--verify", "--quiet", f"{revision}^{{commit}}"])
     except _Refused:
-        reference_names = _git(["for-each-ref", "--format=%(refname:short)"]).decode(errors="replace").split("\n")
+        reference_names = _run_git(["for-each-ref", "--format=%(refname:short)"]).decode(errors="replace").split("\n")
         hint = suggestion(revision, [name for name in reference_names if name][:_MOST_FILES])
         raise RevisionError(f"there is no revision '{revision_text}' in this repository{visible(hint)}") from None
     return commit.decode().strip()
 
 
-def _in_repository(place: RevisionPath) -> str:
+def _path_in_repository(place: RevisionPath) -> str:
     """Return the path from the top of the repository, or an empty string for all of it.
 
     A path with a leading dot is relative to the current folder, others to the top.
@@ -184,7 +184,7 @@ def _in_repository(place: RevisionPath) -> str:
     path = place.path
     is_relative = path in (".", "..") or path.startswith(("./", "../"))
     if is_relative:
-        current_folder = _git(["rev-parse", "--show-prefix"]).decode().removesuffix("\n")
+        current_folder = _run_git(["rev-parse", "--show-prefix"]).decode().removesuffix("\n")
         path = posixpath.join(current_folder, path)
     if path:
         path = posixpath.normpath(path)
@@ -195,12 +195,12 @@ def _in_repository(place: RevisionPath) -> str:
     return path
 
 
-def _entries(commit: str, path: str) -> dict[str, str]:
+def _list_files(commit: str, path: str) -> dict[str, str]:
     """Return the regular files of a commit at or below a path, each with the hash of its content.
 
     An empty path stands for all files. Links and submodules are left out.
     """
-    listing = _git(["ls-tree", "-r", "-z", "--full-tree", commit, *(["--", path] if path else [])])
+    listing = _run_git(["ls-tree", "-r", "-z", "--full-tree", commit, *(["--", path] if path else [])])
     blobs_by_path = {}
     # A line is ``MODE TYPE HASH``, a tab and the path.
     for tree_line in filter(None, listing.split(b"\0")):
@@ -219,7 +219,7 @@ def _refuse_large_files(place: RevisionPath, specs: Mapping[str, str]) -> None:
     """
     command = ["cat-file", "--batch-check=%(objectname) %(objecttype) %(objectsize)"]
     # A reply is ``HASH blob SIZE``, or ``HASH missing``.
-    replies = (line.split(" ") for line in _git(command, specs.values()).decode().splitlines())
+    replies = (line.split(" ") for line in _run_git(command, specs.values()).decode().splitlines())
     sizes = {reply[0]: int(reply[2]) for reply in replies if len(reply) == 3 and reply[1] == "blob"}
     for name, blob in specs.items():
         file_text = f"{visible(place.revision)}:{visible(name)}"
@@ -233,12 +233,12 @@ def _refuse_large_files(place: RevisionPath, specs: Mapping[str, str]) -> None:
         raise RevisionError(f"{message}; name the folder of the specs")
 
 
-def _contents(blobs: Iterable[str]) -> dict[str, bytes]:
+def _read_contents(blobs: Iterable[str]) -> dict[str, bytes]:
     """Return the content of each blob by its hash. Their sizes have been checked.
 
     git prints each as a line ``HASH TYPE SIZE``, then as many bytes and a newline.
     """
-    printed = _git(["cat-file", "--batch"], blobs, max_bytes=2 * _MOST_BYTES)
+    printed = _run_git(["cat-file", "--batch"], blobs, max_bytes=2 * _MOST_BYTES)
     content_by_blob = {}
     start_of_head = 0
     while start_of_head < len(printed):
@@ -253,7 +253,7 @@ class _Refused(RevisionError):
     """git failed."""
 
 
-def _git(arguments: Sequence[str], lines: Iterable[str] = (), max_bytes: int = _MOST_LISTED) -> bytes:
+def _run_git(arguments: Sequence[str], lines: Iterable[str] = (), max_bytes: int = _MOST_LISTED) -> bytes:
     """Run git with these arguments and lines of input, and return its output.
 
     Raises:
@@ -266,7 +266,7 @@ def _git(arguments: Sequence[str], lines: Iterable[str] = (), max_bytes: int = _
         with TemporaryFile() as input_file, TemporaryFile() as errors:
             input_file.write("".join(f"{line}\n" for line in lines).encode())
             input_file.seek(0)
-            code, printed = _run(command, input_file, errors, environment | _QUIET, max_bytes)
+            code, printed = _run_command(command, input_file, errors, environment | _QUIET, max_bytes)
             errors.seek(0)
             error_text = visible(errors.read(4096).decode(errors="replace").strip().split("\n")[0])
     except RevisionError:
@@ -282,7 +282,7 @@ def _git(arguments: Sequence[str], lines: Iterable[str] = (), max_bytes: int = _
     raise _Refused(f"git failed: {error_text.removeprefix('fatal: ') or f'exit code {code}'}")
 
 
-def _run(
+def _run_command(
     command: Sequence[str], input_file: IO[bytes], errors: IO[bytes], environment: Mapping[str, str], max_bytes: int
 ) -> tuple[int, bytes]:
     """Run a command, and return its exit code and output. Stop it if it takes or prints too much.
@@ -292,7 +292,7 @@ def _run(
     """
     with subprocess.Popen(command, stdin=input_file, stdout=subprocess.PIPE, stderr=errors, env=environment) as running:
         timed_out = Event()
-        timer = Timer(_PATIENCE_S, _stop, (running, timed_out))
+        timer = Timer(_PATIENCE_S, _stop_command, (running, timed_out))
         timer.start()
         try:
             # One byte more shows that there is too much.
@@ -309,7 +309,7 @@ def _run(
     return code, printed
 
 
-def _stop(running: subprocess.Popen[bytes], timed_out: Event) -> None:
+def _stop_command(running: subprocess.Popen[bytes], timed_out: Event) -> None:
     """Stop a command that takes too long, and set ``timed_out`` to tell that from its own end."""
     timed_out.set()
     running.kill()

@@ -359,17 +359,19 @@ class Device:
     def range_in(self, layout: Layout) -> PositionRange | None:
         """Return the range of valid positions in a frame if its field could hold others."""
         # The device holds its layouts, so no other layout can have the identity of one of them.
-        if id(layout) not in self._ranges:
+        if id(layout) not in self._ranges_by_layout:
             interface = next((interface.name for interface, candidate in self.layouts() if candidate is layout), "")
             if not interface:
                 return None
             measurement = self.measurement_in(interface, layout) if layout.sender == "encoder" else None
             sets = [variant.parameters for variant in self.variants_over(interface)]
-            self._ranges[id(layout)] = narrower_range(measurement, layout, sets) if measurement is not None else None
-        return self._ranges[id(layout)]
+            self._ranges_by_layout[id(layout)] = (
+                narrower_range(measurement, layout, sets) if measurement is not None else None
+            )
+        return self._ranges_by_layout[id(layout)]
 
     @cached_property
-    def _ranges(self) -> dict[int, PositionRange | None]:
+    def _ranges_by_layout(self) -> dict[int, PositionRange | None]:
         """Results of ``range_in`` so far, because each frame of many needs one."""
         return {}
 

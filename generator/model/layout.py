@@ -146,9 +146,9 @@ class Layout:
 
         A flag or value counts if its verdict is not *usable*, and if it applies to all order codes that have it.
         """
-        judging_names = {field.name for field in self.fields if _judges(field.kind)}
+        judging_names = {field.name for field in self.fields if _is_flag_with_verdict(field.kind)}
         for sign in self.signs:
-            if _judges(sign.flag.kind):
+            if _is_flag_with_verdict(sign.flag.kind):
                 # The fields of a combination are in the same frames, because their widths are the same for all order
                 # codes. So the first one is enough.
                 name, _ = sign.conditions[0]
@@ -346,7 +346,7 @@ class PlacedLayout:
         return (placed_fields[-1].low, width) if placed_fields else (0, 0)
 
 
-def _judges(kind: Kind) -> bool:
+def _is_flag_with_verdict(kind: Kind) -> bool:
     """Return True if a kind is a flag with a verdict other than *usable*, for all order codes that have it."""
     return isinstance(kind, Flag) and kind.makes_position is not Verdict.USABLE and not kind.only_while
 
@@ -388,7 +388,7 @@ def _sign_of_combination(layout: Layout, combination: Combination) -> Sign:
         remedy=combination.remedy,
         source=combination.source,
     )
-    return Sign(field, tuple(_condition(layout, text) for text in combination.when))
+    return Sign(field, tuple(_parse_condition(layout, text) for text in combination.when))
 
 
 def _flag_of_sign(
@@ -399,7 +399,7 @@ def _flag_of_sign(
     return Field(name, flag, nowhere, nowhere, 0, printed_name=printed_name, note=note, remedy=remedy, source=source)
 
 
-def _condition(layout: Layout, text: str) -> tuple[str, int]:
+def _parse_condition(layout: Layout, text: str) -> tuple[str, int]:
     """Return the field of a condition ``field.value`` and the number of its value, such as ``("warning", 1)``."""
     name, _, value_name = text.partition(".")
     field = layout.field(name)

@@ -51,7 +51,7 @@ def _is_equal(self: Any, other: Any) -> Any:
     return values(self) == values(other)
 
 
-def _hash(self: Any) -> int:
+def _hash_of(self: Any) -> int:
     return hash(_values_of(self.__class__)(self))
 
 
@@ -61,7 +61,7 @@ def _text_of(self: Any) -> str:
     return f"{self.__class__.__qualname__}({members})"
 
 
-def _refuse(self: Any, name: str, *_: object) -> NoReturn:
+def _refuse_change(self: Any, name: str, *_: object) -> NoReturn:
     raise FrozenInstanceError(f"cannot change field {name!r}")
 
 
@@ -104,8 +104,8 @@ def _init_of(part_class: type) -> Any:
 
 _SHARED: Mapping[str, Callable[..., Any]] = {
     "__eq__": _is_equal,
-    "__hash__": _hash,
+    "__hash__": _hash_of,
     "__repr__": _text_of,
-    "__setattr__": _refuse,
-    "__delattr__": _refuse,
+    "__setattr__": _refuse_change,
+    "__delattr__": _refuse_change,
 }

@@ -22,13 +22,13 @@ def problems_of_fields(fields: Sequence[LineField], interface: str) -> Iterator[
             yield LineProblem(field.column, "the CRC must be the last field; move it to the end")
         if isinstance(field, Crc) and interface == "rs485" and field.bits % 8:
             yield LineProblem(field.column, f"the CRC has {field.bits} bits; over RS-485, write whole bytes")
-        if isinstance(field, Parity) and not any(map(_changes, fields)):
+        if isinstance(field, Parity) and not any(map(_can_change, fields)):
             yield LineProblem(field.column, "a parity bit needs other fields that change; add them")
     yield from _problems_of_position(fields, interface)
     yield from _problems_of_length(fields, interface)
 
 
-def _changes(field: LineField) -> bool:
+def _can_change(field: LineField) -> bool:
     """Return True if a field is not a check or a constant."""
     is_constant = (isinstance(field, Number) and field.value is not None) or field.name == "zero"
     return not is_constant and not isinstance(field, Parity | Crc)

@@ -48,16 +48,16 @@ def read_field(text: str, column: int, interface: str) -> LineField:
         raise FieldError(f"{quoted(name)} is not a name; use letters, digits and underscores, such as position=32")
     name = _spec_name(name)
     if name == "crc":
-        return _crc(values, column, interface)
+        return _read_crc(values, column, interface)
     if name == "parity":
-        return _parity(values, column)
+        return _read_parity(values, column)
     if name in ("zero", "unused"):
-        return _filler("zero" if name == "zero" else "unused", values, column)
+        return _read_filler("zero" if name == "zero" else "unused", values, column)
     if values and values[0] in ("low", "high"):
-        return _flag(name, values, column)
+        return _read_flag(name, values, column)
     if name in ("error", "warning") and (not values or values == ["1"]):
         return _flag_of_interface(name, column, interface)
-    return _number(name, values, column)
+    return _read_number(name, values, column)
 
 
 def _spec_name(name: str) -> str:
@@ -65,21 +65,21 @@ def _spec_name(name: str) -> str:
     return "_".join(word for word in name.lower().split("_") if word)
 
 
-def _bits(name: str, text: str, widest: int = WIDEST) -> int:
+def _read_width(name: str, text: str, widest: int = WIDEST) -> int:
     bits = number_in(text)
     if bits is None or not 0 < bits <= widest:
         raise FieldError(f"{quoted(text)} is not a width of '{name}'; write 1 to {widest}", len(name) + 1)
     return bits
 
 
-def _number(name: str, values: Sequence[str], column: int) -> Number:
+def _read_number(name: str, values: Sequence[str], column: int) -> Number:
     """Return a number from its values: a width, and ``signed`` or the value of a constant, such as ``24:signed``."""
     if not values or values == [""]:
         hint = suggestion(name, _KNOWN_NAMES) if name not in _KNOWN_NAMES else ""
         raise FieldError(f"'{name}' has no width; write {_FORMS}{hint}")
     if name in ("error", "warning"):
         raise FieldError(f"'{name}' is one bit; write {name}=low or {name}=high", len(name) + 1)
-    bits = _bits(name, values[0])
+    bits = _read_width(name, values[0])
     if len(values) == 1:
         return Number(name, bits, column)
     if values[1:] == ["signed"]:
@@ -96,7 +96,7 @@ def _number(name: str, values: Sequence[str], column: int) -> Number:
     return Number(name, bits, column, value=value)
 
 
-def _flag(name: str, values: Sequence[str], column: int) -> Flag:
+def _read_flag(name: str, values: Sequence[str], column: int) -> Flag:
     """Return a flag from its values: its active level, and its effect on the position, such as ``low:error``.
 
     By default, the flags ``error`` and ``warning`` have the effect of their name, and others have none (``status``).
@@ -116,13 +116,13 @@ def _flag_of_interface(name: str, column: int, interface: str) -> Flag:
     return Flag(name, column, "low", VERDICTS[name])
 
 
-def _filler(name: Literal["zero", "unused"], values: Sequence[str], column: int) -> Filler:
+def _read_filler(name: Literal["zero", "unused"], values: Sequence[str], column: int) -> Filler:
     if len(values) != 1:
         raise FieldError(f"'{name}' takes only a width; write {name}=2 for two bits")
-    return Filler(name, _bits(name, values[0]), column)
+    return Filler(name, _read_width(name, values[0]), column)
 
 
-def _parity(values: Sequence[str], column: int) -> Parity:
+def _read_parity(values: Sequence[str], column: int) -> Parity:
     if values == ["even"]:
         return Parity("parity", column, "even")
     if values == ["odd"]:
@@ -130,14 +130,14 @@ def _parity(values: Sequence[str], column: int) -> Parity:
     raise FieldError("a parity bit is even or odd; write parity=even or parity=odd")
 
 
-def _crc(values: Sequence[str], column: int, interface: str) -> Crc:
+def _read_crc(values: Sequence[str], column: int, interface: str) -> Crc:
     """Return a CRC from its values: width, polynomial, start value, and ``inverted`` or ``plain``.
 
     The last two are optional. The start value is then 0, and the CRC is inverted only over BiSS.
     """
     if len(values) < 2:
         raise FieldError("a CRC needs its width and polynomial; write crc=BITS:POLYNOMIAL, such as crc=6:0x43")
-    bits = _bits("crc", values[0], _WIDEST_CRC)
+    bits = _read_width("crc", values[0], _WIDEST_CRC)
     is_inverted = interface == "biss"
     numbers = list(values[1:])
     if numbers[-1] in ("inverted", "plain"):

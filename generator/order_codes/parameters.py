@@ -188,7 +188,7 @@ def coded_states(codes: Mapping[str, Mapping[int, int]]) -> Sequence[State]:
 
 def extreme_states(device: Device) -> Sequence[Sequence[State]]:
     """Return the extreme states of each field that holds a parameter: the limits of its value, or each of its codes."""
-    return _states_of_fields(device.run_time_parameters, _limits)
+    return _states_of_fields(device.run_time_parameters, _limits_of_parameter)
 
 
 def possible_states(parameters: Sequence[Parameter]) -> Sequence[Sequence[State]]:
@@ -196,7 +196,7 @@ def possible_states(parameters: Sequence[Parameter]) -> Sequence[Sequence[State]
     return _states_of_fields(parameters, lambda parameter: range(parameter.min or 0, (parameter.max or 0) + 1))
 
 
-def _limits(parameter: Parameter) -> Iterable[int]:
+def _limits_of_parameter(parameter: Parameter) -> Iterable[int]:
     """Return the minimum and the maximum of a parameter that it has, each once if they are equal."""
     return dict.fromkeys(limit for limit in (parameter.min, parameter.max) if limit is not None)
 

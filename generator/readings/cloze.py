@@ -135,12 +135,12 @@ def compare_words(spec: Document, sheet_document: Document, report: Report) -> N
         filled_text = sheet_texts.get(path)
         if filled_text is None:
             word_count_text = counted(len(cloze.gaps), "turning word")
-            message = f"{sheet_name} lacks this text, which has {word_count_text}; {_refill(spec)}"
+            message = f"{sheet_name} lacks this text, which has {word_count_text}; {_advice_to_refill(spec)}"
             report.add(OUTDATED_RULE, spec, place, message, cause=sheet_name)
             is_outdated = True
         elif filled_text["text"] != cloze.text or len(filled_text["words"]) != len(cloze.gaps):
             line, _ = sheet_document.position(("texts", path))
-            message = f"this text has changed since {sheet_name}:{line} was filled; {_refill(spec)}"
+            message = f"this text has changed since {sheet_name}:{line} was filled; {_advice_to_refill(spec)}"
             report.add(OUTDATED_RULE, spec, place, message, cause=sheet_name)
             is_outdated = True
         else:
@@ -149,11 +149,11 @@ def compare_words(spec: Document, sheet_document: Document, report: Report) -> N
         return
     for path in sheet_texts:
         if path not in spec_texts:
-            message = f"the spec has no such text with turning words; {_refill(spec)}"
+            message = f"the spec has no such text with turning words; {_advice_to_refill(spec)}"
             report.add(OUTDATED_RULE, sheet_document, ("texts", path), message, at_key=True, cause=sheet_name)
 
 
-def _refill(spec: Document) -> str:
+def _advice_to_refill(spec: Document) -> str:
     return f"run 'codewheel cloze {File(spec.file).stem}' and fill it again from the manual"
 
 
@@ -177,7 +177,7 @@ def _compare_gaps(
             continue
         line, _ = sheet_document.position(word_place)
         sheet_text = f"{quoted(word)} in {File(sheet_document.file).name}:{line}"
-        context = _context(cloze, number)
+        context = _text_around_gap(cloze, number)
         message = f"{context}: {quoted(gap.word)} here, {sheet_text}; check the manual and correct one of them"
         report.add(RULE, spec, place, message, cause=f"{gap.word} {word}" if gap.kind == SIGNAL else "")
 
@@ -188,7 +188,7 @@ _AROUND = 30
 _GAP = re.compile(r"\{(\d+) (\w+)\}")
 
 
-def _context(cloze: ClozeText, number: int) -> str:
+def _text_around_gap(cloze: ClozeText, number: int) -> str:
     """Return up to 30 characters on each side of a gap, in quotes: ``"the position [change] when turned clockwise"``.
 
     The gap is shown as its kind. Other gaps have their words.

@@ -77,10 +77,10 @@ def _nearest_place(comparison: Comparison, spec: Facts, second: Facts, second_fa
             unmatched_facts.append(spec_fact)
     if len(unmatched_facts) == 1:
         return unmatched_facts[0].place
-    return _container(second_fact.place)
+    return _nearest_container(second_fact.place)
 
 
-def _container(place: Path) -> Path:
+def _nearest_container(place: Path) -> Path:
     """Return the nearest list or map around a place that exists in any spec.
 
     This is its first step, such as ``("registers",)``. In interfaces and the manual, it has three steps, such as

@@ -19,8 +19,8 @@ def with_order_of(spec: Facts, second: Facts) -> Facts:
     the spec, because each reader chooses names freely.
     """
     new_keys: dict[Key, Key] = {}
-    for (_, interface, kind), keys_by_name in _connectors(spec).items():
-        second_keys_by_name = _connectors(second).get(("connector", interface, kind), {})
+    for (_, interface, kind), keys_by_name in _connector_keys(spec).items():
+        second_keys_by_name = _connector_keys(second).get(("connector", interface, kind), {})
         if not second_keys_by_name or not second_keys_by_name.keys() <= keys_by_name.keys():
             continue
         numbered_names = list(second_keys_by_name)
@@ -44,7 +44,7 @@ def with_order_of(spec: Facts, second: Facts) -> Facts:
     return replace(spec, facts=facts, names=names)
 
 
-def _connectors(facts: Facts) -> dict[tuple[Any, ...], dict[str, Key]]:
+def _connector_keys(facts: Facts) -> dict[tuple[Any, ...], dict[str, Key]]:
     """Return the key of each connector by its name, by interface and kind, in the order of their numbers."""
     keys_by_kind: dict[tuple[Any, ...], dict[str, Key]] = defaultdict(dict)
     for kind, names in facts.names.items():

@@ -163,7 +163,7 @@ def _word_case(
     for placed_field in placed_layout.fields:
         place = owner.reading.field_place(owner.place, placed_field.field)
         description = f"{bits(placed_field.high, placed_field.low)} of {owner.description}"
-        bits_by_number[placed_field.low : placed_field.high + 1] = _bits(placed_field, placed_layout, place)
+        bits_by_number[placed_field.low : placed_field.high + 1] = _yield_bits(placed_field, placed_layout, place)
         subject = Subject(owner.reading, key=(), place=place, description=description, interface=owner.interface)
         facts = properties(subject, placed_field, parameters, register)
         properties_by_low_and_width[placed_field.low, placed_field.width] = {fact.key: fact for fact in facts}
@@ -171,7 +171,7 @@ def _word_case(
     return WordCase(bits=tuple(bits_by_number), fields=properties_by_low_and_width, names=name_facts.names)
 
 
-def _bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: Path) -> Iterator[Bit]:
+def _yield_bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: Path) -> Iterator[Bit]:
     """Yield each bit of a field, lowest first, with its meaning.
 
     Constants and unused bits have a fixed value. The bits of a number have weights, which continue across the fields of
@@ -225,14 +225,14 @@ def _owner_text(kind: Kind, placed_field: PlacedField, placed_layout: PlacedLayo
 def _parity_text(parity: Parity, placed_layout: PlacedLayout) -> str:
     """Return text such as ``odd parity of bits 7:0``, or of their ``one bits`` if the parity is over those."""
     polarity = "odd" if parity.odd else "even"
-    covered_bits = listed([_bits_of(placed_layout, name) for name in parity.of])
+    covered_bits = listed([_text_of_bits(placed_layout, name) for name in parity.of])
     if not parity.over:
         return f"{polarity} parity of {covered_bits}"
     counted_words = parity.over.replace("_", " ")
     return f"{polarity} parity of the {counted_words} of {covered_bits}"
 
 
-def _bits_of(placed_layout: PlacedLayout, name: str) -> str:
+def _text_of_bits(placed_layout: PlacedLayout, name: str) -> str:
     """Return the bits of a field, or its name if the order code has no such field."""
     placed_field = placed_layout.find_field(name)
     return bits(placed_field.high, placed_field.low) if placed_field is not None else name

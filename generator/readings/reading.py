@@ -277,10 +277,10 @@ class Reading:
         The cases of an order code are the factory defaults, both ends of the range of each parameter in a register, and
         each other answer of an alternative.
         """
-        return self._cases.get(interface, {})
+        return self._parameters_by_case.get(interface, {})
 
     @cached_property
-    def _cases(self) -> Mapping[str, Mapping[Case, Parameters]]:
+    def _parameters_by_case(self) -> Mapping[str, Mapping[Case, Parameters]]:
         """The parameters of every order code by its interface and by case, first with the factory defaults."""
         interfaces = {variant.interface for variant in self.device.variants}
         states_by_interface = {interface: list(self._states_to_compare(interface)) for interface in interfaces}

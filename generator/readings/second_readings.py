@@ -58,9 +58,9 @@ class Coverage:
     @cached_property
     def counts(self) -> Mapping[Sort, TimesRead]:
         """Counts of each class."""
-        return {sort: self._count(sort) for sort in Sort}
+        return {sort: self._count_times_read(sort) for sort in Sort}
 
-    def _count(self, sort: Sort) -> TimesRead:
+    def _count_times_read(self, sort: Sort) -> TimesRead:
         """Return how many facts of a class were read how often. Facts that were read differently are not counted."""
         all_reads = self.outcome.read_by_place.items()
         reads_of_sort = [read for (read_sort, _), read in all_reads if read_sort is sort]
@@ -185,7 +185,7 @@ def explain(spec: Document, second: Document, outcome: Comparison, report: Repor
     An erratum explains a disagreement with exactly its two values at a place that it affects. An erratum that explains
     nothing is also reported.
     """
-    explanations = list(_explanations(spec))
+    explanations = list(_explained_differences(spec))
     used_explanations: set[Path] = set()
     unexplained: list[Disagreement] = []
     for disagreement in outcome.disagreements:
@@ -220,7 +220,7 @@ class _Explanation:
         return any(touches(path, disagreement.spec_place_or_nearest) for path in self.affected_paths)
 
 
-def _explanations(spec: Document) -> Iterator[_Explanation]:
+def _explained_differences(spec: Document) -> Iterator[_Explanation]:
     """Yield each pair of values that the errata of a spec explain, under ``readings``.
 
     Several pairs of an erratum are separate explanations with the same printed text and affected paths.

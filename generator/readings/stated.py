@@ -125,10 +125,12 @@ def _waits_and_repetitions(reading: Reading, procedure: Procedure) -> Iterator[_
                 description=description,
             )
         if isinstance(step, SendStep):
-            yield from _repetitions(step, step_number, step_place, f"{step_text} in the procedure '{procedure.name}'")
+            yield from _repetition_details(
+                step, step_number, step_place, f"{step_text} in the procedure '{procedure.name}'"
+            )
 
 
-def _repetitions(step: SendStep, step_number: int, place: Path, request_text: str) -> Iterator[_Detail]:
+def _repetition_details(step: SendStep, step_number: int, place: Path, request_text: str) -> Iterator[_Detail]:
     """Yield how often a request is sent, at which interval, and whether in succession without other requests."""
     yield _Detail(
         sort=Sort.PROCEDURE,

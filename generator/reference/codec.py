@@ -149,18 +149,18 @@ def decode_placed(device: Device, placed: PlacedLayout, data: bytes) -> Decoded:
     """Decode a frame of whole bytes with a known layout."""
     number = number_from_bytes(placed.layout, data)
     if 8 * len(data) != placed.bits:
-        return _of_wrong_length(placed, number, counted(placed.bits // 8, "byte"), len(data))
+        return _result_of_wrong_length(placed, number, counted(placed.bits // 8, "byte"), len(data))
     return decode(device, placed, number)
 
 
 def decode_bits(device: Device, placed: PlacedLayout, number: int, bits: int) -> Decoded:
     """Decode a frame of this many bits with a known layout."""
     if bits != placed.bits:
-        return _of_wrong_length(placed, number, f"{placed.bits} bits", bits)
+        return _result_of_wrong_length(placed, number, f"{placed.bits} bits", bits)
     return decode(device, placed, number)
 
 
-def _of_wrong_length(placed: PlacedLayout, number: int, needed_length: str, actual_length: int) -> Decoded:
+def _result_of_wrong_length(placed: PlacedLayout, number: int, needed_length: str, actual_length: int) -> Decoded:
     """Return the result for a frame of the wrong length: one problem and no fields."""
     message = report.length(placed.name, needed_length, f"{actual_length}")
     problem = Problem(Fault.LENGTH, field="", message=message)
@@ -173,7 +173,7 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
     Errors are in the order of ``Fault``. A number with more bits than the frame has the wrong length.
     """
     if number >> placed.bits:
-        return _of_wrong_length(placed, number, f"{placed.bits} bits", number.bit_length())
+        return _result_of_wrong_length(placed, number, f"{placed.bits} bits", number.bit_length())
     problems: list[Problem] = []
     fields: list[DecodedField] = []
     binary_number = from_gray(placed, number)

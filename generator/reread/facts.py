@@ -270,7 +270,7 @@ def _facts_in(document: Document, data: Any, path: Path, around: _Surroundings) 
             around_member = replace(around, item=(*path, index)) if is_row else around
             yield from _facts_in(document, member, (*path, index), around_member)
     elif around.source or path[:1] == ("manual",):
-        yield _fact(document, data, path, around)
+        yield _build_fact(document, data, path, around)
 
 
 def _source_of_member(data: Mapping[str, Any], path: Path, key: str, in_map: _Surroundings) -> Sources:
@@ -301,7 +301,7 @@ def _surroundings_in(data: Mapping[str, Any], path: Path, around: _Surroundings)
     return _Surroundings(
         item=path if is_item else around.item,
         source=_parse_source(own_source) if isinstance(own_source, str) else around.source,
-        names=(*around.names, *_labels(data)),
+        names=(*around.names, *_names_of_item(data)),
         refers_to=references,
     )
 
@@ -316,7 +316,7 @@ def _references_in(data: Mapping[str, Any]) -> Iterator[str]:
                 yield name
 
 
-def _fact(document: Document, value: object, path: Path, around: _Surroundings) -> Citing:
+def _build_fact(document: Document, value: object, path: Path, around: _Surroundings) -> Citing:
     """Return the value at a path as a fact, with the sections and pages of the manual that it cites.
 
     Citations of other documents are left out.
@@ -330,20 +330,20 @@ def _fact(document: Document, value: object, path: Path, around: _Surroundings) 
         sections=frozenset(citation.section for citation in in_manual if citation.section),
         pages=frozenset(citation.page for citation in in_manual if citation.page is not None),
         names=around.names,
-        spelling=_spelling(document, value, path),
+        spelling=_spelling_in_spec(document, value, path),
         item=document.name_path(around.item),
         refers_to=around.refers_to,
     )
 
 
-def _spelling(document: Document, value: object, path: Path) -> str:
+def _spelling_in_spec(document: Document, value: object, path: Path) -> str:
     """Return a number or truth value as in the spec, such as ``0x1F`` or ``true``, or "" for another value."""
     if isinstance(value, bool):
         return str(value).lower()
     return document.spelling_at(path) if isinstance(value, int) else ""
 
 
-def _labels(item: Mapping[str, Any]) -> list[str]:
+def _names_of_item(item: Mapping[str, Any]) -> list[str]:
     """Return the names of an item: those that the manual may print next to its values, and translations."""
     labels = [item.get(key) for key in _LABELS]
     names_by_language = item.get("names")

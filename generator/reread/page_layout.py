@@ -157,8 +157,8 @@ def _counts_pages(lines: Sequence[str]) -> bool:
     # The first numbers of all lines, the second numbers of all lines, and so on.
     columns = zip(*numbers_by_line, strict=False)
     changing_columns = [column for column in columns if len(set(column)) > 1]
-    return bool(changing_columns) and all(map(_increases, changing_columns))
+    return bool(changing_columns) and all(map(_do_increase, changing_columns))
 
 
-def _increases(numbers: Sequence[int]) -> bool:
+def _do_increase(numbers: Sequence[int]) -> bool:
     return all(number < following for number, following in pairwise(numbers))

@@ -63,8 +63,8 @@ def changed(old: Manual, new: Manual) -> Iterator[Passage]:
     for old_section, new_section in pair_sections(old, new):
         if old_section is not None and new_section is not None:
             old_title, new_title = WORD.findall(old_section.title), WORD.findall(new_section.title)
-            yield from _in_section(old_section, old_title, new_title, heads)
-            yield from _in_section(old_section, old_section.words, new_section.words, heads)
+            yield from _passages_of_section(old_section, old_title, new_title, heads)
+            yield from _passages_of_section(old_section, old_section.words, new_section.words, heads)
         elif old_section is not None:
             yield Passage(
                 section=old_section,
@@ -89,7 +89,9 @@ def _whole_section_text(section: Section) -> str:
     return f"section {section.shown}, {len(section.words)} words"
 
 
-def _in_section(section: Section, old: Sequence[str], new: Sequence[str], heads: Collection[str]) -> Iterator[Passage]:
+def _passages_of_section(
+    section: Section, old: Sequence[str], new: Sequence[str], heads: Collection[str]
+) -> Iterator[Passage]:
     """Yield the passages that differ between the words ``old`` and ``new`` of a section.
 
     ``heads`` has the letters of running heads, which are skipped if only one edition has them here.
@@ -157,7 +159,7 @@ def numbers_changed(old: Manual, new: Manual) -> Iterator[Passage]:
     for old_section, new_section in pair_sections(old, new):
         if old_section is None or new_section is None:
             continue
-        old_numbers, new_numbers = _numbers(old_section), _numbers(new_section)
+        old_numbers, new_numbers = _count_numbers(old_section), _count_numbers(new_section)
         removed_numbers = tuple((old_numbers - new_numbers).elements())
         added_numbers = tuple((new_numbers - old_numbers).elements())
         changed_numbers = (*removed_numbers, *added_numbers)
@@ -172,7 +174,7 @@ def numbers_changed(old: Manual, new: Manual) -> Iterator[Passage]:
             )
 
 
-def _numbers(section: Section) -> Counter[str]:
+def _count_numbers(section: Section) -> Counter[str]:
     """Return the numbers in a section, with a decimal point in every language."""
     return Counter(word.replace(",", ".") for word in section.words if _is_number(word))
 

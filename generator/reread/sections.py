@@ -162,15 +162,17 @@ def divide(text: str) -> Manual:
     contents_lines = _contents_lines(lines, numbered_lines)
     # Later pairs replace earlier ones, so with the last line first, the first of two entries with one number counts.
     title_by_number = dict(numbered_lines[index] for index in sorted(contents_lines, reverse=True))
-    headings, page_by_title = _headings(lines, numbered_lines, contents_lines, title_by_number)
+    headings, page_by_title = _find_headings(lines, numbered_lines, contents_lines, title_by_number)
     running_heads: set[int] = set()
     page_numbers: set[int] = set()
     if not has_pages:
         running_heads = find_running_heads(lines, set(headings))
         page_numbers = find_page_numbers(lines)
     sections: list[Section] = []
-    for (number, title), body_lines in _bodies(lines, headings, contents_lines, running_heads | page_numbers):
-        words = tuple(_words(body_lines, title_by_number))
+    for (number, title), body_lines in _lines_below_headings(
+        lines, headings, contents_lines, running_heads | page_numbers
+    ):
+        words = tuple(_words_without_numbers(body_lines, title_by_number))
         sections.append(Section(number=number, title=title, words=words, page=page_by_title.get(number)))
     # Running heads are compared by their letters, since their page numbers change.
     letters_of_running_heads = {
@@ -183,7 +185,7 @@ def divide(text: str) -> Manual:
     )
 
 
-def _bodies(
+def _lines_below_headings(
     lines: Sequence[str], headings: Mapping[int, _Heading], contents_lines: set[int], left_out: set[int]
 ) -> list[tuple[_Heading, list[str]]]:
     """Return each heading with the lines below it, the cover first, without the contents and the lines to leave out.
@@ -266,7 +268,7 @@ def _continues_entry(line_before: str, first_line: str, second_line: str) -> boo
     return is_after_entry and begins_entry and ends_entry
 
 
-def _words(lines: Iterable[str], title_by_number: Mapping[str, str]) -> list[str]:
+def _words_without_numbers(lines: Iterable[str], title_by_number: Mapping[str, str]) -> list[str]:
     """Return the words of lines, without the numbers of pages and sections in references.
 
     A word that is hyphenated at the end of a line is one word. The number of a reference such as ``"4.3 Preset"`` is
@@ -289,7 +291,7 @@ def letters(words: Iterable[str]) -> str:
     return re.sub(r"[\W\d_]+", "", "".join(words))
 
 
-def _headings(
+def _find_headings(
     lines: Sequence[str],
     numbered_lines: Mapping[int, _Heading],
     contents_lines: set[int],

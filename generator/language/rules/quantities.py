@@ -215,9 +215,9 @@ def check_repeated_times(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
     """
     if report.document.other_files or report.document.family:
         return
-    named_times = set(_times([dict(timing.data) for timing in timings(spec)]))
+    named_times = set(_nanoseconds_in([dict(timing.data) for timing in timings(spec)]))
     timed_parts: list[PlacedPart] = [*spec.registers, *spec.procedures, *spec.timings, *spec.inputs]
-    times_of_parts = [set(_times(part.data)) for part in timed_parts]
+    times_of_parts = [set(_nanoseconds_in(part.data)) for part in timed_parts]
     parts_with: Counter[int | Decimal] = Counter()
     for own_times in times_of_parts:
         parts_with.update(own_times)
@@ -238,7 +238,7 @@ def _compare_symbols(spec: WrittenSpec, report: DocumentReport) -> None:
     for timing in timings(spec):
         if not timing.part.symbol:
             continue
-        times = set(_times(timing.data))
+        times = set(_nanoseconds_in(timing.data))
         pattern = rf"\b{re.escape(timing.part.symbol)} ?[<>=≤≥] ?{_TIME}"
         printed_times = list(re.finditer(pattern, timing.part.meaning))
         if printed_times and times.isdisjoint(map(_to_nanoseconds, printed_times)):
@@ -269,12 +269,12 @@ class _TimesBelow:
     """The times below places of a spec, each found once although many errata may affect the same place."""
 
     def __init__(self) -> None:
-        self._times: dict[int, set[int]] = {}
+        self._nanoseconds_in: dict[int, set[int]] = {}
 
     def of(self, node: object) -> set[int]:
-        if id(node) not in self._times:
-            self._times[id(node)] = set(_times(node))
-        return self._times[id(node)]
+        if id(node) not in self._nanoseconds_in:
+            self._nanoseconds_in[id(node)] = set(_nanoseconds_in(node))
+        return self._nanoseconds_in[id(node)]
 
 
 #: Keys of timings and of the time-out of BiSS.
@@ -331,7 +331,7 @@ def _to_nanoseconds(match: re.Match[str]) -> Decimal:
     return Decimal(match["number"].replace(",", "")) * _NANOSECONDS.get(match["unit"], _NANOSECONDS["s"])
 
 
-def _times(node: object) -> Iterator[int]:
+def _nanoseconds_in(node: object) -> Iterator[int]:
     """Yield every whole number below a place whose key ends in a unit of time, such as ``wait_ms``, in nanoseconds."""
     for path, value in leaves(node):
         unit = str(path[-1]).rpartition("_")[2] if path else ""
@@ -343,7 +343,7 @@ def _yield_texts(node: object, path: Path) -> Iterator[tuple[Path, str, set[int]
     """Yield every text below a place, with its path and the times in the same map."""
     if isinstance(node, dict):
         numbers_by_key = {key: value for key, value in node.items() if isinstance(value, int)}
-        nearby_times = set(_times(numbers_by_key))
+        nearby_times = set(_nanoseconds_in(numbers_by_key))
         for key, value in node.items():
             if isinstance(value, str) and key not in _NO_TEXTS:
                 yield (*path, key), value, nearby_times

@@ -215,7 +215,7 @@ def _check_vectors(stated: Evidence, examples: Mapping[str, WrittenExample], rep
     The second applies only to a grade that needs it, and if all of the examples exist.
     """
     for index, name in enumerate(stated.vectors):
-        if name in examples and not _discriminates(examples[name]):
+        if name in examples and not _has_different_bits(examples[name]):
             problem = f"{quoted(name)} has the same bits throughout, so it cannot show an error; use another example"
             report.add("evidence-grade", ("evidence", "vectors", index), problem)
     are_known = bool(stated.vectors) and all(name in examples for name in stated.vectors)
@@ -288,7 +288,7 @@ def _suggest_source(place: str, documents: Collection[str]) -> str:
     return f"; write {quoted(f'KEY: {place}')} with the key of its document"
 
 
-def _discriminates(example: WrittenExample) -> bool:
+def _has_different_bits(example: WrittenExample) -> bool:
     """Return True if the bits of an example, or its bytes if it has those, differ from one another."""
     frame_text = example.bits or example.bytes
     is_bytes = " " in frame_text

@@ -20,7 +20,7 @@ def described_part(kind: Any, *additional: Member, after: str = "", name: str = 
     for described in keys_of(kind):
         if described.name == "source":
             continue
-        members.append(_member(described))
+        members.append(_build_member(described))
         if described.name == after:
             members += additional
     return Part(
@@ -33,7 +33,7 @@ def described_part(kind: Any, *additional: Member, after: str = "", name: str = 
     )
 
 
-def _member(described: DescribedKey) -> Member:
+def _build_member(described: DescribedKey) -> Member:
     key = described.key
     about = key.data or f"{key.about} {key.reading}".rstrip()
     return Member(described.name, data_notation(described), about, **key.member)
