@@ -126,7 +126,7 @@ def _check_parities(layout: Layout, site: Site) -> None:
             continue
         covered_names = field.kind.covers
         for index, name in enumerate(covered_names):
-            is_computed = name in fields_by_name and isinstance(fields_by_name[name].kind, (CrcValue, Parity))
+            is_computed = name in fields_by_name and fields_by_name[name].kind.role == "check"
             if name in covered_names[:index]:
                 problem = f"'{field.name}' covers '{name}' twice; list it once"
                 site.report("parity-of", problem, "fields", field.name, "parity_of")
@@ -146,19 +146,13 @@ def _obstacle_to_join(kind: Kind) -> str:
     The two are separated by a semicolon: ``which is signed; leave 'signed' out``. Not every reason has a remedy. A
     joined number consists of bits as sent, so a part with a different value would contradict it.
     """
-    match kind:
-        case Number(signed=True):
-            return "which is signed; leave 'signed' out"
-        case Number(zero_means=0) | Flag(active_low=False) | Choice() | Decimal():
-            return ""
-        case Number():
-            return "which has 'zero_means'; leave 'zero_means' out"
-        case Flag():
-            return "which is active low"
-        case Constant() | Unused() | CrcValue() | Parity() | Text():
-            return "which is not a number; define it with 'bits' and no kind"
-        case _:
-            assert_never(kind)
+    if kind.is_joinable:
+        return ""
+    if isinstance(kind, Flag):
+        return "which is active low"
+    if not isinstance(kind, Number):
+        return "which is not a number; define it with 'bits' and no kind"
+    return "which is signed; leave 'signed' out" if kind.signed else "which has 'zero_means'; leave 'zero_means' out"
 
 
 def _check_gray(layout: Layout, site: Site) -> None:

@@ -8,10 +8,8 @@ from dataclasses import replace
 from ..language.document import Path
 from ..language.problems import listed
 from ..model import (
-    Choice,
     Constant,
     CrcValue,
-    Decimal,
     Field,
     Flag,
     Kind,
@@ -23,7 +21,6 @@ from ..model import (
     Register,
     Text,
     Unused,
-    assert_never,
 )
 from ..order_codes.parameters import deciding_parameters
 from ..say.names_and_places import bits
@@ -182,7 +179,7 @@ def _yield_bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: P
     weight_in_join = _weight_in_join(placed_field, placed_layout)
     # In a field of its own, or of another kind, the lowest bit has weight 0.
     lowest_weight = 0
-    if weight_in_join is not None and isinstance(kind, (Number, Choice, Decimal, Flag)):
+    if weight_in_join is not None and placed_field.field.carries_data:
         lowest_weight = weight_in_join
     for index in range(placed_field.width):
         match kind:
@@ -201,8 +198,6 @@ def _owner_text(kind: Kind, placed_field: PlacedField, placed_layout: PlacedLayo
     match kind:
         case Number(signed=True):
             return "a signed number" + _gray_suffix(placed_field, placed_layout)
-        case Number() | Choice() | Decimal():
-            return "a number" + _gray_suffix(placed_field, placed_layout)
         case Flag():
             return "a flag"
         case Constant():
@@ -219,7 +214,7 @@ def _owner_text(kind: Kind, placed_field: PlacedField, placed_layout: PlacedLayo
         case Text():
             return "a character"
         case _:
-            assert_never(kind)
+            return "a number" + _gray_suffix(placed_field, placed_layout)
 
 
 def _parity_text(parity: Parity, placed_layout: PlacedLayout) -> str:

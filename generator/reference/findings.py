@@ -12,7 +12,6 @@ from ..model import (
     Device,
     Field,
     Flag,
-    Kind,
     Layout,
     PlacedField,
     PlacedLayout,
@@ -106,7 +105,7 @@ def _active_fields(placed: PlacedLayout, decoded_fields: Mapping[str, DecodedFie
 def _reports_of_frame(device: Device, variant: Variant, active_fields: Sequence[Field]) -> Iterator[Report]:
     """Yield a report for each active field, except those with which the position stays usable without a warning."""
     for field in active_fields:
-        if _verdict_of_kind(field.kind) is not Verdict.USABLE:
+        if field.kind.makes_position is not Verdict.USABLE:
             yield _build_report(field, _alarm_for(device, variant, field, register=""))
 
 
@@ -158,11 +157,6 @@ def _decoded_value(field: Field, number: int) -> str | bool:
     return field.value_of(number).name
 
 
-def _verdict_of_kind(kind: Kind) -> Verdict | None:
-    """Return the verdict to which a flag or unused bits lead, or None for any other field."""
-    return kind.makes_position if isinstance(kind, (Flag, Unused)) else None
-
-
 def _build_report(field: Field, alarm: Alarm | None) -> Report:
     """Return the report of an active field, with the texts of its alarm if the manual has one."""
     return Report(
@@ -170,7 +164,7 @@ def _build_report(field: Field, alarm: Alarm | None) -> Report:
         printed_name=field.printed_name,
         meaning=meaning(field, alarm),
         remedy=remedy(field, alarm),
-        makes_position=_verdict_of_kind(field.kind),
+        makes_position=field.kind.makes_position,
         source=cite(source(field, alarm)),
     )
 
@@ -185,7 +179,7 @@ def _find_worst_verdict(placed: PlacedLayout, active_fields: Sequence[Field]) ->
     for field in active_fields:
         # A flag that sums up others adds no information if one of them is active.
         is_redundant = isinstance(field.kind, Flag) and not active_names.isdisjoint(field.kind.sums_up)
-        verdict = _verdict_of_kind(field.kind)
+        verdict = field.kind.makes_position
         if verdict is not None and not is_redundant:
             verdicts.append(verdict)
     from_worst_to_best = list(Verdict)
