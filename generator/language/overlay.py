@@ -36,7 +36,7 @@ from .written_parts import WrittenSpec
 #: Suffix of overlays found next to their spec: ``FAMILY.overlay.yaml``, ``FAMILY.x.overlay.yaml``.
 SUFFIX = ".overlay"
 #: Kinds of changes. Each change has exactly one.
-KINDS = ("set", "add", "remove", "unknown", "also")
+CHANGE_KINDS = ("set", "add", "remove", "unknown", "also")
 _VALUE_OF = {"set": "to", "add": "value"}
 #: Keys that no change may touch: they identify the family, or do not state a fact of the manual.
 _FIXED = frozenset("codewheel device manufacturer editions".split())
@@ -137,7 +137,7 @@ class LayeredSpec:
 
     def _kind_of_change(self, layer: Layer, number: int, change: Mapping[str, Any]) -> str | None:
         """Return the kind of a change. If it has none or several, report it and return None."""
-        kinds = [kind for kind in KINDS if kind in change]
+        kinds = [kind for kind in CHANGE_KINDS if kind in change]
         if len(kinds) == 1:
             return kinds[0]
         fault = "has " + " and ".join(map(quoted, kinds)) if kinds else "does nothing"

@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from ..language.document import MissingPath, Path, as_affected, resolve
-from ..language.overlay import KINDS, Layer, LayeredSpec, LayerKind
+from ..language.overlay import CHANGE_KINDS, Layer, LayeredSpec, LayerKind
 from ..language.problems import DocumentReport, Report, listed, quoted
 from ..language.rules.walk import leaves
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, ManualEdition, layer_in_words
@@ -164,7 +164,7 @@ def notes(raw: Raw) -> Iterator[Erratum]:
         revision = edition["revision"]
         for key, name in (("before", f"before {revision}"), ("then", revision)):
             for number, change in enumerate(edition.get(key, ()), 1):
-                kinds = [kind for kind in KINDS if kind in change]
+                kinds = [kind for kind in CHANGE_KINDS if kind in change]
                 # A change with no kind or several is reported when it is applied.
                 if len(kinds) == 1:
                     yield _edition_erratum(raw, change, name, number, kinds[0])

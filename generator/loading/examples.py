@@ -14,10 +14,8 @@ from ..language.document import Path
 from ..language.problems import DocumentReport
 from ..model import (
     Choice,
-    Constant,
     Crc,
     CrcExample,
-    CrcValue,
     Decimal,
     Device,
     Example,
@@ -29,7 +27,6 @@ from ..model import (
     Layout,
     MeasureExample,
     Number,
-    Parity,
     PlacedLayout,
     ProcedureExample,
     Register,
@@ -37,7 +34,6 @@ from ..model import (
     Sample,
     Sources,
     Text,
-    Unused,
     Values,
     Variant,
     Verdict,
@@ -397,6 +393,8 @@ def _made_up_value(field: Field, width: int, layout: Layout) -> int | str | bool
     """
     if field.name == layout.selector:
         return layout.selects[0]
+    if not field.carries_data:
+        raise EncodeError(f"'{field.name}' carries no data")
     match field.kind:
         case Number(power_of_two=True):
             # The power of two in the middle of the range.
@@ -415,10 +413,8 @@ def _made_up_value(field: Field, width: int, layout: Layout) -> int | str | bool
             return 1
         case Text():
             return "A" * (width // 8)
-        case Constant() | Unused() | CrcValue() | Parity():
-            raise EncodeError(f"'{field.name}' carries no data")
-        case kind:
-            assert_never(kind)
+        case _:
+            return field.kind.value_at_rest
 
 
 def _made_up_number(bits: int) -> int:

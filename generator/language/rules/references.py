@@ -13,7 +13,7 @@ from ..problems import DocumentReport, quoted
 from ..written import Located
 from ..written_codes import WrittenOpenedBy, WrittenRegister, WrittenRegisterMeaning
 from ..written_interfaces import WrittenRs485
-from ..written_layouts import WrittenField
+from ..written_layouts import KIND_KEYS, WrittenField
 from ..written_parts import WrittenExample, WrittenProcedure, WrittenSpec, WrittenStep
 from . import parameters
 from .name_resolver import NameResolver
@@ -29,7 +29,6 @@ from .parts import (
     measurements,
     readable_names,
 )
-from .shapes import KINDS
 
 #: Kind of a field that is a number.
 _NUMBER = "digits"
@@ -188,7 +187,7 @@ def _check_measured_field(
 
 def _kind_of(field: WrittenField) -> str:
     """Return the first key of a field that makes it something other than a number, such as ``crc``, or ``digits``."""
-    kinds = [key for key in KINDS if field.has(key)]
+    kinds = [key for key in KIND_KEYS if field.has(key)]
     return kinds[0] if kinds else _NUMBER
 
 

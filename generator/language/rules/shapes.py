@@ -7,7 +7,7 @@ from collections.abc import Collection
 from ...model import INTERFACES, Spi
 from ...model.expressions import Expression, ExpressionError
 from ..problems import DocumentReport, Path, listed, missing, quoted
-from ..written_layouts import WrittenField, WrittenLayout
+from ..written_layouts import KIND_KEYS, WrittenField, WrittenLayout
 from ..written_parts import WrittenExample, WrittenSpec
 from .parts import (
     FieldList,
@@ -19,8 +19,6 @@ from .parts import (
     interface_of,
 )
 
-#: Keys that define the kind of a field. A field without any is a number.
-KINDS = ("constant", "unused", "active", "values", "values_of", "crc", "parity_of", "digits", "text")
 #: Keys that give the place of a field.
 PLACES = ("at", "top_bit", "low_bit")
 #: Begins the names of values that a manual reserves, such as ``reserved_5``.
@@ -99,9 +97,9 @@ def _check_field(field: WrittenField, report: DocumentReport) -> None:
 
 
 def _check_kind(field: WrittenField, report: DocumentReport) -> None:
-    """Check that a field has one of ``KINDS`` or none, which makes it a number, and only keys of that kind."""
+    """Check that a field has one of ``KIND_KEYS`` or none, which makes it a number, and only keys of that kind."""
     name = quoted(field.name)
-    kinds = [key for key in KINDS if field.has(key)]
+    kinds = [key for key in KIND_KEYS if field.has(key)]
     if len(kinds) > 1:
         problem = f"{listed(map(quoted, kinds))} exclude each other; keep one of them"
         report.add("layout-keys", field.place_of(kinds[1]), problem, at_key=True)
