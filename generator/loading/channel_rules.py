@@ -81,7 +81,7 @@ def _question_problems(device: Device, layouts: Sequence[Layout]) -> Iterator[_P
 
 def _position_problems(device: Device, layouts: Sequence[Layout]) -> Iterator[_Problem]:
     """Yield the reason that not exactly one channel contains the position."""
-    names = [quoted(layout.name) for layout in layouts if device.tells_position(Biss.name, layout)]
+    names = [quoted(layout.name) for layout in layouts if device.sends_position(Biss.name, layout)]
     if not names:
         yield ("order",), "no channel of the frame contains the position; list the one that does"
     if len(names) > 1:

@@ -43,7 +43,7 @@ def with_unknown_verdicts(layout: Layout, raw_fields: Iterable[Raw], site: Site)
 
     A warning does not improve on an unknown position, so ``raw_fields`` must not state that verdict.
     """
-    if layout.tells_validity:
+    if layout.judges_position:
         return layout
     _report_stated_warnings(layout, raw_fields, site)
     return layout.with_unknown_verdicts()
@@ -100,7 +100,7 @@ def _verdicts_of_affected_bits(device: Device, erratum: Erratum) -> Iterator[Ver
                     verdicts += _verdicts_of_field(field)
             if not verdicts:
                 continue
-            if layout.tells_validity:
+            if layout.judges_position:
                 yield from verdicts
                 yield Verdict.USABLE
                 # Some order codes lack the bits that say so.
@@ -168,7 +168,7 @@ def _check_numbers(device: Device, interface: Interface, report: DocumentReport)
     """Report the first number in each layout with the position that is a constant in another frame of the encoder."""
     frames = [layout for layout in interface.layouts if layout.sender == "encoder"]
     for layout in frames:
-        if not device.tells_position(interface.name, layout):
+        if not device.sends_position(interface.name, layout):
             continue
         number_names = {field.name for field in layout.fields if isinstance(field.kind, Number)}
         frames_of_channel = [frame for frame in frames if frame.channel == layout.channel]
@@ -194,7 +194,7 @@ def _check_positions(device: Device, interface: Interface, report: DocumentRepor
     The note should say how a master knows the frames. No request selects a frame over SSI and BiSS, so decoders would
     take each frame as the first layout.
     """
-    frames = [layout for layout in interface.layouts if device.tells_position(interface.name, layout)]
+    frames = [layout for layout in interface.layouts if device.sends_position(interface.name, layout)]
     for first, second in combinations(frames if isinstance(interface, (Biss, Ssi)) else (), 2):
         if second.note or first.channel != second.channel or _are_distinguished(first, second):
             continue

@@ -342,7 +342,7 @@ class Device:
             )
         return position_names
 
-    def tells_position(self, interface: str, layout: Layout) -> bool:
+    def sends_position(self, interface: str, layout: Layout) -> bool:
         """Return whether frames of this layout send the position, or a part of it, to the master."""
         return layout.sender == "encoder" and not layout.member_names.isdisjoint(self.position_names(interface))
 
@@ -351,10 +351,10 @@ class Device:
 
         They send it, or they are a data channel of the same frame, with bits that say whether it is usable.
         """
-        if self.tells_position(interface, layout):
+        if self.sends_position(interface, layout):
             return True
         frame = channel_frame(self.interface(interface))
-        return frame is not None and layout in frame.layouts and layout.tells_validity
+        return frame is not None and layout in frame.layouts and layout.judges_position
 
     def range_in(self, layout: Layout) -> PositionRange | None:
         """Return the range of valid positions in a frame if its field could hold others."""

@@ -169,7 +169,7 @@ class Layout:
         return sum(widths, Expression(0))
 
     @property
-    def tells_validity(self) -> bool:
+    def judges_position(self) -> bool:
         """True if at least for some order codes, every frame says whether the position is usable."""
         return self.judging_bits != Expression(0)
 
@@ -300,7 +300,7 @@ class PlacedLayout:
         return tuple(flag for flag in self.layout.spoiling_flags if self.find_field(flag.name) is not None)
 
     @cached_property
-    def tells_validity(self) -> bool:
+    def judges_position(self) -> bool:
         """True if every frame of the order code says whether the position is usable."""
         return self.layout.judging_bits.value(self.parameters) > 0
 

@@ -410,7 +410,7 @@ def _without_empty_fields(layout: Layout) -> Layout:
         joins=tuple(join for join in joins if len(join.fields) > 1),
         gray_of=field_by_join.get(layout.gray_of, layout.gray_of),
     )
-    has_lost_validity = reduced.tells_validity != layout.tells_validity
+    has_lost_validity = reduced.judges_position != layout.judges_position
     return reduced.with_unknown_verdicts() if has_lost_validity else reduced
 
 

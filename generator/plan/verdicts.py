@@ -140,7 +140,7 @@ def judgement_of(codec: Codec) -> Judgement:
     not_usable = tuple(causes_by_verdict[Verdict.NOT_USABLE])
     with_warning: tuple[VerdictCause, ...] = ()
     otherwise = Verdict.UNKNOWN
-    if codec.layout.tells_validity:
+    if codec.layout.judges_position:
         with_warning = tuple(causes_by_verdict[Verdict.USABLE_WITH_WARNING])
         otherwise = Verdict.USABLE
     return Judgement(

@@ -175,7 +175,7 @@ def _find_worst_verdict(placed: PlacedLayout, active_fields: Sequence[Field]) ->
     The layout has UNKNOWN if no bit of its frames judges the position, and else USABLE.
     """
     active_names = {field.name for field in active_fields}
-    verdicts = [Verdict.USABLE if placed.tells_validity else Verdict.UNKNOWN]
+    verdicts = [Verdict.USABLE if placed.judges_position else Verdict.UNKNOWN]
     for field in active_fields:
         # A flag that sums up others adds no information if one of them is active.
         is_redundant = isinstance(field.kind, Flag) and not active_names.isdisjoint(field.kind.sums_up)

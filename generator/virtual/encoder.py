@@ -402,7 +402,7 @@ class VirtualEncoder:
                 options_text = " or ".join(options) or "none"
                 raise ValueError(f"'{chosen_option}' answers no question of {variant.code}; write {options_text}")
         for layout in self.device.interface(variant.interface).layouts:
-            if self.device.tells_position(variant.interface, layout):
+            if self.device.sends_position(variant.interface, layout):
                 self._check_choices(layout)
 
     def _check_choices(self, layout: Layout) -> None:

@@ -226,7 +226,7 @@ def _check_place(place: WrittenPlace, master: WrittenMaster, report: DocumentRep
     place_keys = [key for key in _PLACES if place.has(key)]
     if not place_keys:
         report.add("setting-shape", path, f"a place is missing; add {listed(map(quoted, _PLACES), 'or')}")
-    if "where" in place_keys and len(place_keys) > 1:
+    if place.has("where") and len(place_keys) > 1:
         message = f"'where' says that no place is given, but {quoted(place_keys[0])} gives one; keep one of the two"
         report.add("setting-shape", (*path, "where"), message, at_key=True)
     _check_object_and_bits(place, report)

@@ -89,8 +89,9 @@ def _check_range_keys(
             problem = f"{quoted(contradictions[0])} contradicts 'wraps: false'; leave one of the two out"
             report.add("measurement-shape", (*path, contradictions[0]), problem, at_key=True)
         return
-    stated_keys = own_range.data.keys() | (measurement.data.keys() if measurement is not None else ())
-    has_total = total_key in stated_keys or "modulus" in stated_keys
+    has_total = own_range.has(total_key) or own_range.has("modulus")
+    if measurement is not None and not has_total:
+        has_total = measurement.has(total_key) or measurement.has("modulus")
     if own_range.has("highest") and not has_total:
         problem = f"'highest' has no effect without {quoted(total_key)}; add it, or leave 'highest' out"
         report.add("measurement-shape", (*path, "highest"), problem, at_key=True)

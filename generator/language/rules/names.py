@@ -210,7 +210,7 @@ def _yield_labels(parts: Sequence[PlacedPart], label: str) -> Iterator[Named]:
 
 def _names_for_all_codes(parts: Sequence[PlacedPart]) -> Iterator[Named]:
     """Yield the names of the parts that apply to all order codes. Facts for others are compared by order code."""
-    return _yield_labels([part for part in parts if "only" not in part.data], "name")
+    return _yield_labels([part for part in parts if not part.has("only")], "name")
 
 
 def _labels_in(path: Path, key: str, label: str, values: Iterable[str]) -> Iterator[Named]:

@@ -50,6 +50,8 @@ class PlacedPart(Protocol):
     @property
     def data(self) -> Mapping[str, object]: ...
 
+    def has(self, name: str, /) -> bool: ...
+
 
 class NamedPart(Protocol):
     """A part with a name."""

@@ -285,7 +285,7 @@ _EXPONENT = re.compile(r"\^([0-9]*)")
 def position_frame(family: Device, interface: Interface) -> Layout | None:
     """Return the frame with the most parts of the position. With a tie, it has the most flags, then is shortest."""
     family_layouts = family.interface(interface.name).layouts
-    position_frames = {layout.name for layout in family_layouts if family.tells_position(interface.name, layout)}
+    position_frames = {layout.name for layout in family_layouts if family.sends_position(interface.name, layout)}
     candidates = [layout for layout in interface.layouts if layout.name in position_frames]
     parts_of_position = family.position_names(interface.name)
 
