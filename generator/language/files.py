@@ -79,7 +79,12 @@ def find_files(
     specs = {path for path in search.files if is_spec(path)}
     other_files = (path for path in search.files if path not in specs and path.name != CONFIGURATION)
     not_entered = tuple(sorted(search.not_entered))
-    return FoundFiles(tuple(sorted(specs)), tuple(sorted(other_files)), not_entered, search.is_complete)
+    return FoundFiles(
+        specs=tuple(sorted(specs)),
+        passed_over=tuple(sorted(other_files)),
+        not_entered=not_entered,
+        is_complete=search.is_complete,
+    )
 
 
 def is_folder(path: Path) -> bool:

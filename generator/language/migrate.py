@@ -31,7 +31,7 @@ def migrate(document: Document) -> tuple[Edit, ...]:
         line, column = document.position(path, at_key=True)
         if old_key not in mapping:
             continue  # An alias repeats a map that has been migrated.
-        edits.append(Edit(line, column, str(old_key), new_key))
+        edits.append(Edit(line=line, column=column, old=str(old_key), new=new_key))
         _rename_key(mapping, old_key, new_key)
         _rename_key(document.mark(parent_path).children, old_key, new_key)
     return tuple(edits)

@@ -137,8 +137,8 @@ def _read_in_each_code(recording: Recording, sent_values: Sequence[int], width: 
         yield _Reading(swapped_values, byte_order="low_byte_first")
 
 
-def _with_bytes_swapped(value: int, byte_count: int) -> int:
-    return int.from_bytes(value.to_bytes(byte_count, "big"), "little")
+def _with_bytes_swapped(two_bytes: int, byte_count: int) -> int:
+    return int.from_bytes(two_bytes.to_bytes(byte_count, "big"), "little")
 
 
 def _constant_bits(recording: Recording, start: int) -> int:

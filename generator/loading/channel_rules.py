@@ -108,17 +108,17 @@ def _comparison_problems(device: Device, channels: DataChannels, layouts: Mappin
             yield from _width_problems(device, channels, layouts[layout_name], field_name)
 
 
-def _width_problems(device: Device, channels: DataChannels, layout: Layout, name: str) -> Iterator[_Problem]:
+def _width_problems(device: Device, channels: DataChannels, layout: Layout, field_name: str) -> Iterator[_Problem]:
     """Yield the first order code whose field lacks compared bits, or whose tolerance allows any two numbers."""
     if channels.compared_bits is None:
         return
-    width = member_named(layout.fields, name, "field").width
+    width = member_named(layout.fields, field_name, "field").width
     for variant in device.variants_over(Biss.name):
         bits = channels.compared_bits.value(variant.parameters)
         condition = values_text(variant.parameters, width, channels.compared_bits)
         if not 1 <= bits <= width.value(variant.parameters):
             field_bits = width.value(variant.parameters)
-            message = f"{bits} bits cannot be compared, since {quoted(name)} has {field_bits}{condition}"
+            message = f"{bits} bits cannot be compared, since {quoted(field_name)} has {field_bits}{condition}"
             yield ("compared_bits",), message
             return
         if 2 * channels.tolerance >= (1 << bits) - 1:

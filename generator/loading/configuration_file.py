@@ -29,12 +29,12 @@ _TOKEN = re.compile(
 _VALUE_ENDS = ("\n", ",", "]", "}")
 
 
-def places_in(text: str) -> Mark:
+def places_in(toml_text: str) -> Mark:
     """Return the places of all keys and values in a text that is valid TOML.
 
     A table has the place of its name in the header that begins it. Keys with escapes are not found by their name.
     """
-    return _PlaceFinder(text).document()
+    return _PlaceFinder(toml_text).document()
 
 
 class _PlaceFinder:
@@ -50,7 +50,7 @@ class _PlaceFinder:
 
         ``table`` is the mark of the table in the header above the current line.
         """
-        root = Mark(1, 1, 1, 1)
+        root = Mark(line=1, column=1, key_line=1, key_column=1)
         table = root
         while self._next_token():
             if self._next_token() == "\n":
@@ -259,15 +259,15 @@ def _read_pyproject_table(file: Path, report: Report, has_places: bool) -> Docum
         return None
     toml_lines = tuple(toml_text.split("\n"))
     if not isinstance(section, dict):
-        return Document(str(file), toml_lines, {"codewheel": section}, Mark(1, 1, 1, 1))
-    marks = places_in(toml_text) if has_places else Mark(1, 1, 1, 1)
+        return Document(str(file), toml_lines, {"codewheel": section}, Mark(line=1, column=1, key_line=1, key_column=1))
+    marks = places_in(toml_text) if has_places else Mark(line=1, column=1, key_line=1, key_column=1)
     # The marks of the section are below those of its two names.
     for name in ("tool", "codewheel"):
-        marks = marks.children.get(name, Mark(1, 1, 1, 1))
+        marks = marks.children.get(name, Mark(line=1, column=1, key_line=1, key_column=1))
     return Document(str(file), toml_lines, section, marks)
 
 
-def _parse_toml(file: Path, text: str, report: Report) -> dict[str, Any]:
+def _parse_toml(file: Path, toml_text: str, report: Report) -> dict[str, Any]:
     """Return the data of a TOML file, or an empty map if it is not valid, which is reported."""
     if sys.version_info >= (3, 11):
         import tomllib
@@ -275,21 +275,21 @@ def _parse_toml(file: Path, text: str, report: Report) -> dict[str, Any]:
         import tomli as tomllib
 
     try:
-        toml_data: dict[str, Any] = tomllib.loads(text)
+        toml_data: dict[str, Any] = tomllib.loads(toml_text)
     except tomllib.TOMLDecodeError as error:
-        line, column, message = _split_off_place(str(error), text)
-        error_line = "".join(text.splitlines()[line - 1 : line])
+        line, column, message = _split_off_place(str(error), toml_text)
+        error_line = "".join(toml_text.splitlines()[line - 1 : line])
         report.add_at(str(file), line, column, "toml-syntax", f"not valid TOML: {message}", text=error_line)
         return {}
     return toml_data
 
 
-def _split_off_place(message: str, text: str) -> tuple[int, int, str]:
+def _split_off_place(message: str, toml_text: str) -> tuple[int, int, str]:
     """Split a message of the TOML parser into line, column and the message without its place.
 
     A message without a place, or one that gives the end of the document, is about the end of the text.
     """
-    lines = text.splitlines() or [""]
+    lines = toml_text.splitlines() or [""]
     # The end of the text.
     line = len(lines)
     column = max(len(lines[-1]), 1)
@@ -357,9 +357,9 @@ def _texts_at(document: Document, table: Mapping[Any, Any], place: Place, report
     return ()
 
 
-def _is_text(value: Any) -> bool:
+def _is_text(setting: Any) -> bool:
     """Return True if a value is a text that is not empty."""
-    return isinstance(value, str) and bool(value)
+    return isinstance(setting, str) and bool(setting)
 
 
 def _family_filters(document: Document, report: Report) -> dict[str, FamilyFilter]:
@@ -407,11 +407,11 @@ def _report_unknown_grades(document: Document, place: Place, grades: Iterable[st
             report.add("not-allowed", document, (*place, index), message)
 
 
-def _report_wrong_type(document: Document, place: Place, kind: str, example: str, report: Report) -> None:
+def _report_wrong_type(document: Document, place: Place, expected_type: str, example: str, report: Report) -> None:
     """Report a value of the wrong type, with an example in the language of the file.
 
-    ``kind`` is the correct type in words. ``example`` is a correct value in TOML, such as ``["specs"]``. In YAML it has
-    no quotes.
+    ``expected_type`` is the correct type in words. ``example`` is a correct value in TOML, such as ``["specs"]``. In
+    YAML it has no quotes.
     """
     if Path(document.file).name == PYPROJECT:
         setting = f"{place[-1]} = {example}"
@@ -419,4 +419,4 @@ def _report_wrong_type(document: Document, place: Place, kind: str, example: str
         # In YAML: without quotes, and with colons.
         setting = f"{place[-1]} = {example}".replace(" = ", ": ").replace('"', "")
     name = ".".join(map(str, place))
-    report.add("wrong-type", document, place, f"'{name}' must be {kind}, such as {setting}")
+    report.add("wrong-type", document, place, f"'{name}' must be {expected_type}, such as {setting}")

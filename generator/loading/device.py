@@ -204,20 +204,22 @@ def _build_spelling(raw: Raw) -> Spelling:
 
 def _build_alternative(raw: Raw) -> Alternative:
     answers = tuple(_build_answer(name, answer) for name, answer in raw["values"].items())
-    return Alternative(raw["name"], raw["meaning"], answers, sources(raw), raw.get("default", ""))
+    return Alternative(
+        name=raw["name"], meaning=raw["meaning"], answers=answers, source=sources(raw), default=raw.get("default", "")
+    )
 
 
 def _build_answer(name: str, raw: Raw) -> Answer:
     return Answer(name, raw["meaning"], MappingProxyType(dict(raw["sets"])), sources(raw))
 
 
-def _build_code_value(text: str, raw: Raw, part: Raw) -> CodeValue:
+def _build_code_value(text_in_code: str, raw: Raw, raw_part: Raw) -> CodeValue:
     allowed_values = _allowed_values(raw, "only_with")
-    return record(CodeValue, raw, text=text, only_with=allowed_values, supply=supply(raw, sources(part)))
+    return record(CodeValue, raw, text=text_in_code, only_with=allowed_values, supply=supply(raw, sources(raw_part)))
 
 
-def _allowed_values(raw: Raw, key: str) -> Mapping[str, tuple[str, ...]]:
-    return MappingProxyType({name: tuple(values) for name, values in raw.get(key, {}).items()})
+def _allowed_values(raw: Raw, key_of_values: str) -> Mapping[str, tuple[str, ...]]:
+    return MappingProxyType({name: tuple(values) for name, values in raw.get(key_of_values, {}).items()})
 
 
 def _list_variants(
@@ -232,7 +234,9 @@ def _list_variants(
     variants = []
     for code, values_by_part, interface, set_values in combinations(order_code):
         parameters = resolve_parameters({**default_values, **set_values}, definitions)
-        variants.append(Variant(code, MappingProxyType(dict(values_by_part)), interface, parameters))
+        variants.append(
+            Variant(code=code, parts=MappingProxyType(dict(values_by_part)), interface=interface, parameters=parameters)
+        )
     return tuple(variants)
 
 

@@ -92,7 +92,9 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
     report_of_changes = Report()
     layered_spec = LayeredSpec(family.document, report_of_changes)
     for index, key, name in _change_lists(family, revision):
-        layered_spec.apply([Layer(family.document, ("editions", index, key), LayerKind.EDITION, name)])
+        layered_spec.apply(
+            [Layer(document=family.document, path=("editions", index, key), kind=LayerKind.EDITION, name=name)]
+        )
     report.include(report_of_changes)
     # Such as ``x_24_1_4`` for edition 1.4.
     name = f"{family.device.name}_{re.sub('[^a-z0-9]+', '_', revision.lower()).strip('_')}"
@@ -170,22 +172,24 @@ def notes(raw: Raw) -> Iterator[Erratum]:
                     yield _edition_erratum(raw, change, name, number, kinds[0])
 
 
-def _edition_erratum(raw: Raw, change: Raw, name: str, number: int, kind: str) -> Erratum:
+def _edition_erratum(raw: Raw, change: Raw, revision: str, change_number: int, kind_of_change: str) -> Erratum:
     """Return a change of an edition as an erratum.
 
     Args:
         raw: The spec.
         change: The change, such as ``{"set": "registers.preset.max", "to": 15, "why": …}``.
-        name: The edition, such as ``before 1.4``.
-        number: The place of the change in its list, from 1.
-        kind: The kind of the change, such as ``set``.
+        revision: The edition, such as ``before 1.4``.
+        change_number: The place of the change in its list, from 1.
+        kind_of_change: The kind of the change, such as ``set``.
     """
-    affected_texts = change[kind] if isinstance(change[kind], list) else [change[kind]]
+    affected_texts = change[kind_of_change] if isinstance(change[kind_of_change], list) else [change[kind_of_change]]
     # The text of 'also' is a sentence. Those of other kinds are paths.
-    affected_paths = [] if kind == "also" else [_affected_path(raw, path_text) for path_text in affected_texts]
-    if kind == "remove":
+    affected_paths = (
+        [] if kind_of_change == "also" else [_affected_path(raw, path_text) for path_text in affected_texts]
+    )
+    if kind_of_change == "remove":
         used = LEFT_OUT
-    elif kind in ("unknown", "also"):
+    elif kind_of_change in ("unknown", "also"):
         used = NOT_KNOWN
     else:
         used = _value_in_words(change.get("to", change.get("value")))
@@ -193,36 +197,36 @@ def _edition_erratum(raw: Raw, change: Raw, name: str, number: int, kind: str) -
     return record(
         Erratum,
         {"severity": "wrong_data", **stated},
-        name=f"edition_{re.sub('[^a-z0-9]+', '_', name.lower())}_{number}",
-        title=change_title(layer_in_words("", name), without_examples(affected_texts)),
+        name=f"edition_{re.sub('[^a-z0-9]+', '_', revision.lower())}_{change_number}",
+        title=change_title(layer_in_words("", revision), without_examples(affected_texts)),
         printed=shortened(without_examples([path_text.removeprefix("registers.") for path_text in affected_texts])),
         used=used,
         status="open" if used == NOT_KNOWN else "settled",
         affects=tuple(dict.fromkeys(path for path in affected_paths if path)),
-        edition=name,
+        edition=revision,
     )
 
 
-def _value_in_words(value: object) -> str:
+def _value_in_words(changed_value: object) -> str:
     """Return a value of a spec in words, such as ``yes`` for true or ``width = 6, poly = 3`` for a map."""
-    match value:
+    match changed_value:
         case bool():
-            return "yes" if value else "no"
+            return "yes" if changed_value else "no"
         case dict():
-            return ", ".join(f"{key} = {member}" for key, member in value.items())
+            return ", ".join(f"{key} = {member}" for key, member in changed_value.items())
         case list():
-            return ", ".join(map(str, value))
+            return ", ".join(map(str, changed_value))
         case _:
-            return str(value)
+            return str(changed_value)
 
 
-def _affected_path(raw: Raw, text: str) -> str:
+def _affected_path(raw: Raw, path_in_change: str) -> str:
     """Return the path of a change as an erratum gives it.
 
     For an item that the change adds, it is the path of the part that exists and receives it.
     """
     try:
-        path = resolve(raw, text)
+        path = resolve(raw, path_in_change)
     except MissingPath as missing_path:  # What is added does not exist yet.
         path = missing_path.existing_path
     return as_affected(raw, path)

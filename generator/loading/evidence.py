@@ -96,21 +96,21 @@ def read_history(spec: Path, report: Report) -> tuple[Release, ...]:
     return ()
 
 
-def _build_release(data: dict[str, object]) -> Release:
+def _build_release(release_data: dict[str, object]) -> Release:
     """Return a version from the data of the file.
 
     Raises:
         TypeError: The changes or names are not lists, or have other members than in the model.
         KeyError: There are no changes.
     """
-    changes = data["changes"]
+    changes = release_data["changes"]
     if not isinstance(changes, list):
         raise TypeError
     released_changes = tuple(ReleasedChange(**change) for change in changes)
-    names = data.get("names", [])
+    names = release_data.get("names", [])
     if not isinstance(names, list):
         raise TypeError
-    return Release(**{**data, "changes": released_changes, "names": tuple(names)})  # type: ignore[arg-type]
+    return Release(**{**release_data, "changes": released_changes, "names": tuple(names)})  # type: ignore[arg-type]
 
 
 def _has_only_texts(release: Release) -> bool:

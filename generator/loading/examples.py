@@ -223,13 +223,13 @@ def _check_decoded(device: Device, decoded: Decoded, example: FrameExample | Reg
     yield from differences or _check_encoding(device, decoded, example)
 
 
-def _suggest_start(device: Device, name: str) -> str:
+def _suggest_start(device: Device, crc_name: str) -> str:
     """Return the text about a better start value, such as ``; with 'init: 0xff' in the CRC 'crc', it matches``.
 
     It is empty unless all examples of the CRC need the same start value, and the spec has another one. A single example
     always fits some start value, so with one example only all bits 0 and all bits 1 are suggested.
     """
-    crc = device.crc(name)
+    crc = device.crc(crc_name)
     start_values: list[int] = []
     for example in device.examples:
         start_values += _needed_start_values(device, crc, example)
@@ -239,7 +239,7 @@ def _suggest_start(device: Device, name: str) -> str:
     if has_one_example and start_values[0] not in (0, crc.mask):
         return ""
     subject = "it" if has_one_example else "every example"
-    return f"; with 'init: {start_values[0]:#x}' in the CRC '{name}', {subject} matches"
+    return f"; with 'init: {start_values[0]:#x}' in the CRC '{crc_name}', {subject} matches"
 
 
 def _needed_start_values(device: Device, crc: Crc, example: Example) -> Iterator[int]:

@@ -67,19 +67,23 @@ def _facts_of_interface(
     if isinstance(interface, Clocked):
         clocks = _with_paths(raw, (*path, "clock"), interface.clocks)
         is_whole = (*path, "clock") not in report.document.kept_indices
-        yield ExclusiveFacts("a clock", clocks, codes, interface.short, is_needed=is_whole)
+        yield ExclusiveFacts(noun="a clock", facts=clocks, codes=codes, interface=interface.short, is_needed=is_whole)
     if isinstance(interface, Biss):
         timeouts = _with_paths(raw, (*path, "timeout"), interface.timeouts)
         is_needed = not explained(report.document, *path, "timeout")
         is_whole = (*path, "timeout") not in report.document.kept_indices
-        yield ExclusiveFacts("a time-out", timeouts, codes, interface.short, is_needed=is_needed and is_whole)
+        yield ExclusiveFacts(
+            noun="a time-out", facts=timeouts, codes=codes, interface=interface.short, is_needed=is_needed and is_whole
+        )
     if isinstance(interface, Ssi):
         rows = _with_paths(raw, (*path, "cable_lengths"), interface.cable_lengths)
         for length in dict.fromkeys(row.shorter_than_m for row in interface.cable_lengths):
             are_of_length = [row.shorter_than_m == length for row in interface.cable_lengths]
             rows_of_length = list(compress(rows, are_of_length))
             noun = f"a clock for cables shorter than {length} m"
-            yield ExclusiveFacts(noun, rows_of_length, codes, interface.short, other_rules=True)
+            yield ExclusiveFacts(
+                noun=noun, facts=rows_of_length, codes=codes, interface=interface.short, other_rules=True
+            )
     yield from _group_by_name((*path, "timings"), "a timing", interface.timings, codes)
 
 

@@ -104,9 +104,9 @@ class Site:
         self.context.report.add(rule, (*self.path, *below), message)
 
 
-def bit_range(text: int | str) -> tuple[int, int] | None:
+def bit_range(bits_text: int | str) -> tuple[int, int] | None:
     """Parse ``7:6`` as (7, 6) and ``5`` as (5, 5). Return None for any other text or a reversed range."""
-    high, _, low = str(text).partition(":")
+    high, _, low = str(bits_text).partition(":")
     # Longer numbers are typos, and would make huge fields.
     if not high.isdecimal() or len(high) > 4 or (low and (not low.isdecimal() or len(low) > 4)):
         return None
@@ -125,11 +125,11 @@ def expected_value(raw: Raw, context: Context) -> Expression | int | str | None:
     return expected if isinstance(expected, (int, str)) else None
 
 
-def zero_field(name: str, kind: Constant, low: Expression, width: Expression, site: Site, source: Sources) -> Field:
-    """Return a field whose bits are always 0, such as padding or a gap. ``kind`` says which."""
+def zero_field(name: str, constant: Constant, low: Expression, width: Expression, site: Site, source: Sources) -> Field:
+    """Return a field whose bits are always 0, such as padding or a gap. ``constant`` says which."""
     return Field(
         name=name,
-        kind=kind,
+        kind=constant,
         low=low,
         width=width,
         widest=site.widest(width),
@@ -220,8 +220,14 @@ def _name_reserved_numbers(values: Sequence[Value], width: int) -> tuple[Value, 
     """Return a named value, such as ``reserved_3``, for each number of ``width`` bits that is not in ``values``."""
     meaning = "Reserved: the manual does not say what it means"
     listed_numbers = {value.value for value in values}
-    unlisted_numbers = [number for number in range(1 << width) if number not in listed_numbers]
-    return tuple(Value(f"{RESERVED}_{number}", number, "", {}, meaning, ()) for number in unlisted_numbers)
+    reserved_values: list[Value] = []
+    for number in range(1 << width):
+        if number not in listed_numbers:
+            name = f"{RESERVED}_{number}"
+            reserved_values.append(
+                Value(name=name, value=number, printed_name="", names={}, meaning=meaning, source=())
+            )
+    return tuple(reserved_values)
 
 
 def _value_of_data_id(data_id: DataId) -> Value:
@@ -266,6 +272,6 @@ def pieces(field: Field, length: int, low_first: bool) -> tuple[Piece, ...]:
         byte_above_lowest, low_bit_in_byte = divmod(field.low.constant + bits_done, 8)
         bits_in_byte = min(8 - low_bit_in_byte, bits_with_padding - bits_done)
         byte = byte_above_lowest if low_first else length - 1 - byte_above_lowest
-        pieces.append(Piece(byte, low_bit_in_byte, (1 << bits_in_byte) - 1, bits_done))
+        pieces.append(Piece(byte=byte, right=low_bit_in_byte, mask=(1 << bits_in_byte) - 1, left=bits_done))
         bits_done += bits_in_byte
     return tuple(pieces)

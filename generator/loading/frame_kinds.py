@@ -77,9 +77,9 @@ def check_errata(device: Device, report: DocumentReport) -> None:
         report.add("erratum-verdict", ("errata", erratum.name, "used"), message)
 
 
-def _verdicts_in_text(text: str) -> Iterator[Verdict]:
+def _verdicts_in_text(text_of_erratum: str) -> Iterator[Verdict]:
     """Yield the verdicts that a text names. Each is removed, so that "usable" is not found in "not usable"."""
-    remaining_text = " ".join(text.split())
+    remaining_text = " ".join(text_of_erratum.split())
     for verdict, pattern in _IN_WORDS:
         remaining_text, count = re.subn(pattern, "", remaining_text)
         if count:
@@ -111,12 +111,12 @@ def _verdicts_of_affected_bits(device: Device, erratum: Erratum) -> Iterator[Ver
                 yield Verdict.UNKNOWN
 
 
-def _is_affected(field: Field, place: str, erratum: Erratum) -> bool:
-    """Return True if an erratum affects a field of the layout at ``place``, or all its fields.
+def _is_affected(field: Field, layout_path: str, erratum: Erratum) -> bool:
+    """Return True if an erratum affects a field of the layout at ``layout_path``, or all its fields.
 
     A field of a group is also affected through the group.
     """
-    places_with_field = [place]
+    places_with_field = [layout_path]
     if field.group:
         places_with_field.append(f"field_groups.{field.group}")
     return any(
@@ -249,12 +249,12 @@ def _check_replies(interface: Interface, positions: frozenset[str], report: Docu
                 report.add("frame-kind", _field_path(interface, reply, field), f"{message}, so {remedy}")
 
 
-def _common_constant(requests: Sequence[Layout], name: str) -> int | None:
+def _common_constant(requests: Sequence[Layout], field_name: str) -> int | None:
     """Return the constant that a field is in all requests that have it, or None if there is no such constant."""
     constants: set[int] = set()
     for request in requests:
         for field in request.fields:
-            if field.name != name:
+            if field.name != field_name:
                 continue
             if not isinstance(field.kind, Constant):
                 return None

@@ -42,13 +42,13 @@ _SOURCE = re.compile(r"\s*(?:(?P<document>[a-z][a-z0-9_]*):\s*)?(?P<section>.*?)
 _EMPTY: Mapping[Any, Any] = MappingProxyType({str: "", int: 0, bool: False, tuple: (), Mapping: MappingProxyType({})})
 
 
-def parse_sources(text: str) -> Sources:
+def parse_sources(cited_text: str) -> Sources:
     """Parse sources such as ``6.4 p.35; it: 6.4 p.36``: a section, a page, and before them the key of another document.
 
     A page range such as ``p.14-15`` belongs to the section.
     """
     parsed = []
-    for source_text in text.split(";"):
+    for source_text in cited_text.split(";"):
         match = _SOURCE.fullmatch(source_text)
         if match is not None:
             page = int(match["page"]) if match["page"] else None
@@ -56,9 +56,9 @@ def parse_sources(text: str) -> Sources:
     return tuple(parsed)
 
 
-def sources(raw: Raw, key: str = "source") -> Sources:
+def sources(raw: Raw, source_key: str = "source") -> Sources:
     """Return the sources under a key of a part of the spec, or none if it has no such key."""
-    return parse_sources(raw[key]) if key in raw else ()
+    return parse_sources(raw[source_key]) if source_key in raw else ()
 
 
 def record(part_class: Callable[..., T], raw: Raw, /, **values: Any) -> T:
@@ -97,23 +97,23 @@ def _has_default(member: Field[Any]) -> bool:
     return member.default is not MISSING or member.default_factory is not MISSING
 
 
-def _convert_to_type(hint: Any, value: Any) -> Any:
-    """Return a value of a spec as the type ``hint``, such as ``tuple[Value, ...]``, ``Clock`` or ``Clock | None``.
+def _convert_to_type(member_type: Any, raw_value: Any) -> Any:
+    """Return a value of a spec as ``member_type``, such as ``tuple[Value, ...]``, ``Clock`` or ``Clock | None``.
 
     A map becomes an object if the type, or the first type in it, is a class of the model. Other values stay.
     """
-    type_arguments = get_args(hint)
-    inner_type = type_arguments[0] if type_arguments else hint
-    if get_origin(hint) is tuple:
-        return tuple(_convert_map(inner_type, member) for member in value)
+    type_arguments = get_args(member_type)
+    inner_type = type_arguments[0] if type_arguments else member_type
+    if get_origin(member_type) is tuple:
+        return tuple(_convert_map(inner_type, member) for member in raw_value)
     if isinstance(inner_type, type) and is_dataclass(inner_type):
-        return _convert_map(inner_type, value)
-    return value
+        return _convert_map(inner_type, raw_value)
+    return raw_value
 
 
-def _convert_map(part_class: Any, value: Any) -> Any:
+def _convert_map(part_class: Any, raw_value: Any) -> Any:
     """Return a map of the spec as an object of a class, and any other value as it is."""
-    return record(part_class, value) if isinstance(value, Mapping) else value
+    return record(part_class, raw_value) if isinstance(raw_value, Mapping) else raw_value
 
 
 def build_manufacturer(raw: Raw) -> Manufacturer:
@@ -218,16 +218,16 @@ def _codes_in_words(only: str) -> str:
     return f"the order codes {quoted(only)}" if only else "all order codes"
 
 
-def _mappings_with_only(value: Any, path: Path) -> Iterator[tuple[Path, Raw]]:
+def _mappings_with_only(raw_value: Any, path: Path) -> Iterator[tuple[Path, Raw]]:
     """Yield the mappings that have an ``only``, at any depth, each with its path."""
-    if isinstance(value, Mapping):
-        if isinstance(value.get("only"), str):
-            yield path, value
-        for key, member in value.items():
+    if isinstance(raw_value, Mapping):
+        if isinstance(raw_value.get("only"), str):
+            yield path, raw_value
+        for key, member in raw_value.items():
             if key not in ("also_written", "names"):  # below these are texts of labels and of languages
                 yield from _mappings_with_only(member, (*path, key))
-    elif isinstance(value, (list, tuple)):
-        for index, member in enumerate(value):
+    elif isinstance(raw_value, (list, tuple)):
+        for index, member in enumerate(raw_value):
             yield from _mappings_with_only(member, (*path, index))
 
 

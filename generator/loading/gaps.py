@@ -80,12 +80,12 @@ def _find_gaps(fields: Sequence[Field], bits: Expression) -> Iterable[_Gap]:
     for field in fields:
         width = field.low - end_of_last
         if width != ZERO:
-            yield _Gap(last_field, field, end_of_last, width)
+            yield _Gap(below=last_field, above=field, low=end_of_last, width=width)
         end_of_last = field.low + field.width
         last_field = field
     width_above = bits - end_of_last
     if width_above != ZERO:
-        yield _Gap(last_field, None, end_of_last, width_above)
+        yield _Gap(below=last_field, above=None, low=end_of_last, width=width_above)
 
 
 def check_all_bits_covered(fields: Sequence[Field], bits: Expression, gaps: str, site: Site) -> bool:

@@ -149,9 +149,9 @@ def _build_clock(raw: Raw) -> Clock:
     return record(Clock, raw, used_hz=clocks_in_use)
 
 
-def _one_or_more(value: Raw | Sequence[Raw]) -> Sequence[Raw]:
+def _one_or_more(raw_or_list: Raw | Sequence[Raw]) -> Sequence[Raw]:
     """Return the parts under a key that holds one part or a list of them."""
-    return [value] if isinstance(value, Mapping) else value
+    return [raw_or_list] if isinstance(raw_or_list, Mapping) else raw_or_list
 
 
 def _members_of_ssi(raw: Raw, context: Context) -> Mapping[str, Any]:

@@ -285,16 +285,16 @@ def _check_field(layout: Layout, field: Field, site: Site) -> None:
             assert_never(kind)
 
 
-def _check_number(field: Field, kind: Number, site: Site) -> None:
+def _check_number(field: Field, number: Number, site: Site) -> None:
     """Check that a power of two has bits for every order code: without bits, it would be 0."""
-    if kind.power_of_two:
+    if number.power_of_two:
         _check_absent(field, "0 is not a power of two; leave 'power_of_two' out", site)
 
 
-def _check_decimal(field: Field, kind: Decimal, site: Site) -> None:
+def _check_decimal(field: Field, decimal: Decimal, site: Site) -> None:
     """Check that all decimal numbers with these digits fit into the bits of the field."""
-    if kind.limit > 1 << field.widest:
-        site.report("value-too-wide", f"{kind.digits} decimal digits do not fit into {field.widest} bits")
+    if decimal.limit > 1 << field.widest:
+        site.report("value-too-wide", f"{decimal.digits} decimal digits do not fit into {field.widest} bits")
 
 
 def _check_text(field: Field, site: Site) -> None:
@@ -329,32 +329,32 @@ def _check_one_bit(field: Field, kind_text: str, site: Site) -> None:
         site.report("width-mismatch", f"{message}; {remedy}")
 
 
-def _check_choice(field: Field, kind: Choice, site: Site) -> None:
+def _check_choice(field: Field, choice: Choice, site: Site) -> None:
     """Check that all named values fit into the field, and that one of them is 0 if an order code lacks the field."""
     # If the width is constant, the rules on the text have already checked it.
     if not field.width.is_constant:
-        for value in kind.values:
+        for value in choice.values:
             if value.value >> field.widest:
                 message = f"the value '{value.name}' = {value.value:#x} does not fit into {field.widest} bits"
                 site.report("value-too-wide", message)
-    has_zero = any(value.value == 0 for value in kind.values)
+    has_zero = any(value.value == 0 for value in choice.values)
     if not has_zero:
         _check_absent(field, "none of its values is 0; add one", site)
 
 
-def _check_fixed(field: Field, kind: Constant | Unused, site: Site) -> None:
+def _check_fixed(field: Field, fixed: Constant | Unused, site: Site) -> None:
     """Check that a constant, or the value of unused bits, fits into the field for all order codes that have it.
 
     If an order code lacks the field, a constant must be 0.
     """
     widths = [field.width.value(parameters) for parameters in site.sets]
     narrowest = min((width for width in widths if width), default=field.widest)
-    if not field.width.is_constant and kind.value >> narrowest:
-        key = "unused" if isinstance(kind, Unused) else "constant"
-        message = f"'{key}' is {kind.value:#x}, which does not fit into {narrowest} bit{'s' * (narrowest > 1)}"
+    if not field.width.is_constant and fixed.value >> narrowest:
+        key = "unused" if isinstance(fixed, Unused) else "constant"
+        message = f"'{key}' is {fixed.value:#x}, which does not fit into {narrowest} bit{'s' * (narrowest > 1)}"
         site.report("value-too-wide", message)
-    if isinstance(kind, Constant) and kind.value:
-        _check_absent(field, f"'constant' is {kind.value:#x}; use 0, or a constant width", site)
+    if isinstance(fixed, Constant) and fixed.value:
+        _check_absent(field, f"'constant' is {fixed.value:#x}; use 0, or a constant width", site)
 
 
 def _check_absent(field: Field, reason: str, site: Site) -> None:

@@ -219,7 +219,7 @@ def families_of(
 
 def _manufacturer_of(
     document: Document,
-    data: Mapping[str, Any],
+    device_data: Mapping[str, Any],
     makers: Mapping[str, Manufacturer],
     manufacturer_files: Sequence[Document],
     report: Report,
@@ -228,7 +228,7 @@ def _manufacturer_of(
 
     Report that its file is missing. A file with problems has been reported, and so has a spec without the key.
     """
-    name = data["manufacturer"]
+    name = device_data["manufacturer"]
     has_file = any(str(file.data.get("manufacturer")) == name for file in manufacturer_files)
     if name not in makers and not has_file and "manufacturer" in document.data:
         hint = f"; known: {listed(sorted(makers))}; use the same name in both files" if makers else ""
@@ -237,17 +237,19 @@ def _manufacturer_of(
     return makers.get(name) or _stand_in_for_manufacturer(name)
 
 
-def _build_device(document: Document, data: dict[str, Any], maker: Manufacturer, report: Report) -> Device | None:
+def _build_device(
+    document: Document, device_data: dict[str, Any], maker: Manufacturer, report: Report
+) -> Device | None:
     """Return the device of a spec, or None if it cannot be built.
 
     It has the counts of readings and the releases from the files next to the spec, and the other editions as errata.
     """
-    device = build_device(data, maker, report.for_document(document))
+    device = build_device(device_data, maker, report.for_document(document))
     if device is None:
         return None
-    check_editions(data, device, report.for_document(document))
+    check_editions(device_data, device, report.for_document(document))
     spec = Path(document.file)
-    edition_notes = tuple(notes(data))
+    edition_notes = tuple(notes(device_data))
     counts = read_counts(spec, report)
     releases = read_history(spec, report)
     return replace(device, times_read=counts, releases=releases, errata=(*device.errata, *edition_notes))
@@ -289,10 +291,12 @@ def _manufacturers_by_name(
     return makers
 
 
-def _stand_in_for_manufacturer(name: str) -> Manufacturer:
+def _stand_in_for_manufacturer(manufacturer_name: str) -> Manufacturer:
     """Return a stand-in for a manufacturer without a file, so that the device can still be checked."""
-    package = f"{name}_encoders"
-    return Manufacturer(name=name, title="", biss_id=None, python_package=package, version="0.0.0", trademarks=())
+    package = f"{manufacturer_name}_encoders"
+    return Manufacturer(
+        name=manufacturer_name, title="", biss_id=None, python_package=package, version="0.0.0", trademarks=()
+    )
 
 
 def _check_manufacturer(

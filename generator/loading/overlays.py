@@ -107,16 +107,16 @@ def apply_overlays(
     return sorted(resulting_families, key=lambda family: family.device.name)
 
 
-def _is_correction_of(name: str, overlay: Document) -> bool:
+def _is_correction_of(family_name: str, overlay: Document) -> bool:
     """Return True if an overlay, valid or not, is for the whole family of this name."""
-    return "applies_to" not in overlay.data and overlay.data.get("of") == name
+    return "applies_to" not in overlay.data and overlay.data.get("of") == family_name
 
 
-def _is_for_special_model(name: str, special: str, overlay: Document) -> bool:
+def _is_for_special_model(family_name: str, special: str, overlay: Document) -> bool:
     """Return True if an overlay, valid or not, is for the special model of the family of this name."""
     applies_to = overlay.data.get("applies_to")
     has_special = isinstance(applies_to, dict) and str(applies_to.get("special")).lower() == special
-    return has_special and overlay.data.get("of") == name
+    return has_special and overlay.data.get("of") == family_name
 
 
 def _special_families(
@@ -147,6 +147,10 @@ def _refuse_same_names(overlays: Sequence[Document], report: Report) -> None:
             report.add("duplicate-name", overlay, ("overlay",), message)
 
 
+def _layer_of(overlay: Document) -> Layer:
+    return Layer(document=overlay, path=("changes",), kind=LayerKind.OVERLAY, name=overlay.data["overlay"])
+
+
 def _apply_overlays(
     family: Family, overlays: Sequence[Document], special: str, build: Build, report: Report
 ) -> Family | None:
@@ -157,9 +161,7 @@ def _apply_overlays(
     """
     layered_spec = LayeredSpec(family.document, report)
     problems_before = len(report)
-    layered_spec.apply(
-        [Layer(overlay, ("changes",), LayerKind.OVERLAY, overlay.data["overlay"]) for overlay in overlays]
-    )
+    layered_spec.apply([_layer_of(overlay) for overlay in overlays])
     document = layered_spec.document(f"{family.device.name}_{special.lower()}" if special else "")
     inner_report = Report()
     device = build(document, inner_report)
@@ -227,9 +229,9 @@ def errata_of(applied_changes: Iterable[AppliedChange]) -> Iterator[Erratum]:
         )
 
 
-def _layer_words(kind: str, layer_name: str) -> str:
-    """Return the overlay or the edition with the change in words. ``kind`` is the value of its ``LayerKind``."""
-    is_overlay = kind == LayerKind.OVERLAY.value
+def _layer_words(layer_kind: str, layer_name: str) -> str:
+    """Return the overlay or the edition with the change in words. ``layer_kind`` is the value of its ``LayerKind``."""
+    is_overlay = layer_kind == LayerKind.OVERLAY.value
     return layer_in_words(layer_name, "") if is_overlay else layer_in_words("", layer_name)
 
 

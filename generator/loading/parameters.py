@@ -109,13 +109,13 @@ def check_reach(raw: Raw, context: Context, variants: Sequence[Variant]) -> bool
     return len(context.report) == problems_before
 
 
-def _error_of_expression(text: int | str, parameters: Mapping[str, int]) -> str:
+def _error_of_expression(expression_text: int | str, parameters: Mapping[str, int]) -> str:
     """Return the reason why an expression has no value for these parameters, or an empty string.
 
     It is empty for an expression with a syntax error or an unknown parameter, which other rules report.
     """
     try:
-        expression = Expression.parse(text)
+        expression = Expression.parse(expression_text)
     except ExpressionError:
         return ""  # Reported by the rule on expressions.
     try:
@@ -173,7 +173,9 @@ def _register_and_field(raw: Raw, definition: Raw) -> tuple[Raw | None, Raw | No
     return register, _find_raw_field(register, field_name) if register is not None else None
 
 
-def _default_of_parameter(name: str, definition: Raw, number: int, zero_means: int, report: DocumentReport) -> int:
+def _default_of_parameter(
+    name: str, definition: Raw, stored_number: int, zero_means: int, report: DocumentReport
+) -> int:
     """Return the value of a parameter whose field has this number by default, and check it.
 
     A parameter with codes has the value of the code, or 0 if the number is not one of them. ``zero_means`` is the value
@@ -181,13 +183,13 @@ def _default_of_parameter(name: str, definition: Raw, number: int, zero_means: i
     """
     codes_with_values = coded_values(definition)
     if codes_with_values:
-        value = next((coded.value for coded in codes_with_values if coded.code == number), None)
+        value = next((coded.value for coded in codes_with_values if coded.code == stored_number), None)
         if value is None:
-            message = f"the default of '{definition['read_from']}' is {number}"
+            message = f"the default of '{definition['read_from']}' is {stored_number}"
             remedy = f"which is not a code of {quoted('by_code')}"
             report.add("default-does-not-fit", ("parameters", name), f"{message}, {remedy}")
         return value or 0
-    value = number or zero_means
+    value = stored_number or zero_means
     if not definition.get("min", 0) <= value <= definition.get("max", value):
         message = f"the default of '{definition['read_from']}' is {value}, not between 'min' and 'max'"
         report.add("default-does-not-fit", ("parameters", name), message)
@@ -262,17 +264,17 @@ def _check_codes(name: str, definition: Raw, width: int, report: DocumentReport)
         first_text_by_code.setdefault(code, code_text)
 
 
-def _find_raw_field(register: Raw, name: str) -> Raw | None:
+def _find_raw_field(register: Raw, field_name: str) -> Raw | None:
     """Return a field of a register as in the spec, or None if there is no such field.
 
     A register without fields is one number, whose field has the name of the register. If the register uses a group, any
     other name may be a field of the group. The result is then empty.
     """
     if "fields" not in register:
-        return {"name": name, "at": f"{8 * register['length'] - 1}:0"} if name == register["name"] else None
+        return {"name": field_name, "at": f"{8 * register['length'] - 1}:0"} if field_name == register["name"] else None
     own_fields = [field for field in register["fields"] if "use" not in field]
     field_of_group: Raw | None = {} if len(own_fields) < len(register["fields"]) else None
-    return next((field for field in own_fields if field.get("name") == name), field_of_group)
+    return next((field for field in own_fields if field.get("name") == field_name), field_of_group)
 
 
 def _lowest_bit_and_width(field: Raw) -> tuple[int, int] | None:

@@ -256,15 +256,15 @@ def _unit_problem(case: _Case, values: Mapping[str, int]) -> tuple[str, str] | N
 
 
 def _width_problem(
-    device: Device, measurement: Measurement, case: _Case, key: str, values: Mapping[str, int]
+    device: Device, measurement: Measurement, case: _Case, counts_key: str, values: Mapping[str, int]
 ) -> tuple[str, str] | None:
     """Return the key and the message if the position has too few bits, or unused bits where it must use all."""
     turns = values.get("turns", 1)
-    counts = values[key] * turns
-    counts_text = f"{values[key]} counts" + (f" × {turns} turns" if turns > 1 else "")
+    counts = values[counts_key] * turns
+    counts_text = f"{values[counts_key]} counts" + (f" × {turns} turns" if turns > 1 else "")
     width_text = f"'{measurement.of}' in '{case.layout.name}' has {case.width} bits for {case.variant.code}"
     if counts > 1 << case.width:
-        return key, f"{counts_text} do not fit, because {width_text}"
+        return counts_key, f"{counts_text} do not fit, because {width_text}"
     fields = [case.layout.field(name) for name, _ in case.fields]
     is_signed = any(isinstance(field.kind, Number) and field.kind.signed for field in fields)
     end_of_width = 1 << case.width
@@ -278,18 +278,20 @@ def _width_problem(
     )
     # A position of fixed width can begin with zeros, as manuals draw it. Decoders reject a position above the counts.
     # A length that wraps around at a power of two uses all bits of its field, unless 'highest' gives another range.
-    uses_all_bits = key == "modulus" and counts & (counts - 1) == 0 and not is_signed and measurement.highest is None
+    uses_all_bits = (
+        counts_key == "modulus" and counts & (counts - 1) == 0 and not is_signed and measurement.highest is None
+    )
     must_fill = uses_all_bits or (
         width_parameters and count_parameters <= width_parameters and not (is_signed and measurement.highest)
     )
     # One bit less would be enough.
     if 2 * counts <= 1 << case.width and must_fill:
         message = f"{counts_text} need {(counts - 1).bit_length()} bits, but {width_text}"
-        return key, f"{message}; define zeros above a position as a separate field"
+        return counts_key, f"{message}; define zeros above a position as a separate field"
     return None
 
 
-def _range_problem(measurement: Measurement, case: _Case, key: str) -> tuple[str, str] | None:
+def _range_problem(measurement: Measurement, case: _Case, counts_key: str) -> tuple[str, str] | None:
     """Return the key and the message if the range of a position does not fit its only field, or is unknown."""
     if measurement.total is None or len(case.fields) != 1:
         return None
@@ -299,11 +301,11 @@ def _range_problem(measurement: Measurement, case: _Case, key: str) -> tuple[str
     is_signed = case.layout.field(name).number.signed
     if measurement.highest is None:
         if is_signed and total != 1 << width and not total & (total - 1):
-            return key, _message_of_too_many_numbers(case, field_text, total)
+            return counts_key, _message_of_too_many_numbers(case, field_text, total)
         if not is_signed or not total & (total - 1):
             return None
         message = f"{field_text} is signed, and its range does not follow from {total} counts for {case.variant.code}"
-        return key, f"{message}; add 'highest', from which the lowest position follows: highest - {total} + 1"
+        return counts_key, f"{message}; add 'highest', from which the lowest position follows: highest - {total} + 1"
     highest = measurement.highest.value(case.variant.parameters)
     lowest, highest_possible = (-(1 << (width - 1)), (1 << (width - 1)) - 1) if is_signed else (0, (1 << width) - 1)
     if lowest <= highest - total + 1 and highest <= highest_possible:
@@ -321,43 +323,43 @@ def _message_of_too_many_numbers(case: _Case, field_text: str, total: int) -> st
 
 
 def _order_problem(
-    measurement: Measurement, case: _Case, key: str, values: Mapping[str, int]
+    measurement: Measurement, case: _Case, turns_key: str, values: Mapping[str, int]
 ) -> tuple[str, str] | None:
     """Return the key and the message if a number of revolutions is below the position within one revolution.
 
     In a frame of bytes, the order in which fields are sent does not tell which one is more significant.
     """
-    if key != "counts_per_turn":
+    if turns_key != "counts_per_turn":
         return None
     names = [name for name, _ in case.fields]
     count_turns = [case.layout.field(name).unit in _REVOLUTIONS for name in names]
     if not any(count_turns) and len(names) == 2:
         # Without units, the widths tell: the counts of a turn fit the upper field, and the turns the lower one.
         (_, upper), (_, lower) = case.fields
-        count_turns[1] = upper != lower and values[key] == 1 << upper and values.get("turns") == 1 << lower
+        count_turns[1] = upper != lower and values[turns_key] == 1 << upper and values.get("turns") == 1 << lower
     for (above_name, above_counts_turns), (name, counts_turns) in pairwise(zip(names, count_turns, strict=True)):
         if counts_turns and not above_counts_turns:
             message = f"'{measurement.of}' has '{name}', which counts revolutions, below '{above_name}'"
-            return key, f"{message}; list '{name}' first in its 'join'"
+            return turns_key, f"{message}; list '{name}' first in its 'join'"
     return None
 
 
-def _revolution_problem(case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str] | None:
+def _revolution_problem(case: _Case, turns_key: str, values: Mapping[str, int]) -> tuple[str, str] | None:
     """Return the key and the message if the fields below a number of revolutions do not fill one revolution."""
     for index, (name, width) in enumerate(case.fields[:-1]):
         bits_below = sum(width for _, width in case.fields[index + 1 :])
         # Without a unit, the upper of two fields counts turns if they fit into it, and the counts into the other.
         fits_turns = (
-            len(case.fields) == 2 and values[key] < 1 << bits_below and 1 < values.get("turns", 1) <= 1 << width
+            len(case.fields) == 2 and values[turns_key] < 1 << bits_below and 1 < values.get("turns", 1) <= 1 << width
         )
         counts_turns = case.layout.field(name).unit in _REVOLUTIONS or fits_turns
-        if counts_turns and key == "counts_per_turn" and values[key] != 1 << bits_below:
+        if counts_turns and turns_key == "counts_per_turn" and values[turns_key] != 1 << bits_below:
             message = (
                 f"'{name}' counts revolutions, and {bits_below} bits follow it for {case.variant.code}, so"
-                f" a turn must have {1 << bits_below} counts, not {values[key]}"
+                f" a turn must have {1 << bits_below} counts, not {values[turns_key]}"
             )
             remedy = f"; measure '{case.fields[1][0]}' alone, with 'turns: 1'" if fits_turns else ""
-            return key, message + remedy
+            return turns_key, message + remedy
     return None
 
 

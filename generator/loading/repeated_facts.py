@@ -49,24 +49,26 @@ def check_shared_facts(documents: Sequence[Document], report: Report) -> None:
         compare_connectors(maker_document, documents_of_maker, report)
 
 
-def _parts_by_name(kind: str, document: Document) -> Mapping[str, WrittenRegister | Located[Crc]]:
+def _parts_by_name(section: str, document: Document) -> Mapping[str, WrittenRegister | Located[Crc]]:
     """Return the registers or CRCs of a spec by name."""
     spec = WrittenSpec(document.data)
-    return by_name(spec.registers) if kind == "registers" else by_part_name(spec.crcs)
+    return by_name(spec.registers) if section == "registers" else by_part_name(spec.crcs)
 
 
-def _report_different_facts(kind: str, name: str, documents_with_fact: Sequence[Document], report: Report) -> None:
+def _report_different_facts(
+    section: str, part_name: str, documents_with_fact: Sequence[Document], report: Report
+) -> None:
     """Report each device whose register or CRC differs from the most common one, fact by fact.
 
-    ``kind`` is a key of ``_COMMON``. Among equally common facts, the one of the first file applies. A difference is not
-    reported if an erratum of either device affects it.
+    ``section`` is a key of ``_COMMON``. Among equally common facts, the one of the first file applies. A difference is
+    not reported if an erratum of either device affects it.
     """
     facts_by_key: dict[tuple[str, ...], list[tuple[Document, _Fact]]] = {}
     for document in sorted(documents_with_fact, key=lambda document: document.file):
-        for key, fact in _shared_facts(kind, _parts_by_name(kind, document)[name]):
+        for key, fact in _shared_facts(section, _parts_by_name(section, document)[part_name]):
             facts_by_key.setdefault(key, []).append((document, fact))
     for key, facts in facts_by_key.items():
-        affected_place = (kind, name, *key)
+        affected_place = (section, part_name, *key)
         fact_counts = Counter(text for _, (_, text) in facts)
         # ``max`` returns the first of several maxima, and files are in order.
         common_document, (common_path, common_text) = max(facts, key=lambda fact: fact_counts[fact[1][1]])
@@ -77,25 +79,27 @@ def _report_different_facts(kind: str, name: str, documents_with_fact: Sequence[
                 or explained(common_document, *affected_place)
             ):
                 continue
-            line = common_document.position((kind, name, *common_path))[0]
+            line = common_document.position((section, part_name, *common_path))[0]
             message = (
                 f"this is {text}, but {common_text} in {PurePath(common_document.file).name}:{line}; according to the"
-                f" manufacturer's file, {quoted(name)} is the same in all devices. If it is not, add an erratum that"
-                f" affects {'.'.join(affected_place)}"
+                f" manufacturer's file, {quoted(part_name)} is the same in all devices. If it is not, add an erratum"
+                f" that affects {'.'.join(affected_place)}"
             )
-            report.add("not-alike", document, (kind, name, *path), message)
+            report.add("not-alike", document, (section, part_name, *path), message)
 
 
-def _shared_facts(kind: str, definition: WrittenRegister | Located[Crc]) -> Iterator[tuple[tuple[str, ...], _Fact]]:
+def _shared_facts(
+    section: str, register_or_crc: WrittenRegister | Located[Crc]
+) -> Iterator[tuple[tuple[str, ...], _Fact]]:
     """Yield the shared facts of a register or CRC, each with its place as an erratum gives it.
 
     A field has its name in that place, such as ``("warning", "at")``, and its index in the path of the fact, such as
     ``("fields", 2, "at")``.
     """
-    for key, form in _COMMON[kind].items():
-        if key in definition.data:
-            yield (key,), ((key,), _fact_text(form, definition.data[key]))
-    for index, field in enumerate(definition.fields if isinstance(definition, WrittenRegister) else ()):
+    for key, form in _COMMON[section].items():
+        if key in register_or_crc.data:
+            yield (key,), ((key,), _fact_text(form, register_or_crc.data[key]))
+    for index, field in enumerate(register_or_crc.fields if isinstance(register_or_crc, WrittenRegister) else ()):
         if field.name:
             yield from _facts_of_field(field, ("fields", index))
 
@@ -109,9 +113,9 @@ def _facts_of_field(field: WrittenField, path: Path) -> Iterator[tuple[tuple[str
         yield (field.name, value_name, "value"), ((*path, "values", value_name, "value"), str(value.value))
 
 
-def _fact_text(form: str, value: object) -> str:
-    """Return a value as in messages: ``true`` or ``false``, or in the format ``form``."""
-    return str(value).lower() if isinstance(value, bool) else form.format(value)
+def _fact_text(number_format: str, fact: object) -> str:
+    """Return a value as in messages: ``true`` or ``false``, or in the format ``number_format``."""
+    return str(fact).lower() if isinstance(fact, bool) else number_format.format(fact)
 
 
 #: A number of counts or revolutions in the meaning of a part of an order code, with or without commas.
@@ -187,19 +191,22 @@ def _check_preset(device: Device, register: Register, path: Path, report: Docume
             return
 
 
-def _describe_contradiction(placed_field: PlacedField, default: int, value: int | str | None, variant: Variant) -> str:
+def _describe_contradiction(
+    placed_field: PlacedField, default: int, documented_value: int | str | None, variant: Variant
+) -> str:
     """Return how a field contradicts its number in the default of its register, or an empty string.
 
-    ``default`` is that of the register, and ``value`` the decoded value of the field, such as the name of the number.
+    ``default`` is that of the register, and ``documented_value`` the decoded value of the field, such as the name of
+    the number.
     """
     name = placed_field.name
     number = (default >> placed_field.low) & placed_field.mask
     expected = placed_field.field.documented(variant.parameters)
-    if expected is not None and expected not in (number, value):
+    if expected is not None and expected not in (number, documented_value):
         expected_text = expected if isinstance(expected, str) else hex(expected)
         return f"it sets '{name}' to {number:#x}, but '{name}' must equal {expected_text}"
     own_default = placed_field.field.default
-    if own_default is not None and own_default not in (number, value):
+    if own_default is not None and own_default not in (number, documented_value):
         return f"it sets '{name}' to {number:#x}, but the default of '{name}' is {own_default:#x}"
     return ""
 
@@ -298,9 +305,9 @@ def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
                 )
 
 
-def _compared_meaning(value: Raw) -> str:
+def _compared_meaning(raw_value: Raw) -> str:
     """Return the meaning of a value, or an empty string if the spec explains why it differs from the settings."""
-    return "" if "meaning_differs" in value else value.get("meaning", "")
+    return "" if "meaning_differs" in raw_value else raw_value.get("meaning", "")
 
 
 def _check_bits_named(raw: Raw, device: Device, report: DocumentReport) -> None:

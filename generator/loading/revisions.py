@@ -84,7 +84,7 @@ def revision_in(text: str) -> RevisionPath | None:
     return RevisionPath(revision, path) if colon and not is_path else None
 
 
-def write_revision(place: RevisionPath, folder: Path) -> RevisionFiles:
+def write_revision(revision_path: RevisionPath, folder: Path) -> RevisionFiles:
     """Write the specs of a revision to an empty folder, with the manufacturer's file if it is a single spec.
 
     Folders are renamed to numbers. Files keep names that are valid on every system.
@@ -92,35 +92,35 @@ def write_revision(place: RevisionPath, folder: Path) -> RevisionFiles:
     Raises:
         RevisionError: The revision cannot be read, or has names or sizes that no specs have.
     """
-    commit = _find_commit(place.revision)
-    path = _path_in_repository(place)
+    commit = _find_commit(revision_path.revision)
+    path = _path_in_repository(revision_path)
     blobs_by_path = _list_files(commit, path)
     if not blobs_by_path:
-        raise RevisionError(f"there is no {visible(path) or 'file'} in {visible(place.revision)}")
+        raise RevisionError(f"there is no {visible(path) or 'file'} in {visible(revision_path.revision)}")
     is_single_file = path in blobs_by_path
     manufacturer_path = posixpath.join(posixpath.dirname(path), _BESIDE)
     if is_single_file and path != manufacturer_path:
         blobs_by_path |= _list_files(commit, manufacturer_path)
     # A file given by name is a spec, whatever its suffix.
     blobs_of_specs = {name: blob for name, blob in blobs_by_path.items() if name.endswith(SUFFIXES) or name == path}
-    _refuse_bad_names(place.revision, blobs_of_specs)  # Also those of hidden files.
+    _refuse_bad_names(revision_path.revision, blobs_of_specs)  # Also those of hidden files.
     if not is_single_file:
         blobs_of_specs = {
             name: blob for name, blob in blobs_of_specs.items() if not _is_hidden(name.removeprefix(path))
         }
     if len(blobs_of_specs) > _MOST_FILES:
         raise RevisionError(
-            f"{visible(str(place))} contains {len(blobs_of_specs)} YAML files; name the folder of the specs"
+            f"{visible(str(revision_path))} contains {len(blobs_of_specs)} YAML files; name the folder of the specs"
         )
-    _refuse_large_files(place, blobs_of_specs)
+    _refuse_large_files(revision_path, blobs_of_specs)
     content_by_blob = _read_contents(blobs_of_specs.values())
     target_paths = _target_paths(blobs_of_specs, folder)
     for name, file in target_paths.items():
         file.parent.mkdir(exist_ok=True)
         with open(file, "xb") as target_file:
             target_file.write(content_by_blob[blobs_of_specs[name]])
-    shown_names = {str(folder): str(RevisionPath(place.revision, path))}
-    shown_names |= {str(file): f"{place.revision}:{name}" for name, file in target_paths.items()}
+    shown_names = {str(folder): str(RevisionPath(revision_path.revision, path))}
+    shown_names |= {str(file): f"{revision_path.revision}:{name}" for name, file in target_paths.items()}
     return RevisionFiles(target_paths.get(path, folder), shown_names)
 
 
@@ -133,9 +133,9 @@ def _refuse_bad_names(revision: str, names: Iterable[str]) -> None:
             raise RevisionError(f"{problem}; '{visible(unsafe_part)}' is not a safe name, so the revision is not read")
 
 
-def _is_hidden(name: str) -> bool:
+def _is_hidden(file_name: str) -> bool:
     """Return whether a part of the name begins with a dot. Such files are ignored in folders of specs."""
-    return any(part.startswith(".") for part in name.split("/"))
+    return any(part.startswith(".") for part in file_name.split("/"))
 
 
 def _target_paths(names: Iterable[str], folder: Path) -> dict[str, Path]:
@@ -173,7 +173,7 @@ def _find_commit(revision: str) -> str:
     return commit.decode().strip()
 
 
-def _path_in_repository(place: RevisionPath) -> str:
+def _path_in_repository(revision_path: RevisionPath) -> str:
     """Return the path from the top of the repository, or an empty string for all of it.
 
     A path with a leading dot is relative to the current folder, others to the top.
@@ -181,7 +181,7 @@ def _path_in_repository(place: RevisionPath) -> str:
     Raises:
         RevisionError: The path is outside the repository.
     """
-    path = place.path
+    path = revision_path.path
     is_relative = path in (".", "..") or path.startswith(("./", "../"))
     if is_relative:
         current_folder = _run_git(["rev-parse", "--show-prefix"]).decode().removesuffix("\n")
@@ -191,7 +191,7 @@ def _path_in_repository(place: RevisionPath) -> str:
     if path == ".":
         path = ""
     if path.startswith(("/", "../")) or path == ".." or "\0" in path:
-        raise RevisionError(f"{visible(str(place))} is outside the repository; paths are relative to its top")
+        raise RevisionError(f"{visible(str(revision_path))} is outside the repository; paths are relative to its top")
     return path
 
 
@@ -212,7 +212,7 @@ def _list_files(commit: str, path: str) -> dict[str, str]:
     return blobs_by_path
 
 
-def _refuse_large_files(place: RevisionPath, specs: Mapping[str, str]) -> None:
+def _refuse_large_files(revision_path: RevisionPath, specs: Mapping[str, str]) -> None:
     """Raise a ``RevisionError`` if a file, or all files together, are too large, or if content is missing.
 
     A partial clone can lack the content of a file.
@@ -222,14 +222,14 @@ def _refuse_large_files(place: RevisionPath, specs: Mapping[str, str]) -> None:
     replies = (line.split(" ") for line in _run_git(command, specs.values()).decode().splitlines())
     sizes = {reply[0]: int(reply[2]) for reply in replies if len(reply) == 3 and reply[1] == "blob"}
     for name, blob in specs.items():
-        file_text = f"{visible(place.revision)}:{visible(name)}"
+        file_text = f"{visible(revision_path.revision)}:{visible(name)}"
         if blob not in sizes:
             raise RevisionError(f"this repository lacks the content of {file_text}; fetch it first")
         if sizes[blob] > MAX_BYTES:
             message = f"{file_text} is larger than {MAX_BYTES // 2**20} MB and cannot be a spec"
             raise RevisionError(f"{message}; name the folder of the specs")
     if sum(sizes[blob] for blob in specs.values()) > _MOST_BYTES:
-        message = f"the YAML files of {visible(str(place))} exceed {_MOST_BYTES // 2**20} MB in total"
+        message = f"the YAML files of {visible(str(revision_path))} exceed {_MOST_BYTES // 2**20} MB in total"
         raise RevisionError(f"{message}; name the folder of the specs")
 
 

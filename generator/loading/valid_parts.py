@@ -34,9 +34,9 @@ class ValidParts:
     places: frozenset[Path]
     items: frozenset[Item]
 
-    def is_sound(self, kind: str, name: str) -> bool:
-        """Return True if the item of this name is valid. ``kind`` is the key of its list, such as ``registers``."""
-        return (kind, name) not in self.items
+    def is_sound(self, section: str, item_name: str) -> bool:
+        """Return True if the item of this name is valid. ``section`` is the key of its list, such as ``registers``."""
+        return (section, item_name) not in self.items
 
     @property
     def has_codes(self) -> bool:

@@ -59,11 +59,13 @@ class PositionRange(NamedTuple):
     highest: Expression
 
 
-def narrower_range(measurement: Measurement, layout: Layout, sets: Sequence[Mapping[str, int]]) -> PositionRange | None:
+def narrower_range(
+    measurement: Measurement, layout: Layout, parameter_sets: Sequence[Mapping[str, int]]
+) -> PositionRange | None:
     """Return the range of a position if it is narrower than the width of its field for some order code, or None.
 
     Parts of one revolution in several fields have no range, and signed positions have none without ``highest``.
-    ``sets`` are the parameters of the order codes.
+    ``parameter_sets`` are the parameters of the order codes.
     """
     fields_by_name = {field.name: field for field in layout.fields}
     position_fields = [fields_by_name[name] for name in layout.names_in(measurement.of) if name in fields_by_name]
@@ -72,10 +74,10 @@ def narrower_range(measurement: Measurement, layout: Layout, sets: Sequence[Mapp
     if len(position_fields) == 1 and position_fields[0].number.signed:
         position_range = _signed_range(measurement, position_fields[0])
     else:
-        position_range = _unsigned_range(measurement, position_fields, sets)
+        position_range = _unsigned_range(measurement, position_fields, parameter_sets)
     if position_range is None or position_range.field.number.zero_means:
         return None
-    is_narrower = any(_is_narrower(position_range, parameters) for parameters in sets)
+    is_narrower = any(_is_narrower(position_range, parameters) for parameters in parameter_sets)
     return position_range if is_narrower else None
 
 
@@ -95,7 +97,7 @@ def _signed_range(measurement: Measurement, field: Field) -> PositionRange | Non
 
 
 def _unsigned_range(
-    measurement: Measurement, fields: Sequence[Field], sets: Sequence[Mapping[str, int]]
+    measurement: Measurement, fields: Sequence[Field], parameter_sets: Sequence[Mapping[str, int]]
 ) -> PositionRange | None:
     """Return the range of a position without a sign, or None if it is unknown.
 
@@ -112,7 +114,7 @@ def _unsigned_range(
         return None
     # The fields of a position are listed from the most significant one.
     high_field, low_field = fields
-    for parameters in sets:
+    for parameters in parameter_sets:
         if counts_per_turn.value(parameters) != 1 << low_field.width.value(parameters):
             # Both fields are parts of one revolution.
             return None
@@ -283,9 +285,9 @@ class Device:
         matches = (interface for interface, candidate in self.layouts() if candidate is layout)
         return first_of(matches, f"interface with the layout '{layout.name}'")
 
-    def find_interface(self, kind: type[_Kind]) -> _Kind | None:
+    def find_interface(self, interface_class: type[_Kind]) -> _Kind | None:
         """Return the interface of this kind, or None."""
-        return next((interface for interface in self.interfaces if isinstance(interface, kind)), None)
+        return next((interface for interface in self.interfaces if isinstance(interface, interface_class)), None)
 
     def layout(self, name: str) -> Layout:
         return member_named((layout for _, layout in self.layouts()), name, "layout")

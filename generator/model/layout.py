@@ -72,9 +72,9 @@ class Layout:
         """Return the fields with these names that the layout has, in the same order."""
         return [field for field in map(self.find_field, names) if field is not None]
 
-    def names_in(self, name: str) -> tuple[str, ...]:
+    def names_in(self, field_or_join: str) -> tuple[str, ...]:
         """Return the names of the fields of a join, most significant first. For a field, return its own name."""
-        return next((join.fields for join in self.joins if join.name == name), (name,))
+        return next((join.fields for join in self.joins if join.name == field_or_join), (field_or_join,))
 
     @cached_property
     def member_names(self) -> frozenset[str]:
@@ -346,9 +346,11 @@ class PlacedLayout:
         return (placed_fields[-1].low, width) if placed_fields else (0, 0)
 
 
-def _is_flag_with_verdict(kind: Kind) -> bool:
+def _is_flag_with_verdict(field_kind: Kind) -> bool:
     """Return True if a kind is a flag with a verdict other than *usable*, for all order codes that have it."""
-    return isinstance(kind, Flag) and kind.makes_position is not Verdict.USABLE and not kind.only_while
+    return (
+        isinstance(field_kind, Flag) and field_kind.makes_position is not Verdict.USABLE and not field_kind.only_while
+    )
 
 
 def _with_unknown_verdict_if_reserved(field: Field) -> Field:
@@ -392,16 +394,18 @@ def _sign_of_combination(layout: Layout, combination: Combination) -> Sign:
 
 
 def _flag_of_sign(
-    name: str, flag: Flag, printed_name: str, note: str = "", remedy: str = "", source: Sources = ()
+    sign_name: str, flag: Flag, printed_name: str, note: str = "", remedy: str = "", source: Sources = ()
 ) -> Field:
     """Return the flag of a sign. It has no bits in the frame."""
     nowhere = Expression(0)
-    return Field(name, flag, nowhere, nowhere, 0, printed_name=printed_name, note=note, remedy=remedy, source=source)
+    return Field(
+        sign_name, flag, nowhere, nowhere, 0, printed_name=printed_name, note=note, remedy=remedy, source=source
+    )
 
 
-def _parse_condition(layout: Layout, text: str) -> tuple[str, int]:
+def _parse_condition(layout: Layout, condition: str) -> tuple[str, int]:
     """Return the field of a condition ``field.value`` and the number of its value, such as ``("warning", 1)``."""
-    name, _, value_name = text.partition(".")
+    name, _, value_name = condition.partition(".")
     field = layout.field(name)
     if isinstance(field.kind, Flag):
         # The value of a flag is ``active`` or ``inactive``.

@@ -20,10 +20,10 @@ else:
     def dataclass(*, frozen: Literal[True], **options: bool) -> Callable[[type], type]:
         """Return the decorator of ``dataclasses`` with the shared methods."""
 
-        def decorate(kind: type) -> type:
+        def decorate(decorated_class: type) -> type:
             # Without a text, dataclasses would import the signature of each class to write one.
-            kind.__doc__ = kind.__doc__ or kind.__name__
-            decorated = dataclasses.dataclass(**options, init=False, eq=False, repr=False)(kind)
+            decorated_class.__doc__ = decorated_class.__doc__ or decorated_class.__name__
+            decorated = dataclasses.dataclass(**options, init=False, eq=False, repr=False)(decorated_class)
             decorated.__init__ = _late_init(decorated)
             for name, method in _SHARED.items():
                 setattr(decorated, name, method)

@@ -97,9 +97,9 @@ class Register:
         """Named values of a register whose only field is a choice, or none."""
         return self.layout.fields[0].values if len(self.layout.fields) == 1 else ()
 
-    def bytes_of(self, value: int) -> bytes:
+    def bytes_of(self, content: int) -> bytes:
         """Return a value as bytes in ascending order of address."""
-        return value.to_bytes(self.length, "little" if self.byte_order == "low_byte_first" else "big")
+        return content.to_bytes(self.length, "little" if self.byte_order == "low_byte_first" else "big")
 
     def default_bytes(self) -> bytes | None:
         return None if self.default is None else self.bytes_of(self.default)

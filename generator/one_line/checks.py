@@ -134,9 +134,9 @@ def _problems_of_byte_order(options: Options, fields: Sequence[LineField], inter
         bits_before += field.bits
 
 
-def _problems_of_split(field: LineField, place: int) -> Iterator[LineProblem]:
-    """Yield the problems of a number over SPI that is sent low byte first, ``place`` bits after the first one."""
-    if place % 8 or field.bits % 8:
+def _problems_of_split(field: LineField, bits_before: int) -> Iterator[LineProblem]:
+    """Yield the problems of a number over SPI that is sent low byte first, ``bits_before`` bits after the first one."""
+    if bits_before % 8 or field.bits % 8:
         message = f"'{field.name}' is not whole bytes, so low_byte_first cannot apply; add zero or unused bits"
         yield LineProblem(field.column, message)
     if isinstance(field, Number) and (field.is_signed or field.value is not None):

@@ -60,15 +60,15 @@ def read_field(text: str, column: int, interface: str) -> LineField:
     return _read_number(name, values, column)
 
 
-def _spec_name(name: str) -> str:
+def _spec_name(line_name: str) -> str:
     """Return a name as a spec writes it: in lower case, with single underscores between words."""
-    return "_".join(word for word in name.lower().split("_") if word)
+    return "_".join(word for word in line_name.lower().split("_") if word)
 
 
-def _read_width(name: str, text: str, widest: int = WIDEST) -> int:
-    bits = number_in(text)
+def _read_width(name: str, width_text: str, widest: int = WIDEST) -> int:
+    bits = number_in(width_text)
     if bits is None or not 0 < bits <= widest:
-        raise FieldError(f"{quoted(text)} is not a width of '{name}'; write 1 to {widest}", len(name) + 1)
+        raise FieldError(f"{quoted(width_text)} is not a width of '{name}'; write 1 to {widest}", len(name) + 1)
     return bits
 
 

@@ -26,27 +26,27 @@ _WORDS: Mapping[str, tuple[tuple[str, ...], Mapping[str, Any]]] = {
 }
 
 
-def _read_frequency(text: str) -> int | None:
+def _read_frequency(option_text: str) -> int | None:
     """Return the frequency in Hz of a text such as ``1.5MHz`` or ``800k``, or None if it is not 1 Hz to 1 GHz."""
-    match = _HERTZ.fullmatch(text)
+    match = _HERTZ.fullmatch(option_text)
     if match is None:
         return None
     hertz = round(float(match[1] + (match[2] or "")) * _FACTORS[match[3]])
     return hertz if 0 < hertz <= 1_000_000_000 else None
 
 
-def _read_spi_mode(text: str) -> int | None:
-    return int(text) if text in ("0", "1", "2", "3") else None
+def _read_spi_mode(option_text: str) -> int | None:
+    return int(option_text) if option_text in ("0", "1", "2", "3") else None
 
 
-def _read_positive_number(text: str) -> int | None:
-    number = number_in(text)
+def _read_positive_number(option_text: str) -> int | None:
+    number = number_in(option_text)
     return number if number and number < 1 << 63 else None
 
 
-def _read_hex_bytes(text: str) -> bytes | None:
+def _read_hex_bytes(option_text: str) -> bytes | None:
     """Return the bytes of a text such as ``1A`` or ``0x1A02``, or None if it has other characters or is too long."""
-    digits = text.removeprefix("0x")
+    digits = option_text.removeprefix("0x")
     if not re.fullmatch(r"(?:[0-9A-Fa-f]{2})+", digits) or len(digits) > 2 * _LONGEST_REQUEST:
         return None
     return bytes.fromhex(digits)

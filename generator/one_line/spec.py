@@ -44,11 +44,11 @@ def order_code(line: Line, name: str) -> str:
     return f"{_fixed_text_of_code(name)}-{line.interface.upper()}"
 
 
-def _fixed_text_of_code(name: str) -> str:
-    return name.replace("_", "-").upper()
+def _fixed_text_of_code(family_name: str) -> str:
+    return family_name.replace("_", "-").upper()
 
 
-def _write_head(line: Line, name: str, manufacturer: str, schema: str) -> Iterator[str]:
+def _write_head(line: Line, family_name: str, manufacturer: str, schema: str) -> Iterator[str]:
     """Yield the spec up to its measurement."""
     yield f"# yaml-language-server: $schema={schema}"
     yield "#"
@@ -56,9 +56,9 @@ def _write_head(line: Line, name: str, manufacturer: str, schema: str) -> Iterat
     yield "# of the manual, and raise the grade when the manual confirms the others."
     yield ""
     yield "codewheel: 1"
-    yield f"device: {name}"
+    yield f"device: {family_name}"
     yield f"manufacturer: {manufacturer}"
-    yield f"title: {_fixed_text_of_code(name)}, described in one line"
+    yield f"title: {_fixed_text_of_code(family_name)}, described in one line"
     yield "movement: rotary"
     yield "evidence:"
     yield "  grade: uncorroborated"
@@ -78,7 +78,7 @@ def _write_head(line: Line, name: str, manufacturer: str, schema: str) -> Iterat
     yield "parameters: {}"
     yield ""
     yield "order_code:"
-    yield f'  pattern: "{_fixed_text_of_code(name)}-{{output}}"'
+    yield f'  pattern: "{_fixed_text_of_code(family_name)}-{{output}}"'
     yield f"  source: {_LINE}"
     yield "  parts:"
     value = f"{{{line.interface.upper()}: {{meaning: The interface of the line, interface: {line.interface}}}}}"

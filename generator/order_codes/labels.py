@@ -195,7 +195,7 @@ def _first_texts(code: OrderCode, spelling: Spelling) -> list[str]:
 
 def as_listed(order_code: OrderCode) -> Spelling:
     """Return, as a spelling, the notation in which the manual lists order codes."""
-    return Spelling(order_code.pattern, "", (), "", ())
+    return Spelling(pattern=order_code.pattern, where="", values=(), then="", source=())
 
 
 def _variant_with_parts(

@@ -113,11 +113,11 @@ def parts_of(part: Any) -> Iterator[tuple[str, Any]]:
 
 
 @cache
-def names_of_members(kind: type) -> tuple[str, ...]:
+def names_of_members(part_class: type) -> tuple[str, ...]:
     """Return the names of the members of a class of the model that can be replaced. Other classes have none."""
-    if not is_dataclass(kind):
+    if not is_dataclass(part_class):
         return ()
-    return tuple(field.name for field in fields(kind) if field.init)
+    return tuple(field.name for field in fields(part_class) if field.init)
 
 
 def _applies_only_to_others(part: Any, codes: Collection[str]) -> bool:
@@ -157,9 +157,9 @@ def _with_used_values(part: CodePart, variants: Collection[Variant]) -> CodePart
     return replace(part, values=tuple(value for value in part.values if value.text in used_texts))
 
 
-def for_interface(device: Device, kind: str) -> Device:
+def for_interface(device: Device, interface_name: str) -> Device:
     """Return the device with only one of its interfaces, and without parts that belong to the others."""
-    return for_interfaces(device, {kind})
+    return for_interfaces(device, {interface_name})
 
 
 def for_interfaces(device: Device, kinds: Collection[str]) -> Device:

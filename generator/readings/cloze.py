@@ -188,7 +188,7 @@ _AROUND = 30
 _GAP = re.compile(r"\{(\d+) (\w+)\}")
 
 
-def _text_around_gap(cloze: ClozeText, number: int) -> str:
+def _text_around_gap(cloze: ClozeText, gap_number: int) -> str:
     """Return up to 30 characters on each side of a gap, in quotes: ``"the position [change] when turned clockwise"``.
 
     The gap is shown as its kind. Other gaps have their words.
@@ -197,10 +197,10 @@ def _text_around_gap(cloze: ClozeText, number: int) -> str:
     def fill_gaps(text: str) -> str:
         return _GAP.sub(lambda gap: cloze.gaps[int(gap[1]) - 1].word, text)
 
-    text_before, text_behind = re.split(rf"\{{{number} \w+\}}", cloze.text, maxsplit=1)
+    text_before, text_behind = re.split(rf"\{{{gap_number} \w+\}}", cloze.text, maxsplit=1)
     before = fill_gaps(text_before)[-_AROUND:]
     behind = fill_gaps(text_behind)[:_AROUND]
-    kind = cloze.gaps[number - 1].kind
+    kind = cloze.gaps[gap_number - 1].kind
     return quoted(f"{before}[{kind}]{behind}".strip())
 
 

@@ -80,16 +80,16 @@ def _nearest_place(comparison: Comparison, spec: Facts, second: Facts, second_fa
     return _nearest_container(second_fact.place)
 
 
-def _nearest_container(place: Path) -> Path:
+def _nearest_container(fact_place: Path) -> Path:
     """Return the nearest list or map around a place that exists in any spec.
 
     This is its first step, such as ``("registers",)``. In interfaces and the manual, it has three steps, such as
     ``("interfaces", "ssi", "layouts")``, or two if there is no third one or that is an index.
     """
-    if place[0] not in ("interfaces", "manual"):
-        return place[:1]
-    has_name_inside = len(place) > 2 and isinstance(place[2], str)
-    return place[:3] if has_name_inside else place[:2]
+    if fact_place[0] not in ("interfaces", "manual"):
+        return fact_place[:1]
+    has_name_inside = len(fact_place) > 2 and isinstance(fact_place[2], str)
+    return fact_place[:3] if has_name_inside else fact_place[:2]
 
 
 def _facts_by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, Fact]]:
@@ -112,10 +112,10 @@ def _facts_by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, Fact]]:
                 yield key, replace(spec_fact, value=", ".join(sorted(sections)), place=second_place)
 
 
-def _sections_at(place: Path, second: Facts) -> Sequence[str]:
+def _sections_at(fact_place: Path, second: Facts) -> Sequence[str]:
     """Return the sections that the second reading gives for a place, or else for the nearest place around it."""
-    for length in range(len(place), 0, -1):
-        path = dotted(place[:length])
+    for length in range(len(fact_place), 0, -1):
+        path = dotted(fact_place[:length])
         if path in second.sections:
             return second.sections[path]
     return ()

@@ -159,13 +159,13 @@ def _combination_facts(frame: Subject, layout: Layout) -> Iterator[Fact]:
         yield from subject.stated_facts(combination)
 
 
-def _condition_text(field: PlacedField, value: int) -> str:
+def _condition_text(field: PlacedField, needed_value: int) -> str:
     """Return the bits of a field and their value: ``bit 3 = 0``.
 
-    ``value`` says whether a flag is active. The bit of an active-low flag has the opposite value.
+    ``needed_value`` says whether a flag is active. The bit of an active-low flag has the opposite value.
     """
     is_active_low = isinstance(field.field.kind, Flag) and field.field.kind.active_low
-    bit_value = 1 - value if is_active_low else value
+    bit_value = 1 - needed_value if is_active_low else needed_value
     return f"{bits(field.high, field.low)} = {bit_value}"
 
 

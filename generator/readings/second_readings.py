@@ -308,24 +308,24 @@ def _check_explanation(explanation: _Explanation, spec: Document, report: Report
         report.add("readings-unused", spec, (*erratum_place, "printed"), message)
 
 
-def _lacks_number(text: str, value: str) -> bool:
+def _lacks_number(printed_text: str, value_with_unit: str) -> bool:
     """Return whether a text lacks the number of a value such as ``5 ms``, but has another value with its unit.
 
     A value without a unit is not checked.
     """
-    quantity = _QUANTITY.fullmatch(value)
+    quantity = _QUANTITY.fullmatch(value_with_unit)
     if quantity is None:
         return False
     number, unit = quantity.groups()
-    units_in_text = {text_unit for _, text_unit in _QUANTITY.findall(text)}
+    units_in_text = {text_unit for _, text_unit in _QUANTITY.findall(printed_text)}
     if unit not in units_in_text:
         return False
-    return _parse_number(number) not in map(_parse_number, _NUMBER.findall(text))
+    return _parse_number(number) not in map(_parse_number, _NUMBER.findall(printed_text))
 
 
-def _parse_number(text: str) -> Decimal:
+def _parse_number(number_text: str) -> Decimal:
     """Return the number that a text such as ``1,000.5`` stands for."""
-    return Decimal(text.replace(",", ""))
+    return Decimal(number_text.replace(",", ""))
 
 
 #: Keys of lists and maps that a path of an erratum omits.

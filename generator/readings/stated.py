@@ -189,10 +189,10 @@ def _step_text(reading: Reading, step: Step, procedure: Procedure) -> str:
             assert_never(step)
 
 
-def _argument_text(procedure: Procedure, name: str) -> str:
+def _argument_text(procedure: Procedure, value_name: str) -> str:
     """Return ``argument 2`` for an argument of the procedure, or the name if it is not an argument."""
     names = [argument.name for argument in procedure.arguments]
-    return f"argument {names.index(name) + 1}" if name in names else name
+    return f"argument {names.index(value_name) + 1}" if value_name in names else value_name
 
 
 def _register_and_bits(reading: Reading, register_name: str, field_name: str) -> str:
@@ -323,34 +323,34 @@ class Subject:
                 yield self.detail_fact(Sort(member.read), member.name, values, member.noun or member.words, self.place)
 
 
-def _value_text(reading: Reading, member: Member, value: Any, interface: str) -> Value:
+def _value_text(reading: Reading, member: Member, member_value: Any, interface: str) -> Value:
     """Return a stated value in words without names, or a text for each case if it is an expression.
 
     Numbers come with the unit of the member: ``16 µs``, ``0x1A``, ``yes``.
     """
     if member.refers_to:
-        return _referred_text(reading, member, value, interface)
-    if isinstance(value, Expression):
-        return {case: short(value.value(parameters)) for case, parameters in reading.cases(interface).items()}
-    if isinstance(value, bool):
-        return _bool_text(member, value)
-    if isinstance(value, int):
-        return in_hex(value) if member.notation == "hex" else f"{value}{_UNITS.get(member.notation, '')}"
-    if isinstance(value, float):
-        return f"{value:g}"
-    if isinstance(value, Enum):
-        return str(value.value)
-    if isinstance(value, tuple):
-        return f"{' '.join(map(_part_text, value))}{_UNITS.get(member.notation, '')}"
-    if isinstance(value, Scale):
+        return _referred_text(reading, member, member_value, interface)
+    if isinstance(member_value, Expression):
+        return {case: short(member_value.value(parameters)) for case, parameters in reading.cases(interface).items()}
+    if isinstance(member_value, bool):
+        return _bool_text(member, member_value)
+    if isinstance(member_value, int):
+        return in_hex(member_value) if member.notation == "hex" else f"{member_value}{_UNITS.get(member.notation, '')}"
+    if isinstance(member_value, float):
+        return f"{member_value:g}"
+    if isinstance(member_value, Enum):
+        return str(member_value.value)
+    if isinstance(member_value, tuple):
+        return f"{' '.join(map(_part_text, member_value))}{_UNITS.get(member.notation, '')}"
+    if isinstance(member_value, Scale):
         # Two readers may write the same formula with different numbers.
-        factor = value.quantity(1) - value.quantity(0)
-        offset = value.quantity(0)
-        return f"number * {factor} + {offset} {value.unit}"
+        factor = member_value.quantity(1) - member_value.quantity(0)
+        offset = member_value.quantity(0)
+        return f"number * {factor} + {offset} {member_value.unit}"
     # Of any other part, the first member is its value.
-    if is_dataclass(value):
-        return str(getattr(value, fields(value)[0].name))
-    return kind_of_unit(value) if member.form == "unit" else str(value)
+    if is_dataclass(member_value):
+        return str(getattr(member_value, fields(member_value)[0].name))
+    return kind_of_unit(member_value) if member.form == "unit" else str(member_value)
 
 
 def _bool_text(member: Member, is_true: bool) -> str:
@@ -363,16 +363,16 @@ def _bool_text(member: Member, is_true: bool) -> str:
     return "true" if is_true else "false"
 
 
-def _part_text(part: object) -> str:
-    return str(part.digits if isinstance(part, Digits) else part)
+def _part_text(value_or_part: object) -> str:
+    return str(value_or_part.digits if isinstance(value_or_part, Digits) else value_or_part)
 
 
-def _referred_text(reading: Reading, member: Member, value: Any, interface: str) -> str:
+def _referred_text(reading: Reading, member: Member, referred_names: Any, interface: str) -> str:
     """Return the things that a member names, in words without names, sorted.
 
     Registers give their addresses, register fields and flags of frames their bits, and procedures their steps.
     """
-    names = (value,) if isinstance(value, str) else value
+    names = (referred_names,) if isinstance(referred_names, str) else referred_names
     match member.refers_to.removesuffix("s"):
         case "register":
             thing_texts = {_register_text(reading, name) for name in names}
@@ -390,7 +390,7 @@ def _referred_text(reading: Reading, member: Member, value: Any, interface: str)
     return ", ".join(sorted(thing_texts))
 
 
-def _register_text(reading: Reading, name: str) -> str:
+def _register_text(reading: Reading, register_name: str) -> str:
     """Return the address of a register, or its name if there is no such register."""
-    register = reading.register(name)
-    return register_text(register) if register is not None else name
+    register = reading.register(register_name)
+    return register_text(register) if register is not None else register_name

@@ -73,12 +73,12 @@ class Vocabulary:
             rf"(?<![\w/])(?:{'|'.join(map(_pattern_of_word, spellings))})(?!\w)", re.IGNORECASE
         )
 
-    def _add_kind(self, kind: str, senses: Sequence[Sequence[str]]) -> None:
+    def _add_kind(self, kind_of_turn: str, senses: Sequence[Sequence[str]]) -> None:
         """Add the words of each sense. A word of several kinds belongs to the first one."""
-        self.choices[kind] = [words[0] for words in senses]
+        self.choices[kind_of_turn] = [words[0] for words in senses]
         for words in senses:
             for word in words:
-                self._senses.setdefault(word.casefold(), Gap(kind, words[0]))
+                self._senses.setdefault(word.casefold(), Gap(kind_of_turn, words[0]))
 
     def cloze(self, text: str) -> ClozeText:
         """Return a text with numbered gaps instead of its turning words, and the gaps.

@@ -219,8 +219,8 @@ def _difference_message(
     return report.other_value(name, actual_text, documented_text)
 
 
-def _quoted_or_hex(value: int | str) -> str:
-    return f'"{value}"' if isinstance(value, str) else f"{value:#04x}"
+def _quoted_or_hex(field_value: int | str) -> str:
+    return f'"{field_value}"' if isinstance(field_value, str) else f"{field_value:#04x}"
 
 
 def _identity_registers(device: Device, variant: Variant) -> Iterator[Register]:
@@ -283,13 +283,13 @@ def _compare_register(
         yield Difference(path, actual=actual_bits, documented=documented_bits, message=message, is_register=True)
 
 
-def _known_digits(value: int, known_bits: int, width: int) -> str:
+def _known_digits(field_bits: int, known_bits: int, width: int) -> str:
     """Return the hexadecimal digits of a field, with dots for unknown digits, such as ``..A3h``."""
     digits = ""
     highest_digit_shift = (width - 1) // 4 * 4  # A digit is 4 bits. The highest one may have fewer.
     for shift in range(highest_digit_shift, -1, -4):
         is_known = (known_bits >> shift) & 0xF != 0
-        digits += f"{(value >> shift) & 0xF:X}" if is_known else "."
+        digits += f"{(field_bits >> shift) & 0xF:X}" if is_known else "."
     return digits + "h"
 
 

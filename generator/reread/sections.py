@@ -333,13 +333,13 @@ def _find_headings(
 
 
 def _is_skipped_in_contents(
-    key: tuple[int, ...], last_key: tuple[int, ...], title_by_number: Mapping[str, str]
+    number_key: tuple[int, ...], last_key: tuple[int, ...], title_by_number: Mapping[str, str]
 ) -> bool:
     """Return whether the contents list the sections before and after a number, but not the number itself.
 
-    ``key`` is the number, such as ``(4, 3)``. ``last_key`` must be ``(4, 2)``, and the contents must list 4.4.
+    ``number_key`` is the number, such as ``(4, 3)``. ``last_key`` must be ``(4, 2)``, and the contents must list 4.4.
     """
-    *chapter, last_number = key
+    *chapter, last_number = number_key
     key_before = (*chapter, last_number - 1)
     number_after = ".".join(map(str, (*chapter, last_number + 1)))
     return bool(chapter) and last_key == key_before and number_after in title_by_number
@@ -369,9 +369,9 @@ def _contents_lines(lines: Sequence[str], numbered_lines: Mapping[int, _Heading]
     return contents_lines | lines_with_page
 
 
-def _number_key(number: str) -> tuple[int, ...]:
+def _number_key(section_number: str) -> tuple[int, ...]:
     """Return the number of a section in a form that sorts: ``(4, 3, 2)`` for ``4.3.2``."""
-    return tuple(map(int, number.split(".")))
+    return tuple(map(int, section_number.split(".")))
 
 
 def _numbered_heading(line: str) -> _Heading | None:

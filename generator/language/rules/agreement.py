@@ -382,7 +382,14 @@ def _number_pairs(table: Table, earlier_table: Table, key_column: str, column: s
     for row_number, row in enumerate(table.rows):
         key_cell = _text_of_cell(table, row, key_column)
         if key_cell in earlier_cells:
-            cell_pairs.append(_CellPair(row_number, column, _text_of_cell(table, row, column), earlier_cells[key_cell]))
+            cell_pairs.append(
+                _CellPair(
+                    row=row_number,
+                    column=column,
+                    cell=_text_of_cell(table, row, column),
+                    earlier_cell=earlier_cells[key_cell],
+                )
+            )
     return [pair for pair in cell_pairs if pair.is_numeric]
 
 

@@ -65,7 +65,9 @@ def check_cited_place(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
                 first_page_count += 1
             elif first_pages and cited_pages.isdisjoint(first_pages):
                 earlier_pages = [first_page for first_page in first_pages if first_page < page]
-                later_pages.append(_LaterPage(path, section, page, max(earlier_pages, default=page)))
+                later_pages.append(
+                    _LaterPage(path=path, section=section, page=page, first_page=max(earlier_pages, default=page))
+                )
     first_pages_needed = max(_ENOUGH, _SHARE * (first_page_count + len(later_pages)))
     if first_page_count >= first_pages_needed:
         _report_later_pages(later_pages, report)
