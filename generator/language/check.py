@@ -114,10 +114,10 @@ def _check_device(checked: SchemaResult, document: Document, report: Report) -> 
     completed_data = _with_prose(checked.data, checked.kind)
     recording_report = _RecordingReport(report, document)
     spec = WrittenSpec(completed_data)
-    raw = WrittenSpec(document.data)
+    as_read = WrittenSpec(document.data)
     for rule in RULES:
         recording_report.noted = []
-        rule(spec, raw, recording_report)
+        rule(spec, as_read, recording_report)
         reported_paths = recording_report.noted
         if rule in FOUNDATIONS and any(path[0] in _NO_CODES for path in reported_paths):
             are_codes_whole = False

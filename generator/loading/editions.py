@@ -31,15 +31,15 @@ class UnknownEdition(ValueError):
     """No such edition. The message lists the existing ones."""
 
 
-def editions(raw: Raw) -> tuple[ManualEdition, ...]:
+def editions(raw_spec: Raw) -> tuple[ManualEdition, ...]:
     """Return the editions that can be selected, oldest first, or none if the spec lists no changes.
 
     These are all revisions of the history, the revision that the spec transcribes, and those with changes.
     """
-    editions_by_revision = {edition["revision"]: edition for edition in raw.get("editions", ())}
+    editions_by_revision = {edition["revision"]: edition for edition in raw_spec.get("editions", ())}
     if not editions_by_revision:
         return ()
-    manual = raw["manual"]
+    manual = raw_spec["manual"]
     # In the order of the history, then the transcribed revision, then the later ones.
     dates_by_revision = {release["revision"]: release.get("date", "") for release in manual.get("history", ())}
     own_revision = manual["revision"]
@@ -160,23 +160,23 @@ def _change_lists(family: Family, revision: str) -> Iterator[tuple[int, str, str
             yield index, key, f"before {passed_revision}" if key == "before" else passed_revision
 
 
-def notes(raw: Raw) -> Iterator[Erratum]:
+def notes(raw_spec: Raw) -> Iterator[Erratum]:
     """Yield the changes of all other editions, as errata of the family of the spec."""
-    for edition in raw.get("editions", ()):
+    for edition in raw_spec.get("editions", ()):
         revision = edition["revision"]
         for key, name in (("before", f"before {revision}"), ("then", revision)):
             for number, change in enumerate(edition.get(key, ()), 1):
                 kinds = [kind for kind in CHANGE_KINDS if kind in change]
                 # A change with no kind or several is reported when it is applied.
                 if len(kinds) == 1:
-                    yield _edition_erratum(raw, change, name, number, kinds[0])
+                    yield _edition_erratum(raw_spec, change, name, number, kinds[0])
 
 
-def _edition_erratum(raw: Raw, change: Raw, revision: str, change_number: int, kind_of_change: str) -> Erratum:
+def _edition_erratum(raw_spec: Raw, change: Raw, revision: str, change_number: int, kind_of_change: str) -> Erratum:
     """Return a change of an edition as an erratum.
 
     Args:
-        raw: The spec.
+        raw_spec: The spec.
         change: The change, such as ``{"set": "registers.preset.max", "to": 15, "why": …}``.
         revision: The edition, such as ``before 1.4``.
         change_number: The place of the change in its list, from 1.
@@ -185,7 +185,7 @@ def _edition_erratum(raw: Raw, change: Raw, revision: str, change_number: int, k
     affected_texts = change[kind_of_change] if isinstance(change[kind_of_change], list) else [change[kind_of_change]]
     # The text of 'also' is a sentence. Those of other kinds are paths.
     affected_paths = (
-        [] if kind_of_change == "also" else [_affected_path(raw, path_text) for path_text in affected_texts]
+        [] if kind_of_change == "also" else [_affected_path(raw_spec, path_text) for path_text in affected_texts]
     )
     if kind_of_change == "remove":
         used = LEFT_OUT
@@ -220,32 +220,32 @@ def _value_in_words(changed_value: object) -> str:
             return str(changed_value)
 
 
-def _affected_path(raw: Raw, path_in_change: str) -> str:
+def _affected_path(raw_spec: Raw, path_in_change: str) -> str:
     """Return the path of a change as an erratum gives it.
 
     For an item that the change adds, it is the path of the part that exists and receives it.
     """
     try:
-        path = resolve(raw, path_in_change)
+        path = resolve(raw_spec, path_in_change)
     except MissingPath as missing_path:  # What is added does not exist yet.
         path = missing_path.existing_path
-    return as_affected(raw, path)
+    return as_affected(raw_spec, path)
 
 
-def check_editions(raw: Raw, device: Device, report: DocumentReport) -> None:
+def check_editions(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
     """Report too many editions, editions in the wrong place, and labels, registers and runs that do not exist."""
     count = len(device.editions)
-    values = len(leaves(raw))
+    values = len(leaves(raw_spec))
     if count * values > MOST_VALUES:
         message = f"each of {count} editions is checked with {values} values; the product must be at most {MOST_VALUES}"
         report.add("too-large", ("editions",), f"{message}; leave out early editions", at_key=True)
     known_labels = {spelling.pattern for spelling in device.order_code.also_written}
-    for index, edition in enumerate(raw.get("editions", ())):
+    for index, edition in enumerate(raw_spec.get("editions", ())):
         path: Path = ("editions", index)
-        if any(earlier["revision"] == edition["revision"] for earlier in raw["editions"][:index]):
+        if any(earlier["revision"] == edition["revision"] for earlier in raw_spec["editions"][:index]):
             message = f"the edition {quoted(edition['revision'])} already exists"
             report.add("duplicate-name", (*path, "revision"), message)
-        _check_order(raw, edition, path, report)
+        _check_order(raw_spec, edition, path, report)
         for label_index, label in enumerate(edition.get("labels", ())):
             if label not in known_labels:
                 message = f"there is no spelling {quoted(label)} in 'also_written' of the order code"
@@ -254,14 +254,14 @@ def check_editions(raw: Raw, device: Device, report: DocumentReport) -> None:
             _check_test(test, (*path, "tests", test_index), device, report)
 
 
-def _check_order(raw: Raw, edition: Raw, path: Path, report: DocumentReport) -> None:
+def _check_order(raw_spec: Raw, edition: Raw, path: Path, report: DocumentReport) -> None:
     """Check that an edition has 'before' or 'then' according to its place in the history.
 
     ``before`` is for the revisions after the first, up to the one that the spec transcribes. ``then`` is for later
     ones.
     """
-    history = [release["revision"] for release in raw["manual"].get("history", ())]
-    own_revision = raw["manual"]["revision"]
+    history = [release["revision"] for release in raw_spec["manual"].get("history", ())]
+    own_revision = raw_spec["manual"]["revision"]
     up_to_own = history[: history.index(own_revision) + 1] if own_revision in history else [own_revision]
     name = edition["revision"]
     # A revision that is not in the history is reported elsewhere.

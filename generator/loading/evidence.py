@@ -47,12 +47,12 @@ _LOWEST_GRADE = "uncorroborated"
 _MOST_NAMES = 3
 
 
-def with_placeholders(raw: Raw, device: Device, report: DocumentReport) -> Device:
+def with_placeholders(raw_spec: Raw, device: Device, report: DocumentReport) -> Device:
     """Return the device with the names of its placeholders in its evidence. Report a grade that is too high.
 
     A placeholder is a text of the template that was not replaced. A spec with one can only have the lowest grade.
     """
-    if not raw.get("evidence"):
+    if not raw_spec.get("evidence"):
         return device
     names = placeholder_names(report.document.data)
     if is_placeholder(device.manufacturer.title):

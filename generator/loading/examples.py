@@ -54,14 +54,18 @@ Wrong = tuple[Path, str]
 _EXAMPLES: Mapping[str, Callable[..., Example]] = {kind.kind: kind for kind in get_args(Example)}
 
 
-def build_examples(raw: Raw) -> tuple[Example, ...]:
-    return tuple(map(_build_example, raw.get("examples", ())))
+def build_examples(raw_spec: Raw) -> tuple[Example, ...]:
+    return tuple(map(_build_example, raw_spec.get("examples", ())))
 
 
-def _build_example(raw: Raw) -> Example:
+def _build_example(raw_example: Raw) -> Example:
     """Return one example. Its sender is the encoder unless the spec has ``from``."""
-    members = {"sender": raw.get("from", "encoder"), **raw, "bytes": bytes.fromhex(raw.get("bytes", ""))}
-    return record(_EXAMPLES[raw["kind"]], members)
+    members = {
+        "sender": raw_example.get("from", "encoder"),
+        **raw_example,
+        "bytes": bytes.fromhex(raw_example.get("bytes", "")),
+    }
+    return record(_EXAMPLES[raw_example["kind"]], members)
 
 
 def check_examples(device: Device, report: DocumentReport) -> None:

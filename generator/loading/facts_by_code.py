@@ -33,11 +33,11 @@ class ExclusiveFacts:
     other_rules: bool = False
 
 
-def check_facts_by_code(raw: Raw, device: Device, report: DocumentReport) -> None:
+def check_facts_by_code(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
     """Report order codes without a clock or time-out, with two facts of a kind, and facts that none of them has."""
     if not device.variants:
         return
-    for exclusive_facts in _all_exclusive_facts(raw, device, report):
+    for exclusive_facts in _all_exclusive_facts(raw_spec, device, report):
         has_only = any(fact.only for _, fact in exclusive_facts.facts)
         if has_only or not exclusive_facts.other_rules:
             _check_unused(exclusive_facts, report)
@@ -45,12 +45,12 @@ def check_facts_by_code(raw: Raw, device: Device, report: DocumentReport) -> Non
             _check_gaps(exclusive_facts, report)
 
 
-def _all_exclusive_facts(raw: Raw, device: Device, report: DocumentReport) -> Iterator[ExclusiveFacts]:
+def _all_exclusive_facts(raw_spec: Raw, device: Device, report: DocumentReport) -> Iterator[ExclusiveFacts]:
     """Yield the facts of the interfaces and of the device, those of each kind and name together."""
     all_codes = _codes_of(device.variants)
     for interface in device.interfaces:
         codes = _codes_of(device.variants_over(interface.name))
-        yield from _facts_of_interface(raw["interfaces"][interface.name], interface, codes, report)
+        yield from _facts_of_interface(raw_spec["interfaces"][interface.name], interface, codes, report)
     yield from _group_by_name(("timings",), "a timing", device.timings, all_codes)
     yield from _group_by_name(("characteristics",), "a characteristic", device.characteristics, all_codes)
 
@@ -60,23 +60,23 @@ def _codes_of(variants: Sequence[Variant]) -> list[str]:
 
 
 def _facts_of_interface(
-    raw: Raw, interface: Interface, codes: Sequence[str], report: DocumentReport
+    raw_interface: Raw, interface: Interface, codes: Sequence[str], report: DocumentReport
 ) -> Iterator[ExclusiveFacts]:
     """Yield the clocks, the time-outs, the clock limits for each cable length, and the timings of each name."""
     path = ("interfaces", interface.name)
     if isinstance(interface, Clocked):
-        clocks = _with_paths(raw, (*path, "clock"), interface.clocks)
+        clocks = _with_paths(raw_interface, (*path, "clock"), interface.clocks)
         is_whole = (*path, "clock") not in report.document.kept_indices
         yield ExclusiveFacts(noun="a clock", facts=clocks, codes=codes, interface=interface.short, is_needed=is_whole)
     if isinstance(interface, Biss):
-        timeouts = _with_paths(raw, (*path, "timeout"), interface.timeouts)
+        timeouts = _with_paths(raw_interface, (*path, "timeout"), interface.timeouts)
         is_needed = not explained(report.document, *path, "timeout")
         is_whole = (*path, "timeout") not in report.document.kept_indices
         yield ExclusiveFacts(
             noun="a time-out", facts=timeouts, codes=codes, interface=interface.short, is_needed=is_needed and is_whole
         )
     if isinstance(interface, Ssi):
-        rows = _with_paths(raw, (*path, "cable_lengths"), interface.cable_lengths)
+        rows = _with_paths(raw_interface, (*path, "cable_lengths"), interface.cable_lengths)
         for length in dict.fromkeys(row.shorter_than_m for row in interface.cable_lengths):
             are_of_length = [row.shorter_than_m == length for row in interface.cable_lengths]
             rows_of_length = list(compress(rows, are_of_length))

@@ -67,18 +67,18 @@ class Context:
                 return frozenset(parameters)
         return frozenset()
 
-    def expressions(self, raw: Raw, keys: Iterable[str]) -> dict[str, Expression | None]:
+    def expressions(self, raw_part: Raw, keys: Iterable[str]) -> dict[str, Expression | None]:
         """Return the expressions under these keys of a part of the spec, or None for those that it does not give."""
-        return {key: self.expression(raw[key]) if key in raw else None for key in keys}
+        return {key: self.expression(raw_part[key]) if key in raw_part else None for key in keys}
 
 
-def _verdict_while_active(raw: Raw, interface: str) -> Verdict | None:
+def _verdict_while_active(raw_field: Raw, interface: str) -> Verdict | None:
     """Return the verdict on the position while a flag is active, or None if it has none.
 
     It is the one in the spec, or otherwise the one that the interface defines for flags of this name.
     """
-    verdict_of_interface = INTERFACES[interface].flags.get(raw["name"], "")
-    verdict_text = raw.get("makes_position", "") or verdict_of_interface
+    verdict_of_interface = INTERFACES[interface].flags.get(raw_field["name"], "")
+    verdict_text = raw_field.get("makes_position", "") or verdict_of_interface
     return Verdict(verdict_text) if verdict_text else None
 
 
@@ -114,13 +114,13 @@ def bit_range(bits_text: int | str) -> tuple[int, int] | None:
     return bounds if bounds[0] >= bounds[1] else None
 
 
-def expected_value(raw: Raw, context: Context) -> Expression | int | str | None:
+def expected_value(raw_field: Raw, context: Context) -> Expression | int | str | None:
     """Return the value of ``equals``: a text, a number, or an expression, which may depend on the order code.
 
     Return None if there is none, or an expression that is not valid.
     """
-    expected = raw.get("equals")
-    if isinstance(expected, str) and "text" not in raw:
+    expected = raw_field.get("equals")
+    if isinstance(expected, str) and "text" not in raw_field:
         return context.expression(expected)
     return expected if isinstance(expected, (int, str)) else None
 
@@ -138,41 +138,41 @@ def zero_field(name: str, constant: Constant, low: Expression, width: Expression
     )
 
 
-def kind_of(raw: Raw, context: Context, interface: str, width: Expression) -> Kind:
+def kind_of(raw_field: Raw, context: Context, interface: str, width: Expression) -> Kind:
     """Return the kind of a field by its key. A field without such a key is a number."""
-    if "constant" in raw:
-        return Constant(raw["constant"])
-    if "unused" in raw:
-        return Unused(raw["unused"], Verdict(raw.get("makes_position", "usable_with_warning")))
-    if "active" in raw:
-        return _build_flag(raw, context, interface)
-    if "values" in raw:
-        return Choice(_named_values(raw, width))
-    if "values_of" in raw:
+    if "constant" in raw_field:
+        return Constant(raw_field["constant"])
+    if "unused" in raw_field:
+        return Unused(raw_field["unused"], Verdict(raw_field.get("makes_position", "usable_with_warning")))
+    if "active" in raw_field:
+        return _build_flag(raw_field, context, interface)
+    if "values" in raw_field:
+        return Choice(_named_values(raw_field, width))
+    if "values_of" in raw_field:
         return Choice(tuple(map(_value_of_data_id, context.data_ids.get(interface, ()))))
-    if "crc" in raw:
-        return CrcValue(raw["crc"], tuple(raw.get("crc_of", ())))
-    if "parity_of" in raw:
-        one_or_more_names = raw["parity_of"]
+    if "crc" in raw_field:
+        return CrcValue(raw_field["crc"], tuple(raw_field.get("crc_of", ())))
+    if "parity_of" in raw_field:
+        one_or_more_names = raw_field["parity_of"]
         # One field is a text in the spec, several are a list.
         covered_names = (one_or_more_names,) if isinstance(one_or_more_names, str) else tuple(one_or_more_names)
-        return Parity(covered_names, raw.get("parity") == "odd", raw.get("over", ""))
-    if "digits" in raw:
-        return Decimal(_digit_runs(raw["digits"]))
-    if "text" in raw:
+        return Parity(covered_names, raw_field.get("parity") == "odd", raw_field.get("over", ""))
+    if "digits" in raw_field:
+        return Decimal(_digit_runs(raw_field["digits"]))
+    if "text" in raw_field:
         return Text()
-    return record(Number, raw)
+    return record(Number, raw_field)
 
 
-def _named_values(raw: Raw, width: Expression) -> tuple[Value, ...]:
+def _named_values(raw_field: Raw, width: Expression) -> tuple[Value, ...]:
     """Return the named values of a field. With ``others``, all other values have names too."""
-    values = build_values(raw)
-    if "others" in raw:
+    values = build_values(raw_field)
+    if "others" in raw_field:
         values += _name_reserved_numbers(values, width.constant)
     return values
 
 
-def _build_flag(raw: Raw, context: Context, interface: str) -> Flag:
+def _build_flag(raw_field: Raw, context: Context, interface: str) -> Flag:
     """Return a flag. ``makes_position_if`` has one entry, such as ``{encoder_follows_edition_2: not_usable}``.
 
     Its key is the parameter that decides, and its value the verdict if this is 1. ``only`` becomes the parameter that
@@ -180,40 +180,42 @@ def _build_flag(raw: Raw, context: Context, interface: str) -> Flag:
     """
     verdict_parameter = ""
     verdict_if_set = None
-    for parameter, verdict in raw.get("makes_position_if", {}).items():
+    for parameter, verdict in raw_field.get("makes_position_if", {}).items():
         verdict_parameter = parameter
         verdict_if_set = Verdict(verdict)
     return record(
         Flag,
-        raw,
+        raw_field,
         verdict_parameter=verdict_parameter,
         verdict_if_set=verdict_if_set,
-        active_low=raw["active"] == "low",
-        makes_position=_verdict_while_active(raw, interface),
-        only_while=context.only_while(raw["only"]) if "only" in raw else "",
+        active_low=raw_field["active"] == "low",
+        makes_position=_verdict_while_active(raw_field, interface),
+        only_while=context.only_while(raw_field["only"]) if "only" in raw_field else "",
     )
 
 
-def build_values(raw: Raw) -> tuple[Value, ...]:
-    """Return the named values in ``raw['values']``, in the order of the spec."""
-    values = raw.get("values", {}).items()
+def build_values(raw_field: Raw) -> tuple[Value, ...]:
+    """Return the named values in ``raw_field['values']``, in the order of the spec."""
+    values = raw_field.get("values", {}).items()
     return tuple(record(Value, value, name=name, makes_position=_verdict_of_value(value)) for name, value in values)
 
 
-def _verdict_of_value(raw: Raw) -> Verdict | None:
+def _verdict_of_value(raw_value: Raw) -> Verdict | None:
     """Return the verdict of a named value, or None if it has none."""
-    return Verdict(raw["makes_position"]) if "makes_position" in raw else None
+    return Verdict(raw_value["makes_position"]) if "makes_position" in raw_value else None
 
 
-def build_combinations(raw: Raw) -> tuple[Combination, ...]:
+def build_combinations(raw_layout: Raw) -> tuple[Combination, ...]:
     """Return the combinations of a layout in the order of the spec."""
-    return tuple(map(_build_combination, raw.get("combinations", ())))
+    return tuple(map(_build_combination, raw_layout.get("combinations", ())))
 
 
-def _build_combination(raw: Raw) -> Combination:
+def _build_combination(raw_combination: Raw) -> Combination:
     """Return a combination. Its conditions are texts such as ``warning.active``, of a field and a value."""
-    conditions = tuple(f"{name}.{value}" for name, value in raw["when"].items())
-    return record(Combination, raw, when=conditions, makes_position=Verdict(raw["makes_position"]))
+    conditions = tuple(f"{name}.{value}" for name, value in raw_combination["when"].items())
+    return record(
+        Combination, raw_combination, when=conditions, makes_position=Verdict(raw_combination["makes_position"])
+    )
 
 
 def _name_reserved_numbers(values: Sequence[Value], width: int) -> tuple[Value, ...]:

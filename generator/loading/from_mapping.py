@@ -56,9 +56,9 @@ def parse_sources(cited_text: str) -> Sources:
     return tuple(parsed)
 
 
-def sources(raw: Raw, source_key: str = "source") -> Sources:
+def sources(raw_part: Raw, source_key: str = "source") -> Sources:
     """Return the sources under a key of a part of the spec, or none if it has no such key."""
-    return parse_sources(raw[source_key]) if source_key in raw else ()
+    return parse_sources(raw_part[source_key]) if source_key in raw_part else ()
 
 
 def record(part_class: Callable[..., T], raw: Raw, /, **values: Any) -> T:
@@ -116,26 +116,28 @@ def _convert_map(part_class: Any, raw_value: Any) -> Any:
     return record(part_class, raw_value) if isinstance(raw_value, Mapping) else raw_value
 
 
-def build_manufacturer(raw: Raw) -> Manufacturer:
+def build_manufacturer(raw_manufacturer: Raw) -> Manufacturer:
     """Return the manufacturer described by a checked manufacturer file."""
-    name = raw["manufacturer"]
-    return record(Manufacturer, {"python_package": f"{name}_encoders", "version": "0.0.0", **raw, "name": name})
+    name = raw_manufacturer["manufacturer"]
+    return record(
+        Manufacturer, {"python_package": f"{name}_encoders", "version": "0.0.0", **raw_manufacturer, "name": name}
+    )
 
 
-def supply(raw: Raw, inherited: Sources = ()) -> Supply | None:
+def supply(raw_owner: Raw, inherited: Sources = ()) -> Supply | None:
     """Return the supply of a device or of a value of its order code, or None if it has none.
 
-    Without a source of its own, it has that of ``raw``, or else ``inherited``, the source of the parent.
+    Without a source of its own, it has that of ``raw_owner``, or else ``inherited``, the source of the parent.
     """
-    if "supply" not in raw:
+    if "supply" not in raw_owner:
         return None
-    definition = raw["supply"]
-    source = sources(definition) or sources(raw) or inherited
+    definition = raw_owner["supply"]
+    source = sources(definition) or sources(raw_owner) or inherited
     return record(Supply, definition, source=source)
 
 
-def table(raw: Raw) -> Table:
-    return record(Table, raw, rows=tuple(tuple(map(str, row)) for row in raw["rows"]))
+def table(raw_table: Raw) -> Table:
+    return record(Table, raw_table, rows=tuple(tuple(map(str, row)) for row in raw_table["rows"]))
 
 
 def only_while(only: str, variants: Sequence[Variant], parameters: Collection[str]) -> str:
@@ -154,20 +156,20 @@ def _is_nonzero_only_for(parameter: str, only: str, variants: Sequence[Variant])
     return all((variant.parameters.get(parameter, 0) != 0) == fits(only, variant.code) for variant in variants)
 
 
-def set_parameters(raw: Raw) -> list[str]:
+def set_parameters(raw_spec: Raw) -> list[str]:
     """Return the parameters that order codes set."""
     derived_keys = {"equals", "read_from", "alternative"}
-    return [name for name, definition in raw["parameters"].items() if derived_keys.isdisjoint(definition)]
+    return [name for name, definition in raw_spec["parameters"].items() if derived_keys.isdisjoint(definition)]
 
 
-def check_only(raw: Raw, variants: Sequence[Variant], report: DocumentReport) -> None:
+def check_only(raw_spec: Raw, variants: Sequence[Variant], report: DocumentReport) -> None:
     """Report an ``only`` with a pattern that no order code matches, and one of a flag that no parameter distinguishes.
 
     In another edition, an ``only`` is reported only if no order code matches any of its patterns.
     """
     if not variants:
         return
-    for path, owner in _mappings_with_only(raw, ()):
+    for path, owner in _mappings_with_only(raw_spec, ()):
         only = owner["only"]
         unmatched = _unmatched_patterns(only, variants)
         # Other editions have fewer order codes, and the same lists of patterns.
@@ -177,16 +179,16 @@ def check_only(raw: Raw, variants: Sequence[Variant], report: DocumentReport) ->
             example_pattern = quoted(f"{example_code[: len(example_code) // 2]}...")
             remedy = f"'...' matches any text and 'x' matches one character, as in {example_pattern}"
             report.add("only-codes", (*path, "only"), f"{message}; {remedy}")
-        elif "active" in owner and not only_while(only, variants, set_parameters(raw)):
+        elif "active" in owner and not only_while(only, variants, set_parameters(raw_spec)):
             message = f"no parameter distinguishes the order codes {quoted(only)} from the others"
             remedy = "add one that these set and that is 0 for all others"
             report.add("only-parameter", (*path, "only"), f"{message}; {remedy}")
 
 
-def parameters_of_flags(raw: Raw, variants: Sequence[Variant]) -> Iterator[str]:
+def parameters_of_flags(raw_spec: Raw, variants: Sequence[Variant]) -> Iterator[str]:
     """Yield the parameter that distinguishes the order codes of each flag with ``only``."""
-    names_set_by_codes = set_parameters(raw)
-    for _, owner in _mappings_with_only(raw, ()):
+    names_set_by_codes = set_parameters(raw_spec)
+    for _, owner in _mappings_with_only(raw_spec, ()):
         if "active" in owner:
             yield only_while(owner["only"], variants, names_set_by_codes)
 
@@ -197,9 +199,9 @@ def _unmatched_patterns(only: str, variants: Sequence[Variant]) -> list[str]:
     return [pattern for pattern in patterns if not any(fits(pattern, variant.code) for variant in variants)]
 
 
-def check_alarms(raw: Raw, report: DocumentReport) -> None:
+def check_alarms(raw_spec: Raw, report: DocumentReport) -> None:
     """Report an alarm with a different ``only`` than its flag in a register or group."""
-    spec = WrittenSpec(dict(raw))
+    spec = WrittenSpec(dict(raw_spec))
     for alarm in spec.alarms:
         owner = owner_of_alarm(spec, alarm)
         flags = [field for field in owner.fields if field.name == alarm.part.field] if owner is not None else []
@@ -231,29 +233,31 @@ def _mappings_with_only(raw_value: Any, path: Path) -> Iterator[tuple[Path, Raw]
             yield from _mappings_with_only(member, (*path, index))
 
 
-def build_procedures(raw: Raw, device: Device) -> tuple[Procedure, ...]:
-    return tuple(_build_procedure(definition, device) for definition in raw.get("procedures", ()))
+def build_procedures(raw_spec: Raw, device: Device) -> tuple[Procedure, ...]:
+    return tuple(_build_procedure(definition, device) for definition in raw_spec.get("procedures", ()))
 
 
-def _build_procedure(raw: Raw, device: Device) -> Procedure:
+def _build_procedure(raw_procedure: Raw, device: Device) -> Procedure:
     """Return a procedure. Steps without a source have its source, and ``do`` selects the function for a step."""
-    arguments = [record(Argument, argument, meant_as=argument.get("as", "")) for argument in raw.get("arguments", ())]
+    arguments = [
+        record(Argument, argument, meant_as=argument.get("as", "")) for argument in raw_procedure.get("arguments", ())
+    ]
     steps = []
-    for step in raw["steps"]:
+    for step in raw_procedure["steps"]:
         build_step = _STEPS[step["do"]]
-        steps.append(build_step(step, sources(step) or sources(raw), device))
-    return record(Procedure, raw, arguments=tuple(arguments), steps=tuple(steps))
+        steps.append(build_step(step, sources(step) or sources(raw_procedure), device))
+    return record(Procedure, raw_procedure, arguments=tuple(arguments), steps=tuple(steps))
 
 
-def _build_write_step(raw: Raw, source: Sources, device: Device) -> Step:
+def _build_write_step(raw_step: Raw, source: Sources, device: Device) -> Step:
     """Return a write step. It sets one field if it names one, otherwise a whole register.
 
     The value is the name of a value of that field, or of the only field of the register. Any other name is an argument
     of the procedure, and the step has no number.
     """
-    register_name, field_name = raw.get("register", ""), raw.get("field", "")
-    value_name = raw.get("value", "")
-    meaning = raw.get("meaning", "")
+    register_name, field_name = raw_step.get("register", ""), raw_step.get("field", "")
+    value_name = raw_step.get("value", "")
+    meaning = raw_step.get("meaning", "")
     candidate_fields: list[Any] = []
     for register in device.registers:
         if register.name == register_name:
@@ -269,25 +273,25 @@ def _build_write_step(raw: Raw, source: Sources, device: Device) -> Step:
     return WriteStep(register_name, value_name, number, meaning=meaning, source=source)
 
 
-def _build_read_step(raw: Raw, source: Sources, device: Device) -> Step:
-    return record(ReadStep, raw, source=source)
+def _build_read_step(raw_step: Raw, source: Sources, device: Device) -> Step:
+    return record(ReadStep, raw_step, source=source)
 
 
-def _build_poll_step(raw: Raw, source: Sources, device: Device) -> Step:
-    return record(PollStep, raw, source=source, value=raw.get("until", 0))
+def _build_poll_step(raw_step: Raw, source: Sources, device: Device) -> Step:
+    return record(PollStep, raw_step, source=source, value=raw_step.get("until", 0))
 
 
-def _build_wait_step(raw: Raw, source: Sources, device: Device) -> Step:
-    return record(WaitStep, raw, source=source, microseconds=1000 * raw.get("at_least_ms", 0))
+def _build_wait_step(raw_step: Raw, source: Sources, device: Device) -> Step:
+    return record(WaitStep, raw_step, source=source, microseconds=1000 * raw_step.get("at_least_ms", 0))
 
 
-def _build_send_step(raw: Raw, source: Sources, device: Device) -> Step:
+def _build_send_step(raw_step: Raw, source: Sources, device: Device) -> Step:
     """Return a send step. The request is one byte, the control field of the data ID, or empty without this data ID."""
     interface = device.find_interface(Rs485)
     data_ids = interface.data_ids if interface is not None else ()
-    controls = [data_id.control for data_id in data_ids if data_id.name == raw.get("data_id")]
-    pause_us = raw.get("every_at_least_us", 0)
-    return record(SendStep, raw, source=source, request=bytes(controls[:1]), microseconds=pause_us)
+    controls = [data_id.control for data_id in data_ids if data_id.name == raw_step.get("data_id")]
+    pause_us = raw_step.get("every_at_least_us", 0)
+    return record(SendStep, raw_step, source=source, request=bytes(controls[:1]), microseconds=pause_us)
 
 
 _STEPS = {

@@ -39,14 +39,14 @@ def with_places(fields: Sequence[Field], site: Site) -> list[Field]:
     return sorted(fields, key=place_over_all_codes)
 
 
-def content_of_gaps(raw: Raw, context: Context) -> str:
+def content_of_gaps(raw_layout: Raw, context: Context) -> str:
     """Return the content of bits without a field: ``zero``, ``unspecified``, or an empty string if undefined.
 
     It is that of the layout, or else of the first group in it that defines it. In a frame, only a group can have such
     bits.
     """
-    layout_and_groups = [raw]
-    for field in raw.get("fields", ()):
+    layout_and_groups = [raw_layout]
+    for field in raw_layout.get("fields", ()):
         if field.get("use") in context.groups:
             group, _ = context.groups[field["use"]]
             layout_and_groups.append(group)

@@ -25,7 +25,7 @@ _WORD = re.compile(r"[a-z][a-z0-9_]*")
 _PROSE = frozenset(("meaning", "note", "source", "title", "printed_name", "printed", "used", "why", "result"))
 
 
-def check_named_widths(raw: Raw, device: Device, report: DocumentReport) -> None:
+def check_named_widths(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
     """Report a parameter such as ``position_bits`` that differs from the width of ``position`` in a frame.
 
     Only a parameter with ``equals`` that the spec uses nowhere is checked. If another fact uses it, that fact would
@@ -35,7 +35,7 @@ def check_named_widths(raw: Raw, device: Device, report: DocumentReport) -> None
         return
     if report.document.family:  # An older edition may lack what uses a parameter.
         return
-    used_words = set(_used_words(raw))
+    used_words = set(_used_words(raw_spec))
     for parameter in device.parameters:
         is_checked = parameter.equals is not None and parameter.name.endswith(_ENDING)
         if not is_checked or parameter.name in used_words:
@@ -47,9 +47,9 @@ def check_named_widths(raw: Raw, device: Device, report: DocumentReport) -> None
             report.add("parameter-width", ("parameters", parameter.name, "equals"), f"{problem}; {remedy}")
 
 
-def _used_words(raw: Raw) -> Iterator[str]:
+def _used_words(raw_spec: Raw) -> Iterator[str]:
     """Yield every word of a spec that may refer to a parameter: in an expression, a condition or a key."""
-    for path, value in leaves(raw):
+    for path, value in leaves(raw_spec):
         # The definition of a parameter, below ``parameters.NAME``, is not a use of its name.
         keys_of_use = path[2:] if path[0] == "parameters" else path
         yield from (step for step in keys_of_use if isinstance(step, str))
@@ -75,18 +75,20 @@ def _describe_difference(device: Device, parameter: Parameter, interface: Interf
     return ""
 
 
-def check_reach(raw: Raw, context: Context, variants: Sequence[Variant]) -> bool:
+def check_reach(raw_spec: Raw, context: Context, variants: Sequence[Variant]) -> bool:
     """Return True if every expression has a value. Report the others.
 
     An expression needs a value for each order code of the interface that uses it. A parameter with ``equals`` needs one
     for at least one order code.
     """
     problems_before = len(context.report)
-    spec = WrittenSpec(dict(raw))
+    spec = WrittenSpec(dict(raw_spec))
     for path, interface, expression_text in uses(spec):
         parameter_names = list(all_parameters(expression_text, spec.parameters))
         formulas_of_parameters = [
-            raw["parameters"][name]["equals"] for name in parameter_names if "equals" in raw["parameters"][name]
+            raw_spec["parameters"][name]["equals"]
+            for name in parameter_names
+            if "equals" in raw_spec["parameters"][name]
         ]
         sets_of_interface = context.parameter_sets.get(interface, ())
         # A number has the same value in each set.
@@ -100,7 +102,7 @@ def check_reach(raw: Raw, context: Context, variants: Sequence[Variant]) -> bool
         )
         if problem:
             context.report.add("bad-expression", path, problem)
-    for name, definition in raw["parameters"].items():
+    for name, definition in raw_spec["parameters"].items():
         if "equals" not in definition:
             continue
         problems = [_error_of_expression(definition["equals"], variant.parameters) for variant in variants]
@@ -126,18 +128,18 @@ def _error_of_expression(expression_text: int | str, parameters: Mapping[str, in
     return ""
 
 
-def held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
+def held_in_registers(raw_spec: Raw, report: DocumentReport) -> Mapping[str, int]:
     """Return the parameters held in registers at run time, with their default values, and check them.
 
     Parameters whose values the order code sets are not in the result. If the default cannot be found, the highest value
     stands for it, so that the rest of the spec can be checked.
     """
     defaults: dict[str, int] = {}
-    names_set_by_codes = set_by_codes(raw)
-    for name, definition in raw["parameters"].items():
+    names_set_by_codes = set_by_codes(raw_spec)
+    for name, definition in raw_spec["parameters"].items():
         if "read_from" not in definition:
             continue
-        register, field = _register_and_field(raw, definition)
+        register, field = _register_and_field(raw_spec, definition)
         if register is None or field is None:
             defaults[name] = definition.get("max", 0)  # reported by the rule on references
             continue
@@ -150,7 +152,7 @@ def held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
         low_bit, width = low_and_width
         _check_codes(name, definition, width, report)
         if name in names_set_by_codes:
-            _check_set_values(name, raw, coded_values(definition), report)
+            _check_set_values(name, raw_spec, coded_values(definition), report)
         elif "default" not in register:
             message = f"the register of '{definition['read_from']}' has no default"
             report.add(
@@ -165,10 +167,10 @@ def held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
     return MappingProxyType(defaults)
 
 
-def _register_and_field(raw: Raw, definition: Raw) -> tuple[Raw | None, Raw | None]:
+def _register_and_field(raw_spec: Raw, definition: Raw) -> tuple[Raw | None, Raw | None]:
     """Return the register and the field that a parameter is read from, each None if it does not exist."""
     register_name, _, field_name = definition["read_from"].partition(".")
-    registers = raw.get("registers", ())
+    registers = raw_spec.get("registers", ())
     register = next((candidate for candidate in registers if candidate["name"] == register_name), None)
     return register, _find_raw_field(register, field_name) if register is not None else None
 
@@ -202,7 +204,7 @@ def coded_values(definition: Raw) -> tuple[CodedValue, ...]:
     return tuple(sorted(values, key=lambda coded: coded.code))
 
 
-def extreme_states(raw: Raw) -> Sequence[Sequence[State]]:
+def extreme_states(raw_spec: Raw) -> Sequence[Sequence[State]]:
     """Return the states of each register field that must fit: the limits of its parameter, or each of its codes.
 
     There is one list for each parameter with limits, such as ``[{"offset": 0}, {"offset": 15}]``, and one for each
@@ -210,7 +212,7 @@ def extreme_states(raw: Raw) -> Sequence[Sequence[State]]:
     """
     states_of_limits: list[list[State]] = []
     codes_by_field: dict[str, dict[str, Mapping[int, int]]] = {}
-    for name, definition in raw["parameters"].items():
+    for name, definition in raw_spec["parameters"].items():
         field = definition.get("read_from")
         if field is not None and "by_code" in definition:
             values_by_code = {coded.code: coded.value for coded in coded_values(definition)}
@@ -220,22 +222,22 @@ def extreme_states(raw: Raw) -> Sequence[Sequence[State]]:
     return [*states_of_limits, *map(coded_states, codes_by_field.values())]
 
 
-def set_by_codes(raw: Raw) -> frozenset[str]:
+def set_by_codes(raw_spec: Raw) -> frozenset[str]:
     """Return the names of the parameters that values of the order code set."""
     parameter_names: set[str] = set()
-    for part in raw["order_code"]["parts"]:
+    for part in raw_spec["order_code"]["parts"]:
         for code_value in part["values"].values():
             parameter_names.update((code_value or {}).get("sets", ()))
     return frozenset(parameter_names)
 
 
-def _check_set_values(name: str, raw: Raw, codes: Sequence[CodedValue], report: DocumentReport) -> None:
+def _check_set_values(name: str, raw_spec: Raw, codes: Sequence[CodedValue], report: DocumentReport) -> None:
     """Check that order codes set values that the register can hold, which are those with a code.
 
     Without codes, nothing is checked.
     """
     values_with_code = {coded.value for coded in codes}
-    for index, part in enumerate(raw["order_code"]["parts"]):
+    for index, part in enumerate(raw_spec["order_code"]["parts"]):
         for text_of_value, code_value in part["values"].items():
             value_set = (code_value or {}).get("sets", {}).get(name)
             if values_with_code and value_set is not None and value_set not in values_with_code:
@@ -296,14 +298,17 @@ MOST_PLACES = 500_000
 
 
 def parameter_sets(
-    raw: Raw, definitions: Mapping[str, Expression], variants: Sequence[Variant], alternatives: Sequence[Alternative]
+    raw_spec: Raw,
+    definitions: Mapping[str, Expression],
+    variants: Sequence[Variant],
+    alternatives: Sequence[Alternative],
 ) -> Mapping[str, Sequence[Mapping[str, int]]]:
     """Return, by interface, every set of parameters that a layout must support.
 
     These are the sets of the order codes, the bounds of parameters held in registers, one by one and together, and each
     of these with the default answers, and with each other answer of one alternative.
     """
-    interface_names = (*raw["interfaces"], *map(interface_of, WrittenSpec(dict(raw)).registers))
+    interface_names = (*raw_spec["interfaces"], *map(interface_of, WrittenSpec(dict(raw_spec)).registers))
     if not variants:  # Parameters are unknown. Parts that do not use them can still be checked.
         return MappingProxyType({kind: ({},) for kind in interface_names})
     sets_by_interface: dict[str, list[Mapping[str, int]]] = {kind: [] for kind in interface_names}
@@ -311,7 +316,7 @@ def parameter_sets(
     for alternative in alternatives:
         # The first answer is the default, which the order codes already have.
         values_of_answers += [answer.sets for answer in alternative.answers[1:]]
-    states_by_field = extreme_states(raw)
+    states_by_field = extreme_states(raw_spec)
     # One by one first, so that messages name as few parameters as possible.
     single_states = (register_state for states in states_by_field for register_state in states)
     register_states: list[State] = [{}, *single_states, *(corners(states_by_field) if len(states_by_field) > 1 else ())]
@@ -349,13 +354,13 @@ def _without_definitions(
     yield from ((interface, base) for (interface, _), base in base_by_values.items())
 
 
-def too_much_work(raw: Raw, context: Context) -> bool:
+def too_much_work(raw_spec: Raw, context: Context) -> bool:
     """Report a spec for which each field would be placed too often, and return True. Otherwise, return False.
 
     Each field is placed once for each set of parameters.
     """
     number_of_sets = sum(map(len, context.parameter_sets.values()))
-    spec = WrittenSpec(dict(raw))
+    spec = WrittenSpec(dict(raw_spec))
     groups = by_name(spec.field_groups)
     number_of_fields = sum(1 for fields in field_lists(spec) for _ in expanded(fields, groups))
     if number_of_sets <= MOST_SETS and number_of_sets * number_of_fields <= MOST_PLACES:

@@ -131,14 +131,14 @@ _BISS_ID = {0x7E: 8, 0x7F: 0}
 _LEAST = 256
 
 
-def check_agreement(raw: Raw, device: Device, report: DocumentReport) -> None:
+def check_agreement(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
     """Report contradictions in a spec that only the model shows."""
     for register in device.registers:
         _check_default(device, register, ("registers", register.name), report)
         _check_preset(device, register, ("registers", register.name), report)
     _check_biss_id(device, report)
-    _check_meanings(raw, device, report)
-    _check_bits_named(raw, device, report)
+    _check_meanings(raw_spec, device, report)
+    _check_bits_named(raw_spec, device, report)
     _check_selectors(device, report)
 
 
@@ -274,7 +274,7 @@ def _check_read_biss_id(device: Device, identity: int, report: DocumentReport) -
             report.add("biss-id-mismatch", ("examples", example.name), text)
 
 
-def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
+def _check_meanings(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
     """Check that counts and revolutions in the meaning of a value match a quantity of its order codes.
 
     Report a value if none of the counts in its meaning is a quantity of any of its order codes. Numbers below 256 are
@@ -282,7 +282,7 @@ def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
     """
     interfaces = {interface.name for interface in device.interfaces}
     variants = [variant for variant in device.variants if variant.interface in interfaces]
-    for index, part in enumerate(raw["order_code"]["parts"]):
+    for index, part in enumerate(raw_spec["order_code"]["parts"]):
         for text_of_value, value in part["values"].items():
             meaning = _compared_meaning(value or {})
             count_texts = [meaning] if _ALONE.fullmatch(meaning) else _COUNTED.findall(meaning)
@@ -310,7 +310,7 @@ def _compared_meaning(raw_value: Raw) -> str:
     return "" if "meaning_differs" in raw_value else raw_value.get("meaning", "")
 
 
-def _check_bits_named(raw: Raw, device: Device, report: DocumentReport) -> None:
+def _check_bits_named(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
     """Check that a number of bits in the meaning of a value is one that the value sets, or a width that it leads to.
 
     It may also be the sum of the bits that the value sets, or the width of the frame or position of one of its order
@@ -319,7 +319,7 @@ def _check_bits_named(raw: Raw, device: Device, report: DocumentReport) -> None:
     """
     units = {parameter.name: parameter.unit for parameter in device.parameters}
     built_interfaces = {interface.name for interface in device.interfaces}
-    for index, part in enumerate(raw["order_code"]["parts"]):
+    for index, part in enumerate(raw_spec["order_code"]["parts"]):
         for text_of_value, value in part["values"].items():
             named_bits = [int(number) for number in _BITS.findall(_compared_meaning(value or {}))]
             set_values = (value or {}).get("sets", {})

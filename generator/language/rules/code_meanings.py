@@ -31,7 +31,7 @@ _TWO_VOLTAGES = re.compile(rf"{_VOLT} ?(?:to|-|–|…|\.\.\.|(?=\+)) ?{_VOLT}")
 MEANING_DIFFERS = "; if the manual prints it so, give the reason in 'meaning_differs'"
 
 
-def check_value_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_value_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the meaning of an order code value agrees with its settings: Gray or binary code, length and supply.
 
     A value with ``meaning_differs`` explains a difference.
@@ -41,7 +41,7 @@ def check_value_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
             if not value.meaning_differs:
                 says = f"the meaning of {quoted(label)} says"
                 _check_code(value, says, spec, report)
-                _check_lengths(value, says, raw, report)
+                _check_lengths(value, says, as_read, report)
                 _check_supply(value, says, report)
 
 
@@ -57,13 +57,13 @@ def _check_code(value: WrittenCodeValue, says: str, spec: WrittenSpec, report: D
             report.add("meaning-mismatch", (*value.path, "sets", name), message)
 
 
-def _check_lengths(value: WrittenCodeValue, says: str, raw: WrittenSpec, report: DocumentReport) -> None:
+def _check_lengths(value: WrittenCodeValue, says: str, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that each length that a value sets is in its meaning, if this names any."""
     lengths = _lengths_named(value.meaning)
     if not lengths:
         return
     for name, number in value.sets.items():
-        unit = raw.parameters[name].unit if name in raw.parameters else ""
+        unit = as_read.parameters[name].unit if name in as_read.parameters else ""
         if unit in _NANOMETRES and number * _NANOMETRES[unit] not in lengths:
             first_length, *_ = lengths.values()
             message = f"{says} {first_length}, but {quoted(name)} is {number} {unit}{MEANING_DIFFERS}"
@@ -141,7 +141,7 @@ def _to_millivolts(volts: str, per_cent: Fraction | int) -> int:
     return int(Fraction(volts) * per_cent * 10)  # 1000 mV per V, and 1 / 100 for the percentage.
 
 
-def check_named_interface(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_named_interface(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an order code value does not select another interface than the only one that its meaning names.
 
     RS-485 also names the signals, so it is not compared, but next to SSI or BiSS it makes the meaning unclear.
@@ -159,7 +159,7 @@ def check_named_interface(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
                 report.add("interface-mismatch", value.place_of("interface"), problem)
 
 
-def check_labels(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_labels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a label that is a number has the number of the expression in ``label_is`` of its part.
 
     Only labels whose value sets all parameters of the expression are checked.

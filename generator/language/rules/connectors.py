@@ -81,7 +81,7 @@ class _Connector:
         return not {*self.part.interfaces}.isdisjoint(other.part.interfaces)
 
 
-def check_repeated_signals(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_signals(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two contacts of a connector have the same signal for the same order codes.
 
     Supplies, grounds and shields may be on several contacts.
@@ -114,7 +114,7 @@ def _has_signal_of(contact: _Contact, earlier: _Contact) -> bool:
     return not contact_names.isdisjoint(earlier_names)
 
 
-def check_incomplete_pair(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_incomplete_pair(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that both lines of a differential pair are on a connector: ``MA +`` and ``MA -``, ``A`` and ``/A``.
 
     A note that names the missing line explains it. A second reading has no notes.
@@ -135,7 +135,7 @@ def check_incomplete_pair(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
                     report.add("incomplete-pair", (*contact.path, "signal"), message)
 
 
-def check_connector_and_cable(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_connector_and_cable(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a connector and a cable for the same interface have the same signals, or a note on missing ones.
 
     A second reading has no notes.

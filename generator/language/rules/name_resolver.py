@@ -21,22 +21,22 @@ class NameResolver:
     ``groups``, ``registers`` and ``procedures`` are the parts by their names.
     """
 
-    def __init__(self, raw: WrittenSpec, report: DocumentReport) -> None:
+    def __init__(self, as_read: WrittenSpec, report: DocumentReport) -> None:
         self._report = report
-        interfaces = list(raw.interfaces.data)
-        self.parameter_names = raw.names_in("parameters")
+        interfaces = list(as_read.interfaces.data)
+        self.parameter_names = as_read.names_in("parameters")
         # Names that are misspelt themselves: unknown interfaces, and those that the schema check rejected.
         self._broken = {name for name in interfaces if name not in INTERFACES}
         for path in report.faults():
-            name = value_at(raw.data, path) if path[-1] == "name" else path[-1]
+            name = value_at(as_read.data, path) if path[-1] == "name" else path[-1]
             if isinstance(name, str) and not _NAME.fullmatch(name):
                 self._broken.add(name)
-        self.groups = by_name(raw.field_groups)
-        self.registers = by_name(raw.registers)
-        self.procedures = by_name(raw.procedures)
+        self.groups = by_name(as_read.field_groups)
+        self.registers = by_name(as_read.registers)
+        self.procedures = by_name(as_read.procedures)
         self._known: Mapping[str, Collection[str]] = {
-            "CRC": by_part_name(raw.crcs),
-            "erratum": by_name(raw.errata),
+            "CRC": by_part_name(as_read.crcs),
+            "erratum": by_name(as_read.errata),
             "field group": self.groups,
             "interface": interfaces,
             "parameter": self.parameter_names,

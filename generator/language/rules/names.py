@@ -38,7 +38,7 @@ TAKEN = {
 Named = tuple[Path, object]
 
 
-def check_device_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_device_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a family and its file have the same name, and that no output reserves it."""
     stem = report.document.family or family_of(report.document.file)
     name = spec.device
@@ -49,7 +49,7 @@ def check_device_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
         report.add("device-name", ("device",), f"{quoted(name)} is the name of {TAKEN[name]}; rename the family")
 
 
-def check_duplicate_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_duplicate_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that names are unique among items of one kind, within the spec or within the item that contains them."""
     for word, parts in _named_parts(spec).items():
         _check_unique(_yield_labels(parts, "name"), word, report)
@@ -93,7 +93,7 @@ def _named_parts(spec: WrittenSpec) -> dict[str, Sequence[PlacedPart]]:
     }
 
 
-def check_duplicate_title(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_duplicate_title(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two errata have the same title, because readers see only the title."""
     first_paths: dict[str, Path] = {}
     for erratum in spec.errata:
@@ -106,7 +106,7 @@ def check_duplicate_title(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
             report.add("duplicate-name", erratum.place_of("title"), message)
 
 
-def check_duplicate_field(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_duplicate_field(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that fields, joins and runs of digits of a layout or register have unique names.
 
     A decoder returns all of them.
@@ -125,7 +125,7 @@ def check_duplicate_field(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
         _check_unique(named_values, "a field", report)
 
 
-def check_duplicate_selection(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_duplicate_selection(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that each value of the selecting field identifies one frame of its sender and interface."""
     first_names: dict[tuple[str, str, int], str] = {}
     for frame in layouts(spec):
@@ -145,7 +145,7 @@ def check_duplicate_selection(spec: WrittenSpec, raw: WrittenSpec, report: Docum
                 report.add("duplicate-name", (*frame.owner.path, "when", selector, index), message)
 
 
-def check_duplicate_address(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_duplicate_address(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two registers of an interface and bank share a byte.
 
     A read-only and a write-only register may begin at the same address.
@@ -190,7 +190,7 @@ def _report_overlap(register: WrittenRegister, earlier_register: WrittenRegister
     report.add("duplicate-address", register.place_of("address"), message)
 
 
-def check_value_clash(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_value_clash(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two named values of a field have the same number, because a decoder could not choose."""
     for field_list in field_lists(spec):
         for field in field_list.fields:

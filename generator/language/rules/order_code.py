@@ -16,10 +16,10 @@ from .name_resolver import NameResolver
 from .parts import by_name, origins_of
 
 
-def check_order_code_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_order_code_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of order code values: parameters, interfaces, other parts and their labels."""
-    resolver = NameResolver(raw, report)
-    parts = by_name(raw.order_code.parts)
+    resolver = NameResolver(as_read, report)
+    parts = by_name(as_read.order_code.parts)
     for part in spec.order_code.parts:
         other_parts = [name for name in parts if name != part.name]
         _check_combinations(resolver, part.place_of("open_only_with"), part.open_only_with, parts, other_parts)
@@ -82,9 +82,9 @@ class _Code:
         return names
 
 
-def check_order_code_pattern(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_order_code_pattern(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that pattern and parts agree, and then that codes set each parameter once and select one interface."""
-    if not is_whole(spec.data, raw.data):
+    if not is_whole(spec.data, as_read.data):
         return
     problems_before = len(report)
     _check_pattern(spec, report)
@@ -102,9 +102,9 @@ def check_order_code_pattern(spec: WrittenSpec, raw: WrittenSpec, report: Docume
         _check_codes(spec, codes, report)
 
 
-def check_ambiguous_order_codes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_ambiguous_order_codes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no text on a label can be read in two ways: as two codes, or as one code split in two ways."""
-    if not is_whole(spec.data, raw.data):
+    if not is_whole(spec.data, as_read.data):
         return
     parts, pattern = spec.order_code.parts, spec.order_code.pattern
     part_names = {part.name for part in parts}
@@ -151,9 +151,9 @@ def _reading_text(names: Sequence[str], reading: Sequence[str]) -> str:
     return ", ".join(f"{name} {text}" for name, text in zip(names, reading, strict=True))
 
 
-def check_also_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_also_written(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an alternative spelling has every part exactly once, and that its texts represent listed labels."""
-    if not is_whole(spec.data, raw.data):
+    if not is_whole(spec.data, as_read.data):
         return
     parts = {part.name: part for part in spec.order_code.parts}
     for spelling in spec.order_code.also_written:

@@ -55,11 +55,11 @@ def kind_of_unit(unit: str) -> str:
     return _KIND_OF.get(unit, unit)
 
 
-def check_parameter_interface(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_parameter_interface(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an expression of one interface uses no parameter of another, directly or through other parameters."""
-    for path, interface, text in uses(spec, raw):
-        for name in dict.fromkeys(all_parameters(text, raw.parameters)):
-            owner_interface = raw.parameters[name].interface
+    for path, interface, text in uses(spec, as_read):
+        for name in dict.fromkeys(all_parameters(text, as_read.parameters)):
+            owner_interface = as_read.parameters[name].interface
             if owner_interface is not None and owner_interface != interface:
                 report.add(
                     "parameter-interface",
@@ -93,12 +93,12 @@ def expressions(spec: WrittenSpec) -> _Expressions:
         yield from _of_words(interface)
 
 
-def uses(spec: WrittenSpec, raw: WrittenSpec | None = None) -> Iterator[tuple[Path, str, int | str]]:
+def uses(spec: WrittenSpec, as_read: WrittenSpec | None = None) -> Iterator[tuple[Path, str, int | str]]:
     """Yield each use of an expression or parameter by an interface: the place, the interface, and the text.
 
     A field of a group is yielded for each layout or register that uses the group.
     """
-    groups = by_name((raw if raw is not None else spec).field_groups)
+    groups = by_name((as_read if as_read is not None else spec).field_groups)
     field_owners = list(layouts(spec))
     field_owners += [FieldList(Has.REGISTER, register, interface_of(register)) for register in spec.registers]
     for field_list in field_owners:
@@ -184,7 +184,7 @@ def _list_factors(text: object) -> list[Factor]:
     return [factor for term in terms for factor in term.factors]
 
 
-def check_long_sums(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_long_sums(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no parameter becomes a long sum when the definitions of its parameters are inserted.
 
     Definitions that use others twice each would fill the memory: 30 of them are a sum of 2^30 terms.
@@ -210,7 +210,7 @@ def _count_of_terms(name: str, parameters: Mapping[str, WrittenParameter], count
     return counts[name]
 
 
-def check_parameter_origin(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_parameter_origin(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the value of a parameter has at most one origin, and that ``by_code`` is next to ``read_from`` alone.
 
     ``by_code`` lists the value for each code in the register, so it excludes limits.
@@ -231,15 +231,15 @@ def check_parameter_origin(spec: WrittenSpec, raw: WrittenSpec, report: Document
             report.add("parameter-origin", parameter.place_of(limit_keys[0]), problem, at_key=True)
 
 
-def check_alternative_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_alternative_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the answers of an alternative set the same parameters, and that these name the alternative.
 
     Parameters and examples must name alternatives that exist, and examples their answers.
     """
-    resolver = NameResolver(raw, report)
-    alternatives = by_name(raw.alternatives)
+    resolver = NameResolver(as_read, report)
+    alternatives = by_name(as_read.alternatives)
     for alternative in spec.alternatives:
-        parameters_as_read = raw.parameters.items()
+        parameters_as_read = as_read.parameters.items()
         own_parameters = [name for name, parameter in parameters_as_read if parameter.alternative == alternative.name]
         _check_answers(alternative, own_parameters, resolver)
     for name, parameter in spec.parameters.items():
@@ -287,15 +287,15 @@ def _check_answers(alternative: WrittenAlternative, own_parameters: Sequence[str
                 resolver.report_problem(sets_path, problem)
 
 
-def check_alternative_use(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_alternative_use(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that alternatives affect only the places of fields, because generated code can use them only there.
 
     Those with a default affect only verdicts, which do not need a choice. So their parameters are in no expression.
     """
-    alternatives = by_name(raw.alternatives)
-    set_by_alternative = {name: parameter for name, parameter in raw.parameters.items() if parameter.alternative}
+    alternatives = by_name(as_read.alternatives)
+    set_by_alternative = {name: parameter for name, parameter in as_read.parameters.items() if parameter.alternative}
     used_texts = list(expressions(spec))
-    used_texts += [(path, text) for path, _, text in uses(spec, raw) if path[-1] == "when"]
+    used_texts += [(path, text) for path, _, text in uses(spec, as_read) if path[-1] == "when"]
     for path, text in used_texts:
         names = [factor.parameter for factor in _list_factors(text) if factor.parameter in set_by_alternative]
         if not names:
@@ -313,7 +313,7 @@ def check_alternative_use(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
             report.add("alternative-use", path, f"{problem}, whose default applies without a choice; {remedy}")
 
 
-def check_units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_units(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the units of fields that equal a parameter, and of the parameters in expressions.
 
     A field and its parameter have units of the same quantity, and an unknown unit is a quantity of its own. Exponents
@@ -321,15 +321,15 @@ def check_units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
     """
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            equal_parameter = raw.parameters.get(str(field.equals))
+            equal_parameter = as_read.parameters.get(str(field.equals))
             equal_unit = equal_parameter.unit if equal_parameter is not None else ""
             if field.unit and equal_unit and kind_of_unit(field.unit) != kind_of_unit(equal_unit):
                 problem = f"{quoted(field.name)} is in {field.unit}, but it equals {quoted(field.equals)}"
                 report.add("unit-mismatch", field.place_of("unit"), f"{problem}, which is in {equal_unit}")
     for path, text in expressions(spec):
         for factor in _list_factors(text):
-            if factor.parameter in raw.parameters:
-                _check_unit_of_factor(path, factor, raw.parameters[factor.parameter].unit, report)
+            if factor.parameter in as_read.parameters:
+                _check_unit_of_factor(path, factor, as_read.parameters[factor.parameter].unit, report)
 
 
 def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: DocumentReport) -> None:
@@ -349,7 +349,7 @@ def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: Documen
     report.add("unit-mismatch", path, message)
 
 
-def check_parameter_cycle(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_parameter_cycle(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no parameter is defined by itself, directly or through others."""
     definitions: dict[str, tuple[str, ...]] = {}
     for name, parameter in spec.parameters.items():

@@ -23,7 +23,7 @@ _CHARACTER = re.compile(r"\b(nine|ten|eleven|twelve|9|1[0-2]) bits\b", re.IGNORE
 _PARITY = re.compile(r"\b(no|even|odd) parity\b", re.IGNORECASE)
 
 
-def check_description_file(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_description_file(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the name of the description file of BiSS contains the manufacturer ID of the register.
 
     This ID is two ASCII characters, and in the name their four hexadecimal digits.
@@ -43,7 +43,7 @@ def check_description_file(spec: WrittenSpec, raw: WrittenSpec, report: Document
         report.add("description-file", biss.place_of("description_file"), message)
 
 
-def check_alignment(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_alignment(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the SSI word has the alignment that the contents and the order code name, if these name only one."""
     ssi = spec.interfaces.ssi
     texts = [section.title for section in spec.manual.contents.values()]
@@ -62,7 +62,7 @@ def check_alignment(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
         report.add("alignment-mismatch", ssi.place_of("alignment"), message)
 
 
-def check_serial_port(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_serial_port(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the note of an RS-485 interface has the stop bits, parity and bits per character of its port."""
     rs485 = spec.interfaces.rs485
     if rs485 is None or not rs485.port.data:
@@ -100,7 +100,7 @@ def _compare_with_port(
                 return
 
 
-def check_bounds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_bounds(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the lowest and the highest number of a quantity are different."""
     for characteristic in spec.characteristics:
         for index, value in enumerate(characteristic.part.values):
@@ -109,7 +109,7 @@ def check_bounds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
                 report.add("quantity-text", (*characteristic.path, "values", index, "min"), message)
 
 
-def check_numbers_of_conditions(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_numbers_of_conditions(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the numbers in ``where``, the condition of a quantity, are in the text of the characteristic."""
     for characteristic in spec.characteristics:
         printed_numbers = set(_NUMBER.findall(characteristic.part.value))
@@ -124,7 +124,7 @@ _NUMBER = re.compile(r"(?<![\w.,])\d+(?:\.\d+)?(?![\w,]*\d)")
 _HEX_CELL = re.compile(r"(?:0x)?([0-9A-F]+)h?")
 
 
-def check_address_tables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_address_tables(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a table with first and last addresses has ranges in ascending order, with equally many digits.
 
     Rows in which one of the two is not a hexadecimal number are skipped.
@@ -152,7 +152,7 @@ _WORD = re.compile(r"\b[A-Za-z]+\d\w*")
 _SHORTEST_START = 5
 
 
-def check_swapped_letters(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_swapped_letters(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no text has the characters of the start of an order code in another order, such as ABC12 for ABC21.
 
     The start is the text before the first part. One that is short is not compared.

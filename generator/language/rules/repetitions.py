@@ -23,7 +23,7 @@ _SETS = frozenset(
 _MAPS_OF_SETS = frozenset(("only_with", "open_only_with"))
 
 
-def check_repeated_items(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_items(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no item of a list that is a set, by its key, occurs twice."""
     for path, set_items in _unique_lists((), spec.data):
         for index, set_item in enumerate(set_items):
@@ -62,7 +62,7 @@ class _NamedText(NamedTuple):
     path: Path
 
 
-def check_repeated_text(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_text(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers of a bank, fields of a frame, and values of a field do not have the text of a neighbour."""
     registers_by_bank: dict[object, list[WrittenRegister]] = {}
     for register in spec.registers:

@@ -39,13 +39,13 @@ class _LaterPage:
 _Spans = Mapping[str, Mapping[str, tuple[int, int]]]
 
 
-def check_cited_place(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_cited_place(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that every cited section of the manual is in its contents, and every cited page in its section.
 
     In a spec whose sources cite the pages on which sections and entries begin, a source with only later pages is
     reported.
     """
-    contents = raw.manual.contents
+    contents = as_read.manual.contents
     if not contents:
         return
     spans = _find_spans(contents)
@@ -192,7 +192,7 @@ _WHOLE = "all pages"
 _SOURCE = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?(.*?)\s*", re.DOTALL)
 
 
-def check_evidence(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_evidence(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the evidence supports the grade and lists each source once, and that each fact cites enough of them.
 
     Only the grades ``quoted`` and ``corroborated`` make demands on the source of each fact.
@@ -202,7 +202,7 @@ def check_evidence(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
         if key in stated.documents or key in stated.implementations[:index]:
             problem = f"{quoted(key)} is listed twice; list each source once, so that it counts once"
             report.add("evidence-grade", ("evidence", "implementations", index), problem)
-    _check_vectors(stated, by_name(raw.examples), report)
+    _check_vectors(stated, by_name(as_read.examples), report)
     if not spec.evidence.is_valid("grade"):
         return
     for problem in _yield_missing_support(stated):
@@ -334,7 +334,7 @@ _CABLE = _LimitKeys(("below_hz",), "leave the table out")
 _SUPPLY = _LimitKeys(("min_mv", "max_mv"), "list the voltage in use under 'characteristics'")
 
 
-def check_limit_sources(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_limit_sources(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that limits cite a document of the manufacturer if the grade does not demand it of every fact."""
     grade = spec.evidence.part.grade
     documents_read = spec.evidence.part.documents
@@ -384,10 +384,10 @@ def _source_of_part(part: Located[object]) -> str:
     return str(part.source or "")
 
 
-def check_revision_in_history(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_revision_in_history(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the history of a manual lists its own revision, unless an erratum explains it."""
     # A revision that is not text is reported by the schema, and can still be the right one.
-    revisions = [str(history_row.data.get("revision")) for history_row in raw.manual.history]
+    revisions = [str(history_row.data.get("revision")) for history_row in as_read.manual.history]
     revision = spec.manual.revision
     is_repeated = len(set(revisions)) < len(revisions)  # Reported by another rule.
     if not revisions or is_repeated or not revision or revision in revisions:
@@ -399,7 +399,7 @@ def check_revision_in_history(spec: WrittenSpec, raw: WrittenSpec, report: Docum
     report.add("revision-not-in-history", ("manual", "revision"), f"{problem}; {remedy}")
 
 
-def check_open_quotation(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_open_quotation(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that double quotation marks in the printed text of an erratum come in pairs."""
     for erratum in spec.errata:
         if erratum.printed.count('"') % 2:

@@ -41,7 +41,7 @@ _TEXTS = (PROSE | {"used"}) - {"title", "why", "changes", "source"}
 _ELSEWHERE = frozenset(("documents", "manual", "editions", "evidence", "lost_figures"))
 
 
-def check_erratum_quantities(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_erratum_quantities(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the quantities that an erratum uses are those of the facts that it affects.
 
     An erratum without quantities under 'used' uses those that are printed. A quantity is compared with all of its kind
@@ -97,7 +97,7 @@ def _in_smallest_unit(number: str, unit: str) -> Decimal:
     return Decimal(number.replace(",", "").replace("−", "-")) * _UNITS[_KIND_OF_UNIT[unit]][unit]
 
 
-def check_repeated_waits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_waits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a timing about writes to a register, by its printed name, has the wait of this register."""
     waiting_registers: dict[str, WrittenRegister] = {}
     for register in by_name(spec.registers).values():
@@ -126,7 +126,7 @@ def _check_wait(timing: Located[Timing], registers: Mapping[str, WrittenRegister
         report.add("left-behind", (*timing.path, "at_least_us"), message)
 
 
-def check_quoted_names(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_quoted_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a bit, register, command, alarm or input that a text names in quotes has this printed name.
 
     Names are compared without regard to capitals and punctuation. Overlays and older editions change names without
@@ -166,7 +166,7 @@ def _fold_name(name: str) -> str:
 _LABEL = re.compile(r"(?<![\w/-])[A-Z][A-Z0-9]+(?![\w/-])")
 
 
-def check_labels_in_errata(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_labels_in_errata(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an erratum about order codes uses only existing labels next to another label of the same shape.
 
     Labels have the same shape if they have letters and digits at the same places, such as ``A12`` and ``B07``.
@@ -207,7 +207,7 @@ def _shape_of_label(label: str) -> str:
 _NAMED_ERROR = re.compile(r"\b([A-Z]{2,}) (error|alarm|flag|warning)\b")
 
 
-def check_alarm_names(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_alarm_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a name such as ``ST error`` in a text has a word in capitals that is in some printed name of the spec.
 
     This holds if an alarm of the spec has such a name. Specs with overlays and older editions are not checked.

@@ -20,7 +20,7 @@ _NUMBERS = ("two", "three", "four", "five", "six", "seven", "eight", "nine", "te
 _REPETITIONS = re.compile(rf"\b({'|'.join(_NUMBERS)}|[1-9]\d?) requests\b", re.IGNORECASE)
 
 
-def check_interface_of_steps(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_interface_of_steps(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure for an interface of the spec accesses only registers of this interface."""
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
@@ -36,9 +36,9 @@ def check_interface_of_steps(spec: WrittenSpec, raw: WrittenSpec, report: Docume
                 report.add("interface-mismatch", step.place_of("register"), message, cause=procedure.name)
 
 
-def check_register_of_argument(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_register_of_argument(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the register whose limits apply to an argument is one of those to which steps write the argument."""
-    registers = by_name(raw.registers)
+    registers = by_name(as_read.registers)
     for procedure in spec.procedures:
         for argument in procedure.arguments:
             writes = [step for step in procedure.steps if step.do == "write" and step.value == argument.name]
@@ -51,10 +51,10 @@ def check_register_of_argument(spec: WrittenSpec, raw: WrittenSpec, report: Docu
                 report.add("argument-register", argument.place_of("of"), message)
 
 
-def check_polled_values(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_polled_values(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a poll waits for a value that its field can have."""
     registers = by_name(spec.registers)
-    groups = by_name(raw.field_groups)
+    groups = by_name(as_read.field_groups)
     for procedure in spec.procedures:
         for step in procedure.steps:
             register = registers.get(step.register)
@@ -75,7 +75,7 @@ def _width_of(register: WrittenRegister, field_name: str, groups: Groups) -> int
     return None
 
 
-def check_waits_of_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_waits_of_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the waits after a write are together not longer than the register needs.
 
     A text of the procedure that gives the time explains it.
@@ -113,7 +113,7 @@ def _waits_after_writes(procedure: WrittenProcedure) -> Iterator[tuple[WrittenSt
             yield step, waits
 
 
-def check_wait_at_end(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_wait_at_end(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Report a procedure that ends with a wait and a write, if the wait is exactly the one that this write needs.
 
     Then the wait is likely on the wrong side of the write, unless the step before it needs one too.
@@ -137,7 +137,7 @@ def check_wait_at_end(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
             report.add("wait-too-short", steps[-1].path, message, cause=steps[-1].register)
 
 
-def check_intervals(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_intervals(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the interval between requests is one of the shortest times of the RS-485 interface, if it has any."""
     interface = spec.interfaces.rs485
     shortest_times = [] if interface is None else [timing.part.at_least_us for timing in interface.timings]
@@ -154,7 +154,7 @@ def check_intervals(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
                 report.add("time-repeated", step.place_of("every_at_least_us"), message)
 
 
-def check_counted_requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_counted_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a text of a procedure with one repeated request among others gives the number of its repetitions."""
     for procedure in spec.procedures:
         repeated_steps = [step for step in procedure.steps if step.times is not None]
@@ -178,7 +178,7 @@ def _counts_in_texts(data: Mapping[str, object]) -> Iterator[tuple[Path, int]]:
             yield path, int(number_text) if is_digits else _NUMBERS.index(number_text.casefold()) + 2
 
 
-def check_polled_levels(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_polled_levels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a meaning such as ``0 until the value is saved`` agrees with the value for which the poll waits.
 
     The bit has the stated level until, while or during something, so the poll waits for the other one. With ``when``,
