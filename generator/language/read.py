@@ -96,7 +96,7 @@ def parse(
     try:
         return _Parser(text, complain, stand_in).document()
     except yaml.MarkedYAMLError as error:
-        raise Unreadable(*explain(error, text)) from None
+        raise Unreadable(rule="yaml-syntax", **explain(error, text)._asdict()) from None
     except yaml.YAMLError as error:
         raise Unreadable(1, 1, "yaml-syntax", f"not valid YAML: {str(error).splitlines()[0]}") from None
 

@@ -11,13 +11,12 @@ import re
 from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import yaml
 
 from .problems import quoted
 
-_RULE = "yaml-syntax"
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _LINE_BREAK = re.compile(r"\r\n|\r|\n")
 _NO_COMMA = "a comma or closing bracket is missing before this"
@@ -26,8 +25,16 @@ _ODD_SPACE = re.compile(r"(?:^|(?<=[:, -]))[\u00a0\u2000-\u200b\u202f\u3000\ufef
 _COMMENT = re.compile(r"\s#")
 
 
-def explain(error: yaml.MarkedYAMLError, text: str) -> tuple[int, int, str, str]:
-    """Return line, column, rule and message for an error of the parser.
+class YamlMistake(NamedTuple):
+    """The mistake that made a text invalid. Line and column count from 1."""
+
+    line: int
+    column: int
+    message: str
+
+
+def explain(error: yaml.MarkedYAMLError, text: str) -> YamlMistake:
+    """Return the likely mistake behind an error of the parser.
 
     The parser's ``problem_mark`` is where it stopped, and its ``context_mark`` where the open value begins.
     """
@@ -41,25 +48,26 @@ def explain(error: yaml.MarkedYAMLError, text: str) -> tuple[int, int, str, str]
         return odd_space
     # Here the parser stopped only at the end of its search for the colon.
     if opened is not None and problem == "could not find expected ':'":
-        return *_place_of_mark(opened), _RULE, _missing_colon(_character_at(lines, opened))
+        return _mistake_at(opened, _missing_colon(_character_at(lines, opened)))
     if opened is not None and "quoted scalar" in context and "end of stream" in problem:
-        return *_place_of_mark(opened), _RULE, "the quote that opens here is never closed; close it on this line"
+        return _mistake_at(opened, "the quote that opens here is never closed; close it on this line")
     # An earlier quote may have closed too late, so that the error is only a consequence.
     quote = _last_quoted(text, stopped)
     if quote is not None:
-        return *_place_of_mark(quote.start_mark), _RULE, _about_quote(quote)
+        return _mistake_at(quote.start_mark, _about_quote(quote))
     if opened is not None and "flow" in context and "expected ','" in problem:
         is_on_one_line = stopped.line == opened.line
         if is_on_one_line and not _COMMENT.search(lines[opened.line], opened.column):
-            return *_place_of_mark(stopped), _RULE, _NO_COMMA
-        return *_place_of_mark(opened), _RULE, _about_bracket(lines, opened, stopped)
-    line, column = (1, 1) if stopped is None else _place_of_mark(stopped)
+            return _mistake_at(stopped, _NO_COMMA)
+        return _mistake_at(opened, _about_bracket(lines, opened, stopped))
     character = _character_at(lines, stopped)
+    line = 1 if stopped is None else stopped.line + 1
     is_at_end = line >= len(lines) and not character
-    return line, column, _RULE, _describe_problem(problem, character, is_at_end)
+    message = _describe_problem(problem, character, is_at_end)
+    return YamlMistake(line=1, column=1, message=message) if stopped is None else _mistake_at(stopped, message)
 
 
-def _odd_space(lines: list[str], positions: list[int]) -> tuple[int, int, str, str] | None:
+def _odd_space(lines: list[str], positions: list[int]) -> YamlMistake | None:
     """Return the error for an unusual space in one of these lines, counted from 0, or in the one before, or None."""
     for position in positions:
         for line in (position, position - 1):
@@ -71,13 +79,13 @@ def _odd_space(lines: list[str], positions: list[int]) -> tuple[int, int, str, s
                 message = (
                     f"the space {character} is not an ordinary space, so YAML reads it as text; replace it with one"
                 )
-                return line + 1, odd_space.start() + 1, _RULE, message
+                return YamlMistake(line=line + 1, column=odd_space.start() + 1, message=message)
     return None
 
 
-def _place_of_mark(mark: Any) -> tuple[int, int]:
-    """Return line and column of a mark, counted from 1."""
-    return mark.line + 1, mark.column + 1
+def _mistake_at(mark: Any, message: str) -> YamlMistake:
+    """Return a mistake at a mark of the parser, which counts lines and columns from 0."""
+    return YamlMistake(line=mark.line + 1, column=mark.column + 1, message=message)
 
 
 def _character_at(lines: list[str], mark: Any) -> str:
