@@ -97,46 +97,70 @@ def _measurement_problem(device: Device, measurement: Measurement, case: _Case) 
     """Return the wrong key and the message of the first contradiction with the layout of a case, or None."""
     # The key that gives the number of positions: per turn, or in all for a length.
     key = "counts_per_turn" if measurement.counts_per_turn is not None else "modulus"
-    expressions = {name: getattr(measurement, name) for name in ("counts_per_turn", "turns", *_STEPS, "modulus")}
-    expressions = {name: number for name, number in expressions.items() if number is not None}
-    values = {name: number.value(case.variant.parameters) for name, number in expressions.items()}
-    for name, value in values.items():
-        if value < 1:
-            return KeyProblem(name, f"'{name}' is {value} for {case.variant.code}; it must be at least 1")
-        if name in _STEPS and value > _MOST:
-            return KeyProblem(name, f"'{name}' is {value} for {case.variant.code}; it must be at most {_MOST}")
-    if (unit_problem := _unit_problem(case, values)) is not None:
-        return unit_problem
+    expressions: dict[str, Expression] = {}
+    for name in ("counts_per_turn", "turns", *_STEPS, "modulus"):
+        expression = getattr(measurement, name)
+        if expression is not None:
+            expressions[name] = expression
+    values = {name: expression.value(case.variant.parameters) for name, expression in expressions.items()}
+    problem = _limit_problem(case, values) or _unit_problem(case, values)
+    if problem is not None:
+        return problem
     position_range = case.layout.position_range
     never_wraps = position_range is not None and not position_range.wraps
     if key not in values or not case.width or never_wraps:
         return None
-    for name, value in values.items():
-        # All bits 1, such as 4095: the highest position instead of the number of positions.
-        is_highest = name not in _STEPS and value >= _SEVERAL and value & (value + 1) == 0
-        if is_highest and not _at_run_time(device, expressions[name]):
-            message = f"'{name}' is {value} for {case.variant.code}, which is the highest count"
-            return KeyProblem(name, f"{message}; including 0 there are {value + 1}")
+    fixed_values = {name: value for name, value in values.items() if not _at_run_time(device, expressions[name])}
     return (
-        _width_problem(device, measurement, case, key, values)
+        _highest_count_problem(case, fixed_values)
+        or _width_problem(device, measurement, case, key, values)
         or _range_problem(measurement, case, key)
         or _order_problem(measurement, case, key, values)
         or _revolution_problem(case, key, values)
     )
 
 
+def _limit_problem(case: _Case, values: Mapping[str, int]) -> KeyProblem | None:
+    """Return the key and the message if a number of the measurement is below 1, or a step is too large for C."""
+    for name, value in values.items():
+        if value < 1:
+            return KeyProblem(name, f"'{name}' is {value} for {case.variant.code}; it must be at least 1")
+        if name in _STEPS and value > _MOST:
+            return KeyProblem(name, f"'{name}' is {value} for {case.variant.code}; it must be at most {_MOST}")
+    return None
+
+
+def _highest_count_problem(case: _Case, fixed_values: Mapping[str, int]) -> KeyProblem | None:
+    """Return the key and the message if a number of counts is all ones, such as 4095, and so the highest count.
+
+    ``fixed_values`` lacks numbers that depend on a register, which may be any.
+    """
+    for name, value in fixed_values.items():
+        is_highest = name not in _STEPS and value >= _SEVERAL and is_power_of_two(value + 1)
+        if is_highest:
+            message = f"'{name}' is {value} for {case.variant.code}, which is the highest count"
+            return KeyProblem(name, f"{message}; including 0 there are {value + 1}")
+    return None
+
+
 def _unit_problem(case: _Case, values: Mapping[str, int]) -> KeyProblem | None:
     """Return the key and the message if the unit of a single position field contradicts the length of a count."""
-    key = next((name for name in ("step_um", "step_nm") if name in values), "")
-    position_fields = [case.layout.field(name) for name, _ in case.fields]
-    if not key or len(position_fields) != 1 or position_fields[0].unit not in _NANOMETRES:
+    if "step_um" in values:
+        key, step_nm = "step_um", values["step_um"] * _NANOMETRES["um"]
+    elif "step_nm" in values:
+        key, step_nm = "step_nm", values["step_nm"]
+    else:
         return None
-    unit = position_fields[0].unit
-    per_counts = values.get("per_counts", 1)
+    if len(case.fields) != 1:
+        return None
+    position_name, _ = case.fields[0]
+    unit = case.layout.field(position_name).unit
+    if unit not in _NANOMETRES:
+        return None
     # The step is the length of 'per_counts' counts, and the unit of the field that of one count.
-    if values[key] * _NANOMETRES["um" if key == "step_um" else "nm"] == _NANOMETRES[unit] * per_counts:
+    if step_nm == _NANOMETRES[unit] * values.get("per_counts", 1):
         return None
-    message = f"'{key}' is {values[key]} for {case.variant.code}, but '{position_fields[0].name}' has 'unit: {unit}'"
+    message = f"'{key}' is {values[key]} for {case.variant.code}, but '{position_name}' has 'unit: {unit}'"
     return KeyProblem(key, f"{message}, so a count is 1 {unit}; correct one of the two, or write 'unit: counts'")
 
 
@@ -185,25 +209,30 @@ def _range_problem(measurement: Measurement, case: _Case, counts_key: str) -> Ke
     field_text = f"'{name}' in '{case.layout.name}'"
     is_signed = case.layout.field(name).number.signed
     if measurement.highest is None:
-        if is_signed and total != 1 << width and is_power_of_two(total):
-            return KeyProblem(counts_key, _message_of_too_many_numbers(case, field_text, total))
-        if not is_signed or is_power_of_two(total):
-            return None
-        message = f"{field_text} is signed, and its range does not follow from {total} counts for {case.variant.code}"
-        return KeyProblem(
-            counts_key, f"{message}; add 'highest', from which the lowest position follows: highest - {total} + 1"
-        )
+        message = _message_of_signed_range(case, field_text, total) if is_signed else ""
+        return KeyProblem(counts_key, message) if message else None
     highest = measurement.highest.value(case.variant.parameters)
-    lowest, highest_possible = (-(1 << (width - 1)), (1 << (width - 1)) - 1) if is_signed else (0, (1 << width) - 1)
-    if lowest <= highest - total + 1 and highest <= highest_possible:
+    lowest = highest - total + 1
+    # In two's complement, half of the numbers are negative.
+    lowest_possible = -(1 << (width - 1)) if is_signed else 0
+    highest_possible = lowest_possible + (1 << width) - 1
+    if lowest_possible <= lowest and highest <= highest_possible:
         return None
-    positions = f"positions of {case.variant.code} are {highest - total + 1} to {highest}"
-    possible_range = f"{field_text} holds {lowest} to {highest_possible}"
+    positions = f"positions of {case.variant.code} are {lowest} to {highest}"
+    possible_range = f"{field_text} holds {lowest_possible} to {highest_possible}"
     return KeyProblem("highest", f"'highest' is {highest} for {total} counts, so {positions}, but {possible_range}")
 
 
-def _message_of_too_many_numbers(case: _Case, field_text: str, total: int) -> str:
-    """Return the message about a signed position that can be more numbers than the encoder has positions."""
+def _message_of_signed_range(case: _Case, field_text: str, total: int) -> str:
+    """Return the message about a signed position without ``highest``, or an empty string if it needs none.
+
+    It needs none if it has as many numbers as the encoder has positions.
+    """
+    if not is_power_of_two(total):
+        message = f"{field_text} is signed, and its range does not follow from {total} counts for {case.variant.code}"
+        return f"{message}; add 'highest', from which the lowest position follows: highest - {total} + 1"
+    if total == 1 << case.width:
+        return ""
     message = f"{field_text} is signed and has {case.width} bits, but the position wraps around after {total} counts"
     remedy = "'position_range: {wraps: false}' if it never wraps around, otherwise give 'highest'"
     return f"{message} for {case.variant.code}; give that layout {remedy}"
@@ -233,17 +262,19 @@ def _order_problem(
 
 def _revolution_problem(case: _Case, counts_key: str, values: Mapping[str, int]) -> KeyProblem | None:
     """Return the key and the message if the fields below a number of revolutions do not fill one revolution."""
+    if counts_key != "counts_per_turn":
+        return None
+    counts = values[counts_key]
     for index, (name, width) in enumerate(case.fields[:-1]):
-        bits_below = sum(width for _, width in case.fields[index + 1 :])
+        bits_below = sum(width_below for _, width_below in case.fields[index + 1 :])
         # Without a unit, the upper of two fields counts turns if they fit into it, and the counts into the other.
-        fits_turns = (
-            len(case.fields) == 2 and values[counts_key] < 1 << bits_below and 1 < values.get("turns", 1) <= 1 << width
-        )
+        has_turns_that_fit = 1 < values.get("turns", 1) <= 1 << width
+        fits_turns = len(case.fields) == 2 and counts < 1 << bits_below and has_turns_that_fit
         counts_turns = case.layout.field(name).unit in _REVOLUTIONS or fits_turns
-        if counts_turns and counts_key == "counts_per_turn" and values[counts_key] != 1 << bits_below:
+        if counts_turns and counts != 1 << bits_below:
             message = (
                 f"'{name}' counts revolutions, and {bits_below} bits follow it for {case.variant.code}, so"
-                f" a turn must have {1 << bits_below} counts, not {values[counts_key]}"
+                f" a turn must have {1 << bits_below} counts, not {counts}"
             )
             remedy = f"; measure '{case.fields[1][0]}' alone, with 'turns: 1'" if fits_turns else ""
             return KeyProblem(counts_key, message + remedy)

@@ -102,7 +102,12 @@ def _read_flag(name: str, values: Sequence[str], column: int) -> Flag:
     By default, the flags ``error`` and ``warning`` have the effect of their name, and others have none (``status``).
     """
     level: Literal["low", "high"] = "low" if values[0] == "low" else "high"
-    effect = values[1] if len(values) > 1 else name if name in VERDICTS else "status"
+    if len(values) > 1:
+        effect = values[1]
+    elif name in VERDICTS:
+        effect = name
+    else:
+        effect = "status"
     if len(values) > 2 or effect not in VERDICTS:
         message = f"{quoted(':'.join(values[1:]))} is not an effect of a flag; write error, warning or status"
         raise FieldError(message, len(name) + len(values[0]) + 2)

@@ -260,10 +260,13 @@ def _compare_register(
     The message shows the whole field in hexadecimal, or dots for digits that are unknown.
     """
     placed = register.layout.place(variant.parameters)
-    register_bytes = bytes(bytes_by_address.get(address, 0) for address in _list_addresses(register))
-    byte_masks = bytes(0xFF if address in bytes_by_address else 0 for address in _list_addresses(register))
+    addresses = _list_addresses(register)
+    register_bytes = bytes(bytes_by_address.get(address, 0) for address in addresses)
+    masks_of_bytes = bytearray()  # 0xFF for each byte that is known.
+    for address in addresses:
+        masks_of_bytes.append(0xFF if address in bytes_by_address else 0)
     content = number_from_bytes(register.layout, register_bytes)
-    known_mask = number_from_bytes(register.layout, byte_masks)
+    known_mask = number_from_bytes(register.layout, bytes(masks_of_bytes))
     for placed_field in placed.fields:
         documented = placed_field.field.documented(variant.parameters)
         if documented is None:

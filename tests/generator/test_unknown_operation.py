@@ -52,16 +52,30 @@ ASKING = {
         ("decode", "fields_with_local"),
         ("device", "_is_read_twice"),
         ("encode", "_unsigned_bits_of_member"),
+        ("encode", "number"),
         ("enumerations", "__init__"),
         ("examples", "asking"),
         ("examples", "is_signed"),
+        ("examples", "printed"),
+        ("registers", "_is_byte"),
         ("registers", "_with_masks"),
+        ("registers", "has_shift"),
+        ("selftest", "_expected_member"),
         ("structs", "_check_supported"),
         ("structs", "member"),
+        ("structs", "type_of"),
     },
     "rust": {("family", "width_problems")},
     "biss": set[Place](),
-    "python": {("codec", "usable"), ("decode", "_comment")},
+    "python": {
+        ("codec", "_field_attributes"),
+        ("codec", "usable"),
+        ("decode", "_comment"),
+        ("facts", "_field"),
+        ("first_byte", "_members"),
+        ("procedures", "members"),
+        ("variants", "_held_record"),
+    },
     "browser": set[Place](),
 }
 
@@ -185,8 +199,9 @@ def test_an_unknown_refusal_is_refused(output: str, monkeypatch: pytest.MonkeyPa
 DECISIONS: dict[str, Callable[[Layout, Field], object]] = {
     "meaning": lambda layout, field: values.meaning_of(field),
     "refusals": lambda layout, field: list(_field_refusals(layout, field)),
-    "limits": lambda layout, field: field.number,
 }
+#: Facts that every kind states, so that no module needs a list of kinds to know them.
+FACTS_OF_KINDS = ("word", "role", "is_joinable", "value_at_rest", "makes_position")
 
 
 @pytest.mark.parametrize("decision", DECISIONS)
@@ -195,6 +210,11 @@ def test_an_unknown_kind_is_refused(decision: str) -> None:
     layout, field = next((layout, field) for _, layout in devices[0].layouts() for field in layout.fields)
     with pytest.raises(AssertionError, match="no case for Unknown"):
         DECISIONS[decision](layout, replace(field, kind=Unknown()))
+
+
+@pytest.mark.parametrize("kind", get_args(Kind))
+def test_every_kind_states_the_facts_of_kinds(kind: type) -> None:
+    assert [name for name in FACTS_OF_KINDS if not hasattr(kind, name)] == []
 
 
 LEVEL = Column("level", 0, 8, kind=cast("Any", "unknown"))

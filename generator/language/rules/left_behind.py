@@ -177,7 +177,8 @@ def _list_starts(order_code: WrittenOrderCode) -> list[str]:
         return [re.escape(start)] if len(start) >= _SHORTEST_START else []
     first_part = by_name(order_code.parts).get(rest.partition("}")[0])
     labels = list(first_part.values) if first_part is not None else []
-    if not labels or any(len(label) < _SHORTEST_START or not label[0].isalpha() for label in labels):
+    too_general_labels = [label for label in labels if len(label) < _SHORTEST_START or not label[0].isalpha()]
+    if not labels or too_general_labels:
         return []
     expressions = {re.escape(label) for label in labels}
     common_start = _common_start(labels)

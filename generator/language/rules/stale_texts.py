@@ -218,16 +218,13 @@ def check_alarm_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
     capital_names = {name for name in names if _NAMED_ERROR.fullmatch(name)}
     if not capital_names:
         return
-    printed_names = [
-        str(text) for path, text in leaves_of(spec.data, report) if path[-1] in ("printed_name", "title", "signal")
-    ]
-    known_words = {word for name in printed_names for word in re.findall(r"[A-Z]{2,}", name)}
+    known_words: set[str] = set()  # The words in capitals of all printed names.
     for path, text in leaves_of(spec.data, report):
-        if (
-            not isinstance(text, str)
-            or path[0] in _ELSEWHERE
-            or path[-1] not in _TEXTS | {"when_active", "when_inactive"}
-        ):
+        if path[-1] in ("printed_name", "title", "signal"):
+            known_words.update(re.findall(r"[A-Z]{2,}", str(text)))
+    checked_keys = _TEXTS | {"when_active", "when_inactive"}
+    for path, text in leaves_of(spec.data, report):
+        if not isinstance(text, str) or path[0] in _ELSEWHERE or path[-1] not in checked_keys:
             continue
         for match in _NAMED_ERROR.finditer(text):
             if match[1] not in known_words:

@@ -123,18 +123,22 @@ def check_wait_at_end(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         steps = procedure.steps
         if len(steps) < 2 or (steps[-2].do, steps[-1].do) != ("wait", "write"):
             continue
-        # Without a step before the wait, the wait itself is used. It has no register, so it needs no wait.
-        earlier_register, last_register = (
-            registers.get(step.register) for step in (steps[-3] if len(steps) > 2 else steps[-2], steps[-1])
-        )
-        needed_ms = last_register.wait_at_least_ms if last_register is not None else None
-        earlier_ms = earlier_register.wait_at_least_ms if earlier_register is not None else None
-        if needed_ms is not None and earlier_ms is None and steps[-2].at_least_ms == needed_ms:
+        wait, last_write = steps[-2:]
+        needed_ms = _needed_wait(last_write, registers)
+        step_before_wait = steps[-3] if len(steps) > 2 else None
+        is_for_step_before = step_before_wait is not None and _needed_wait(step_before_wait, registers) is not None
+        if needed_ms is not None and not is_for_step_before and wait.at_least_ms == needed_ms:
             message = (
-                f"{quoted(steps[-1].register)} needs a wait of {needed_ms} ms after a write, and the procedure waits"
+                f"{quoted(last_write.register)} needs a wait of {needed_ms} ms after a write, and the procedure waits"
                 " before it; move the wait behind this step, or add another one"
             )
-            report.add("wait-too-short", steps[-1].path, message, cause=steps[-1].register)
+            report.add("wait-too-short", last_write.path, message, cause=last_write.register)
+
+
+def _needed_wait(step: WrittenStep, registers: Mapping[str, WrittenRegister]) -> int | None:
+    """Return the wait in ms that the register of a step needs after a write, or None if it needs none."""
+    register = registers.get(step.register)
+    return register.wait_at_least_ms if register is not None else None
 
 
 def check_intervals(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -189,7 +193,8 @@ def check_polled_levels(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
             stated_level = _LEVEL_OF_STEP.match(step.meaning)
             if step.do != "poll" or stated_level is None or step.until not in (0, 1):
                 continue
-            expected_level = int(stated_level[1]) if stated_level[2] == "when" else 1 - int(stated_level[1])
+            level = int(stated_level[1])
+            expected_level = level if stated_level[2] == "when" else 1 - level
             if step.until != expected_level:
                 message = (
                     f"the meaning says {quoted(stated_level[0])}, but 'until' is {step.until}; one of the two is wrong"

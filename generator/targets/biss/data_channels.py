@@ -14,10 +14,10 @@ from functools import lru_cache
 from markupsafe import Markup, escape
 
 from ...dump.xml import clean
-from ...model import Biss, Crc, Device, Field, Layout, Variant
+from ...model import Biss, Crc, Device, Field, Layout, Variant, assert_never
 from ...model.record import dataclass
 from ...order_codes.parameters import run_time_widths
-from ...plan.values import Active, meaning_of
+from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...say import order_code as say_order_code
 from ...say.errata import errata, erratum
 from ...say.layout import crc_parameters
@@ -228,8 +228,10 @@ def _active_level(status: Field) -> str:
     match meaning_of(status):
         case Active(low):
             return "active low" if low else "active high"
-        case _:
+        case Raw() | TwosComplement() | ZeroMeans() | Named() | DigitRuns() | Characters():
             return "not used, always 1"
+        case meaning:
+            assert_never(meaning)
 
 
 def _lengths_by_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
