@@ -109,21 +109,28 @@ def _cable_at(document: Document, path: Path) -> Iterator[_Cable]:
 
 def _compare_wires(cables: Sequence[_Cable], report: Report) -> None:
     """Report each cable with other wires than the first one of its group, unless an erratum affects its contacts."""
-    for cable in cables[1:]:
-        names = [str(either.document.data["connectors"][either.path[-1]]["name"]) for either in (cables[0], cable)]
-        is_explained = any(
-            explained(either.document, "connectors", name, "contacts")
-            for either, name in zip((cables[0], cable), names, strict=True)
-        )
-        different_wires = sorted(cable.wires ^ cables[0].wires)
-        if different_wires and not is_explained:
-            line_number, _ = cables[0].document.position(cables[0].path)
+    if not cables:
+        return
+    first_cable, *other_cables = cables
+    for cable in other_cables:
+        different_wires = sorted(cable.wires ^ first_cable.wires)
+        if different_wires and not _has_erratum(first_cable) and not _has_erratum(cable):
+            line_number, _ = first_cable.document.position(first_cable.path)
             message = (
-                f"only one of this cable and that in {PurePath(cables[0].document.file).name}:{line_number} has"
+                f"only one of this cable and that in {PurePath(first_cable.document.file).name}:{line_number} has"
                 f" {quoted(different_wires[0])}; according to the manufacturer's file, the two are alike. If they are"
-                f" not, add an erratum that affects connectors.{names[1]}.contacts"
+                f" not, add an erratum that affects connectors.{_name_of_cable(cable)}.contacts"
             )
             report.add("not-alike", cable.document, (*cable.path, "contacts"), message)
+
+
+def _has_erratum(cable: _Cable) -> bool:
+    """Return True if an erratum affects the contacts of a cable."""
+    return explained(cable.document, "connectors", _name_of_cable(cable), "contacts")
+
+
+def _name_of_cable(cable: _Cable) -> str:
+    return str(cable.document.data["connectors"][cable.path[-1]]["name"])
 
 
 def _compare_connector(contacts_by_line: dict[_Line, _Contact], document: Document, path: Path, report: Report) -> None:

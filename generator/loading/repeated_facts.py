@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import count
 from pathlib import PurePath
 
 from ..language.document import Document, Path
@@ -69,15 +70,13 @@ def _report_different_facts(
             facts_by_key.setdefault(key, []).append((document, fact))
     for key, facts in facts_by_key.items():
         affected_place = (section, part_name, *key)
-        fact_counts = Counter(text for _, (_, text) in facts)
-        # ``max`` returns the first of several maxima, and files are in order.
-        common_document, (common_path, common_text) = max(facts, key=lambda fact: fact_counts[fact[1][1]])
+        (common_text, _), *_ = Counter(text for _, (_, text) in facts).most_common(1)
+        facts_in_common = [fact for fact in facts if fact[1][1] == common_text]
+        common_document, (common_path, _) = facts_in_common[0]
+        if explained(common_document, *affected_place):
+            continue
         for document, (path, text) in facts:
-            if (
-                text == common_text
-                or explained(document, *affected_place)
-                or explained(common_document, *affected_place)
-            ):
+            if text == common_text or explained(document, *affected_place):
                 continue
             line = common_document.position((section, part_name, *common_path))[0]
             message = (
@@ -177,11 +176,14 @@ def _check_preset(device: Device, register: Register, path: Path, report: Docume
         return
     for variant in device.variants_over(register.interface):
         measurement = device.measurement_of(variant.interface)
-        counts_expression = (measurement.counts_per_turn or measurement.modulus) if measurement is not None else None
-        if measurement is None or counts_expression is None:
+        if measurement is None:
+            continue
+        counts_expression = measurement.counts_per_turn or measurement.modulus
+        if counts_expression is None:
             continue
         number_of_positions = counts_expression.value(variant.parameters)
-        number_of_positions *= measurement.turns.value(variant.parameters) if measurement.turns is not None else 1
+        if measurement.turns is not None:
+            number_of_positions *= measurement.turns.value(variant.parameters)
         highest = register.max.value(variant.parameters)
         if highest >= number_of_positions > 1:
             message = (
@@ -225,14 +227,17 @@ def _check_biss_id(device: Device, report: DocumentReport) -> None:
         if register.bank is not None:
             continue
         number, mask = _documented_bits(register, variants[0])
-        byte_values, byte_masks = (
-            number_to_bytes(register.layout, bits, 8 * register.length) for bits in (number, mask)
-        )
-        # Each byte with the mask of its documented bits, by its address.
-        id_bytes = dict(enumerate(zip(byte_values, byte_masks, strict=True), register.address))
-        id_bytes = {address: pair for address, pair in id_bytes.items() if address in _BISS_ID}
-        if any((byte ^ (biss_id >> _BISS_ID[address])) & byte_mask for address, (byte, byte_mask) in id_bytes.items()):
-            bytes_text = ", ".join(f"{byte:02X}" for byte, _ in id_bytes.values())
+        bytes_of_register = number_to_bytes(register.layout, number, 8 * register.length)
+        masks_of_bytes = number_to_bytes(register.layout, mask, 8 * register.length)
+        id_bytes: list[int] = []
+        differs = False
+        for address, byte, byte_mask in zip(count(register.address), bytes_of_register, masks_of_bytes, strict=False):
+            if address in _BISS_ID:
+                id_bytes.append(byte)
+                # Only documented bits count.
+                differs = differs or bool((byte ^ _byte_of_biss_id(biss_id, address)) & byte_mask)
+        if differs:
+            bytes_text = ", ".join(f"{byte:02X}" for byte in id_bytes)
             message = (
                 f"'{register.name}' equals {bytes_text} at 7Eh and 7Fh, but 'biss_id' in the manufacturer file is"
                 f" {biss_id:#06x}; one of the two is wrong"
@@ -265,13 +270,19 @@ def _check_read_biss_id(device: Device, identity: int, report: DocumentReport) -
             continue
         addressed_bytes = enumerate(example.bytes, register.address)
         id_bytes = {address: byte for address, byte in addressed_bytes if address in _BISS_ID}
-        if any(byte ^ ((identity >> _BISS_ID[address]) & 0xFF) for address, byte in id_bytes.items()):
+        expected_bytes = {address: _byte_of_biss_id(identity, address) for address in id_bytes}
+        if id_bytes != expected_bytes:
             bytes_text = ", ".join(f"{byte:02X}" for byte in id_bytes.values())
-            text = (
+            message = (
                 f"'{example.name}' has {bytes_text} at 7Eh and 7Fh, but 'biss_id' in the manufacturer file is"
                 f" {identity:#06x}; one of the two is wrong"
             )
-            report.add("biss-id-mismatch", ("examples", example.name), text)
+            report.add("biss-id-mismatch", ("examples", example.name), message)
+
+
+def _byte_of_biss_id(biss_id: int, address: int) -> int:
+    """Return the byte of the manufacturer ID at one of its addresses."""
+    return (biss_id >> _BISS_ID[address]) & 0xFF
 
 
 def _check_meanings(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
@@ -291,9 +302,10 @@ def _check_meanings(raw_spec: Raw, device: Device, report: DocumentReport) -> No
             if not named_counts or not (value or {}).get("sets"):
                 continue
             variants_of_value = [variant for variant in variants if variant.parts.get(part["name"]) == text_of_value]
-            if variants_of_value and all(
-                named_counts.isdisjoint(_numbers_of_code(device, variant)) for variant in variants_of_value
-            ):
+            numbers_of_codes: set[int] = set()
+            for variant in variants_of_value:
+                numbers_of_codes |= _numbers_of_code(device, variant)
+            if variants_of_value and named_counts.isdisjoint(numbers_of_codes):
                 settings = ", ".join(f"{name} = {number}" for name, number in value["sets"].items())
                 first_count = next(number for number in numbers if number >= _LEAST)
                 message = (

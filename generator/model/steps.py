@@ -125,11 +125,13 @@ def steps_of(characteristic_value: str) -> tuple[str, ...]:
     """Return the text before the first step, then each step. Without steps numbered from one, return only the value."""
     numbers = list(_NUMBER.finditer(characteristic_value))
     # Numbers that do not count from 1 are not those of steps.
-    if [int(match[1]) for match in numbers] != list(range(1, len(numbers) + 1)):
+    if not numbers or [int(match[1]) for match in numbers] != list(range(1, len(numbers) + 1)):
         return (characteristic_value,)
+    texts = [characteristic_value[: numbers[0].start()].strip()]
     ends_of_steps = [*(match.start() for match in numbers[1:]), len(characteristic_value)]
-    steps = (characteristic_value[match.end() : end].strip() for match, end in zip(numbers, ends_of_steps, strict=True))
-    return (characteristic_value[: numbers[0].start()].strip(), *steps) if numbers else (characteristic_value,)
+    for number, end in zip(numbers, ends_of_steps, strict=True):
+        texts.append(characteristic_value[number.end() : end].strip())
+    return tuple(texts)
 
 
 def has_steps(characteristic_value: str) -> bool:

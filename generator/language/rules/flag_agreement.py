@@ -221,14 +221,16 @@ def check_read_only_registers(spec: WrittenSpec, as_read: WrittenSpec, report: D
     written_names = {step.register for procedure in spec.procedures for step in procedure.steps if step.do == "write"}
     flag_registers = {alarm.part.register for alarm in spec.alarms} | set(_explaining_registers(spec))
     for register in spec.registers:
+        if register.access != "read_write":
+            continue
         has_values = any(field.values for field in register.fields)
         is_used = has_values or register.name in written_names or register.has(*_KEYS_OF_WRITABLE)
-        is_reported = register.name in flag_registers or any(field.explained_by for field in register.fields)
-        is_reported = is_reported and all(map(_is_flag_or_fixed, register.fields))
-        content_text = "flags of alarms" if is_reported else "the position"
+        is_explained = _mentions_word(register.meaning, "writ") or _mentions_word(register.note, "writ")
+        has_flag_of_alarm = register.name in flag_registers or any(field.explained_by for field in register.fields)
+        has_only_flags = has_flag_of_alarm and all(map(_is_flag_or_fixed, register.fields))
         has_position = register.name in position_names(spec, interface_of(register))
-        is_explained = any(_mentions_word(text, "writ") for text in (register.meaning, register.note))
-        if register.access == "read_write" and (is_reported or has_position) and not (is_used or is_explained):
+        if (has_only_flags or has_position) and not is_used and not is_explained:
+            content_text = "flags of alarms" if has_only_flags else "the position"
             message = (
                 f"{quoted(register.name)} has {content_text}, and nothing says what to write there; write 'access:"
                 " read_only', or say in a 'note' what can be written"

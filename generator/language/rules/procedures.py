@@ -49,14 +49,18 @@ def check_step_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
 
 def _check_repeated(step: WrittenStep, report: DocumentReport) -> None:
     """Check that a step that sends one request has no conditions between requests. Without ``times``, it sends one."""
-    conditions = ["in_succession"] if step.in_succession else []
-    conditions += ["every_at_least_us"] if step.every_at_least_us else []
-    times = 1 if step.times is None else step.times
-    if step.do == "send" and conditions and times == 1:
-        request_count = "has no 'times'" if step.times is None else "sends one"
-        key = quoted(conditions[0])
-        problem = f"{key} applies to several requests, but the step {request_count}; add 'times', or remove {key}"
-        report.add("step-shape", step.place_of(conditions[0]), problem, at_key=True)
+    if step.do != "send" or step.times not in (None, 1):
+        return
+    request_count = "has no 'times'" if step.times is None else "sends one"
+    for condition, is_given in (
+        ("in_succession", step.in_succession),
+        ("every_at_least_us", step.every_at_least_us),
+    ):
+        if is_given:
+            key = quoted(condition)
+            problem = f"{key} applies to several requests, but the step {request_count}; add 'times', or remove {key}"
+            report.add("step-shape", step.place_of(condition), problem, at_key=True)
+            return
 
 
 def check_step_access(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:

@@ -141,8 +141,10 @@ def check_address_tables(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
             hex_digits = [match[1] for match in map(_HEX_CELL.fullmatch, cells) if match is not None]
             if len(hex_digits) != 2:
                 continue
-            path = (*table.path, "rows", row_index, address_columns[0])
-            if len(hex_digits[0]) != len(hex_digits[1]) or int(hex_digits[0], 16) > int(hex_digits[1], 16):
+            first, last = hex_digits
+            is_range = len(first) == len(last) and int(first, 16) <= int(last, 16)
+            if not is_range:
+                path = (*table.path, "rows", row_index, address_columns[0])
                 message = f"{cells[0]} to {cells[1]} is not a range of addresses; correct one of the two"
                 report.add("table-shape", path, message)
 

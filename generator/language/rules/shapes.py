@@ -288,8 +288,11 @@ def _is_one_byte(layout: WrittenLayout, as_read: WrittenSpec) -> bool:
     field = layout.fields[0]
     group = by_name(as_read.field_groups).get(field.use)
     crc = by_part_name(as_read.crcs).get(field.crc)
-    width = (group.bits if group is not None else 0) or (crc.part.width if crc is not None else 0)
-    return (width or field.padded_to or constant_width(field)) == 8
+    if group is not None and group.bits:
+        return group.bits == 8
+    if crc is not None and crc.part.width:
+        return crc.part.width == 8
+    return (field.padded_to or constant_width(field)) == 8
 
 
 def _top_bit(field: WrittenField) -> int:

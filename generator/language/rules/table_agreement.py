@@ -108,12 +108,14 @@ def check_order_codes_in_tables(spec: WrittenSpec, as_read: WrittenSpec, report:
         return
     for table in spec.tables:
         headings = [heading.casefold() for heading in table.part.columns]
-        column = headings.index("order code") if "order code" in headings else len(headings)
+        if "order code" not in headings:
+            continue
+        column = headings.index("order code")
         for index, row in enumerate(table.part.rows):
             codes = re.findall(r"\S+-\.\.\.", row[column]) if column < len(row) else []
-            problem = next(filter(None, (_wrong_code(code, start, spec) for code in codes)), "")
-            if problem:
-                report.add("table-arithmetic", (*table.path, "rows", index, column), f"{problem}; correct it")
+            problems = [problem for code in codes if (problem := _wrong_code(code, start, spec))]
+            if problems:
+                report.add("table-arithmetic", (*table.path, "rows", index, column), f"{problems[0]}; correct it")
 
 
 def _wrong_code(code: str, start: str, spec: WrittenSpec) -> str:
