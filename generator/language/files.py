@@ -163,8 +163,8 @@ class _Search:
             self.files.append(path)
 
 
-def _belongs_to_spec(name: str) -> bool:
-    return is_second(name) or is_word_sheet(name)
+def _belongs_to_spec(file_name: str) -> bool:
+    return is_second(file_name) or is_word_sheet(file_name)
 
 
 def _is_folder_entry(folder_entry: os.DirEntry[str]) -> bool:

@@ -196,9 +196,9 @@ def _key_hint(error: Any, path: Path, key: str) -> str:
     return key_hint(key, error.instance[key], known_keys)
 
 
-def _suggest_key(error: Any, key: str) -> str:
+def _suggest_key(error: Any, unknown_key: str) -> str:
     """Return the known keys, or the most similar one, as a hint after an unknown key."""
-    return suggestion(key, error.schema["properties"], "known keys")
+    return suggestion(unknown_key, error.schema["properties"], "known keys")
 
 
 def _missing_keys(error: Any, path: Path, file_kind: str) -> Iterator[Finding]:

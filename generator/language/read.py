@@ -81,12 +81,12 @@ class _Value:
 
 
 def parse(
-    text: str, complain: Callable[[Unreadable], None], stand_in: Callable[[Path], None]
+    yaml_text: str, complain: Callable[[Unreadable], None], stand_in: Callable[[Path], None]
 ) -> tuple[dict[str, Any], Mark]:
     """Parse a YAML text and return its data and marks.
 
     Args:
-        text: The text, without characters that YAML forbids.
+        yaml_text: The text, without characters that YAML forbids.
         complain: Called with each error that does not prevent reading the rest, such as a duplicate key.
         stand_in: Called with the path of each value that could not be read and was replaced by None.
 
@@ -94,9 +94,9 @@ def parse(
         Unreadable: Nothing can be read: broken syntax, too deep, too many values, several documents, not a map.
     """
     try:
-        return _Parser(text, complain, stand_in).document()
+        return _Parser(yaml_text, complain, stand_in).document()
     except yaml.MarkedYAMLError as error:
-        raise Unreadable(rule="yaml-syntax", **explain(error, text)._asdict()) from None
+        raise Unreadable(rule="yaml-syntax", **explain(error, yaml_text)._asdict()) from None
     except yaml.YAMLError as error:
         raise Unreadable(1, 1, "yaml-syntax", f"not valid YAML: {str(error).splitlines()[0]}") from None
 
@@ -269,20 +269,20 @@ class _Parser:
             self._report(event, "tag", f"the tag {quoted(_short_tag(event.tag))} is not supported; remove it")
 
 
-def _resolve_scalar(text: str) -> str | int | float | bool | None:
+def _resolve_scalar(scalar_text: str) -> str | int | float | bool | None:
     """Return the value of an unquoted scalar by the core schema of YAML 1.2."""
-    if text in _NULL:
+    if scalar_text in _NULL:
         return None
-    if text in _BOOLEAN:
-        return _BOOLEAN[text]
-    if _INTEGER.fullmatch(text):
-        if text.startswith(("0x", "0o")):
-            return int(text[2:], 16 if text[1] == "x" else 8)
-        return int(text)
-    if _FLOAT.fullmatch(text):
-        return float(text)
+    if scalar_text in _BOOLEAN:
+        return _BOOLEAN[scalar_text]
+    if _INTEGER.fullmatch(scalar_text):
+        if scalar_text.startswith(("0x", "0o")):
+            return int(scalar_text[2:], 16 if scalar_text[1] == "x" else 8)
+        return int(scalar_text)
+    if _FLOAT.fullmatch(scalar_text):
+        return float(scalar_text)
     # Python writes infinities and NaN without the point.
-    return float(text.replace(".", "")) if _SPECIAL_FLOAT.fullmatch(text) else text
+    return float(scalar_text.replace(".", "")) if _SPECIAL_FLOAT.fullmatch(scalar_text) else scalar_text
 
 
 def _is_text(scalar: str) -> bool:
@@ -329,19 +329,19 @@ def read_document(path: pathlib.Path, report: Report, shown_as: str | None = Non
     return None
 
 
-def document_of_text(file: str, text: str, report: Report) -> Document | None:
+def document_of_text(file: str, yaml_text: str, report: Report) -> Document | None:
     """Parse a text without forbidden characters as if a file with that name contained it, like ``read_document``."""
     report.files.append(file)
-    return _parsed_document(file, text, tuple(LINE_BREAK.split(text)), report)
+    return _parsed_document(file, yaml_text, tuple(LINE_BREAK.split(yaml_text)), report)
 
 
-def _parsed_document(file: str, text: str, lines: tuple[str, ...], report: Report) -> Document | None:
+def _parsed_document(file: str, yaml_text: str, lines: tuple[str, ...], report: Report) -> Document | None:
     """Return the document of a text, with the places of errors, or None if nothing can be used. Report its errors."""
     errors: list[Unreadable] = []
     broken_places: list[Path] = []
     data_and_marks = None
     try:
-        data_and_marks = parse(text, errors.append, broken_places.append)
+        data_and_marks = parse(yaml_text, errors.append, broken_places.append)
     except Unreadable as last_error:
         errors.append(last_error)
     for error in errors:

@@ -33,12 +33,12 @@ class YamlMistake(NamedTuple):
     message: str
 
 
-def explain(error: yaml.MarkedYAMLError, text: str) -> YamlMistake:
+def explain(error: yaml.MarkedYAMLError, yaml_text: str) -> YamlMistake:
     """Return the likely mistake behind an error of the parser.
 
     The parser's ``problem_mark`` is where it stopped, and its ``context_mark`` where the open value begins.
     """
-    lines = _LINE_BREAK.split(text)
+    lines = _LINE_BREAK.split(yaml_text)
     problem = error.problem or "not understood"
     context = error.context or ""
     opened: Any = error.context_mark
@@ -52,7 +52,7 @@ def explain(error: yaml.MarkedYAMLError, text: str) -> YamlMistake:
     if opened is not None and "quoted scalar" in context and "end of stream" in problem:
         return _mistake_at(opened, "the quote that opens here is never closed; close it on this line")
     # An earlier quote may have closed too late, so that the error is only a consequence.
-    quote = _last_quoted(text, stopped)
+    quote = _last_quoted(yaml_text, stopped)
     if quote is not None:
         return _mistake_at(quote.start_mark, _about_quote(quote))
     if opened is not None and "flow" in context and "expected ','" in problem:
@@ -102,7 +102,7 @@ def _missing_colon(character: str) -> str:
     return "a key has no colon, or the text of a value continues without indentation"
 
 
-def _last_quoted(text: str, stopped: Any) -> Any:
+def _last_quoted(yaml_text: str, stopped: Any) -> Any:
     """Return the token of the quoted text before the error if it may be the cause, otherwise None.
 
     It must end on the line where the parser stopped, and span several lines or end exactly there. ``stopped`` is the
@@ -110,7 +110,7 @@ def _last_quoted(text: str, stopped: Any) -> Any:
     """
     last = None
     try:
-        for token in yaml.scan(text, Loader=_LOADER):
+        for token in yaml.scan(yaml_text, Loader=_LOADER):
             if stopped is None or (token.start_mark.line, token.start_mark.column) >= (stopped.line, stopped.column):
                 break
             is_quoted = isinstance(token, yaml.ScalarToken) and token.style in ("'", '"')
@@ -253,7 +253,7 @@ class CorrectedEvents:
             self._ahead.append(next(self._events, None))
         return self._ahead[index]
 
-    def _insert_item_end(self, key: Any, container: _Container) -> Iterator[Any]:
+    def _insert_item_end(self, key_event: Any, container: _Container) -> Iterator[Any]:
         """Yield the end of the item and the start of the next if its keys repeat, beginning with the first one.
 
         Two keys in a row must repeat: then a dash is missing. A single duplicate key is reported elsewhere.
@@ -261,16 +261,17 @@ class CorrectedEvents:
         if not container.in_list or container.flow or len(container.keys) < 2:
             return
         first_key = next(iter(container.keys))
-        if key.value != first_key or self._key_after_next() not in container.keys:
+        if key_event.value != first_key or self._key_after_next() not in container.keys:
             return
+        first_line = container.keys[key_event.value]
         message = (
-            f"this item has a key twice: {quoted(key.value)} is already on line {container.keys[key.value]}; "
+            f"this item has a key twice: {quoted(key_event.value)} is already on line {first_line}; "
             "put '-' before it if a new item begins here"
         )
-        self._complain(key, "duplicate-key", message)
+        self._complain(key_event, "duplicate-key", message)
         container.keys.clear()
-        yield yaml.MappingEndEvent(key.start_mark, key.start_mark)
-        yield yaml.MappingStartEvent(None, None, True, key.start_mark, key.start_mark, flow_style=False)
+        yield yaml.MappingEndEvent(key_event.start_mark, key_event.start_mark)
+        yield yaml.MappingStartEvent(None, None, True, key_event.start_mark, key_event.start_mark, flow_style=False)
 
     def _key_after_next(self) -> str | None:
         """Return the key after the next value, or None if the map ends there or the value is too long."""
@@ -290,38 +291,38 @@ class CorrectedEvents:
                 return key.value if isinstance(key, yaml.ScalarEvent) else None
         return None
 
-    def _skip_text_after_comma(self, value: Any) -> None:
+    def _skip_text_after_comma(self, value_event: Any) -> None:
         """Skip the text after a comma in an unquoted text or number in {...}, which would be a key without a value.
 
         ``{meaning: low, or off}`` becomes ``low``. Groups of three digits, as in ``1,000``, are appended to a number.
         """
-        if value.style or value.tag or value.anchor:
+        if value_event.style or value_event.tag or value_event.anchor:
             return
         first_skipped = None
-        is_number = _DIGITS.fullmatch(value.value) is not None
+        is_number = _DIGITS.fullmatch(value_event.value) is not None
         while self._is_key_without_colon(self._peek_event(0), self._peek_event(1)):
             text_after_comma = self._peek_event(0)
             if is_number and _THOUSANDS.fullmatch(text_after_comma.value):
-                value.value += text_after_comma.value
-            elif is_number or not self._is_text(value.value):
+                value_event.value += text_after_comma.value
+            elif is_number or not self._is_text(value_event.value):
                 break  # As in {12: , 16}, where keys may come alone.
             if first_skipped is None:
                 first_skipped = text_after_comma
             self._take_event()  # The key without a colon.
             self._take_event()  # Its empty value.
         if first_skipped is not None:
-            number = value.value if is_number else None
+            number = value_event.value if is_number else None
             self._complain(first_skipped, "yaml-syntax", _about_comma(first_skipped, number))
 
-    def _is_key_without_colon(self, key: Any, value: Any) -> bool:
+    def _is_key_without_colon(self, key_event: Any, value_event: Any) -> bool:
         """Return True if two events are an unquoted key, after which there is no colon, and its empty value."""
-        if not isinstance(key, yaml.ScalarEvent) or not isinstance(value, yaml.ScalarEvent):
+        if not isinstance(key_event, yaml.ScalarEvent) or not isinstance(value_event, yaml.ScalarEvent):
             return False
-        if key.style or value.style or value.value:
+        if key_event.style or value_event.style or value_event.value:
             return False
-        key_end: Any = key.end_mark
+        key_end: Any = key_event.end_mark
         text_after = self._lines[key_end.line][key_end.column :]
-        return key.value != "" and not text_after.lstrip().startswith(":")
+        return key_event.value != "" and not text_after.lstrip().startswith(":")
 
 
 def _line_of_event(event: Any) -> int:

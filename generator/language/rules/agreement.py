@@ -92,14 +92,14 @@ def _compare_with_contents(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
             report.add("misspelt-name", path, message)
 
 
-def _misspells(name: str, correct_name: str) -> bool:
+def _misspells(printed_name: str, correct_name: str) -> bool:
     """Return True if two names differ in one word, which has a typo of the other name's word.
 
     A word that is short in the correct name, or differs only in a plural s, is not counted as misspelt.
     """
-    if abs(len(name) - len(correct_name)) > 1:
+    if abs(len(printed_name) - len(correct_name)) > 1:
         return False
-    words, correct_words = name.casefold().split(), correct_name.casefold().split()
+    words, correct_words = printed_name.casefold().split(), correct_name.casefold().split()
     if len(words) != len(correct_words):
         return False
     word_pairs = zip(words, correct_words, strict=True)
@@ -234,9 +234,9 @@ def _bits_at(at: int | str | None) -> range:
     return range(int(low or high), int(high) + 1)
 
 
-def _unused_bits_in(text: str) -> Iterator[int]:
+def _unused_bits_in(field_text: str) -> Iterator[int]:
     """Yield the bits that a text calls unused, such as 7, 6 and 2 in ``bits 7:6 and 2 are not used``."""
-    for match in _UNUSED.finditer(text):
+    for match in _UNUSED.finditer(field_text):
         for high, low in re.findall(r"(\d{1,3})(?::(\d{1,3}))?", match[1]):
             yield from range(int(low or high), int(high) + 1)
 
@@ -308,9 +308,9 @@ def check_repeated_requests(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
                     report.add("quantity-repeated", (*procedure.path, *text_path), message)
 
 
-def _number_of(text: str) -> int:
+def _number_of(cell_text: str) -> int:
     """Return a number in digits, or in words from two to twelve."""
-    return int(text) if text.isdigit() else _NUMBERS.index(text.casefold()) + 2
+    return int(cell_text) if cell_text.isdigit() else _NUMBERS.index(cell_text.casefold()) + 2
 
 
 def check_repeated_tables(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:

@@ -77,9 +77,9 @@ def report_usable_values(field: WrittenField, report: DocumentReport) -> None:
             report.add("error-usable", value.place_of("makes_position"), f"{problem}, {remedy}")
 
 
-def names_error(name: str, printed_name: str) -> bool:
+def names_error(field_name: str, printed_name: str) -> bool:
     """Return True if the name of a flag or value, or its name in the manual, says that it is an error."""
-    texts = (name.replace("_", " "), printed_name)
+    texts = (field_name.replace("_", " "), printed_name)
     return any(_ERROR.search(text) and not _NO_ERROR.search(text) for text in texts)
 
 
@@ -159,9 +159,9 @@ def check_plain_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
                 report.add("plain-bit", field.path, f"{problem}; {remedy}")
 
 
-def _is_fixed(fields: FieldList, name: str) -> bool:
+def _is_fixed(fields: FieldList, field_name: str) -> bool:
     """Return True for a flag that the interface itself defines, such as the error bit of BiSS."""
-    return fields.interface in INTERFACES and name in INTERFACES[fields.interface].flags
+    return fields.interface in INTERFACES and field_name in INTERFACES[fields.interface].flags
 
 
 def _width_of_field(field: WrittenField) -> int | str | None:
@@ -245,18 +245,18 @@ def check_named_gray_code(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
                 report.add("output-code", value.place_of("meaning"), message)
 
 
-def _names_gray(value: WrittenCodeValue) -> bool:
+def _names_gray(code_value: WrittenCodeValue) -> bool:
     """Return True if the meaning of an order code value names Gray code, and not binary code too.
 
     If the value selects no interface, "Gray" alone may be a colour.
     """
-    gray = _GRAY if value.interface else _GRAY_CODE
-    return gray.search(value.meaning) is not None and _BINARY.search(value.meaning) is None
+    gray = _GRAY if code_value.interface else _GRAY_CODE
+    return gray.search(code_value.meaning) is not None and _BINARY.search(code_value.meaning) is None
 
 
-def _with_position(spec: WrittenSpec, as_read: WrittenSpec, kind: str) -> list[FieldList]:
+def _with_position(spec: WrittenSpec, as_read: WrittenSpec, interface_name: str) -> list[FieldList]:
     """Return the layouts of the encoder that contain the position, or all of its layouts if none is known to do so."""
-    sent_layouts = [frame for frame in layouts(spec) if frame.interface == kind and frame.is_from_encoder]
+    sent_layouts = [frame for frame in layouts(spec) if frame.interface == interface_name and frame.is_from_encoder]
     with_position = [frame for frame in sent_layouts if _find_position(frame, spec, as_read) != _UNKNOWN_POSITION]
     return with_position or sent_layouts
 
@@ -270,7 +270,7 @@ def _find_position(fields: FieldList, spec: WrittenSpec, as_read: WrittenSpec) -
     return _UNKNOWN_POSITION
 
 
-def _numbers_set(spec: WrittenSpec, kind: str, parameter: str) -> set[int]:
+def _numbers_set(spec: WrittenSpec, interface_name: str, parameter: str) -> set[int]:
     """Return the numbers to which the order codes of an interface set a parameter.
 
     A value that selects no interface applies to all of them.
@@ -278,6 +278,6 @@ def _numbers_set(spec: WrittenSpec, kind: str, parameter: str) -> set[int]:
     set_numbers: set[int] = set()
     for part in spec.order_code.parts:
         for value in part.values.values():
-            if (value.interface or kind) == kind and parameter in value.sets:
+            if (value.interface or interface_name) == interface_name and parameter in value.sets:
                 set_numbers.add(value.sets[parameter])
     return set_numbers

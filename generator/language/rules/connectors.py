@@ -74,11 +74,11 @@ class _Connector:
         words = re.escape(_normalise_signal(signal))
         return re.search(rf"(?<![\w/]){words}(?![\w+-])", note) is not None
 
-    def shares_interface(self, other: _Connector) -> bool:
+    def shares_interface(self, other_connector: _Connector) -> bool:
         """Return True if two connectors or cables have an interface in common. Without any, one is for all of them."""
-        if not self.part.interfaces or not other.part.interfaces:
+        if not self.part.interfaces or not other_connector.part.interfaces:
             return True
-        return not {*self.part.interfaces}.isdisjoint(other.part.interfaces)
+        return not {*self.part.interfaces}.isdisjoint(other_connector.part.interfaces)
 
 
 def check_repeated_signals(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -191,24 +191,24 @@ def _close_signs(signal: str) -> str:
     return re.sub(r"\s+(?=[+-])", "", " ".join(signal.replace("−", "-").split()))
 
 
-def _yield_names(text: str) -> Iterator[str]:
+def _yield_names(signal_text: str) -> Iterator[str]:
     """Yield the names that a text lists, such as ``MA+`` and ``Clock IN+``."""
-    for name in re.split(r"\s/\s", _close_signs(text)):
+    for name in re.split(r"\s/\s", _close_signs(signal_text)):
         if name.strip():
             yield name.strip()
 
 
-def partner_of(name: str, has_inverted: bool) -> str:
+def partner_of(signal_name: str, has_inverted: bool) -> str:
     """Return the name of the other line of a differential pair, or an empty string.
 
     It is ``MA-`` for ``MA+``, and ``A`` for ``/A``. A single letter is the plain line of a pair if the connector has
     an inverted line.
     """
-    if len(name) > 1 and name[-1] in _SIGNS:
-        return name[:-1] + _SIGNS[name[-1]]
-    if name.startswith("/"):
-        return name[1:]
-    return f"/{name}" if has_inverted and re.fullmatch("[A-Za-z]", name) else ""
+    if len(signal_name) > 1 and signal_name[-1] in _SIGNS:
+        return signal_name[:-1] + _SIGNS[signal_name[-1]]
+    if signal_name.startswith("/"):
+        return signal_name[1:]
+    return f"/{signal_name}" if has_inverted and re.fullmatch("[A-Za-z]", signal_name) else ""
 
 
 def signal_names(signal: str) -> list[str]:

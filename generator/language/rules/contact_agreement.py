@@ -81,8 +81,8 @@ def check_numbered_cables(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
             report.add("contact-kind", (*connector.path, "kind"), message)
 
 
-def _is_case(name: str) -> bool:
-    return name.casefold() in ("case", "housing", "shell") or _SHIELD.fullmatch(name) is not None
+def _is_case(contact_name: str) -> bool:
+    return contact_name.casefold() in ("case", "housing", "shell") or _SHIELD.fullmatch(contact_name) is not None
 
 
 def check_interfaces_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:

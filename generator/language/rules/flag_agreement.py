@@ -130,9 +130,9 @@ def check_cleared_registers(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
             report.add("default-mismatch", register.place_of("default"), message)
 
 
-def _gives_number(text: str, number: int) -> bool:
+def _gives_number(meaning: str, number: int) -> bool:
     """Return True if a text has a number, in decimal or in hexadecimal."""
-    return re.search(rf"\b(?:{number}|{number:02X}h|0x{number:02x})\b", text, re.IGNORECASE) is not None
+    return re.search(rf"\b(?:{number}|{number:02X}h|0x{number:02x})\b", meaning, re.IGNORECASE) is not None
 
 
 def check_summands(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:

@@ -234,26 +234,26 @@ def _split_pattern(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[s
     return pieces
 
 
-def _unknown_label(text: str, pieces: Sequence[tuple[str, re.Pattern[str] | None]]) -> str:
+def _unknown_label(order_code_text: str, pieces: Sequence[tuple[str, re.Pattern[str] | None]]) -> str:
     """Return the first word of a text where a label is expected and none of the part's labels matches.
 
-    ``text`` is the rest of an order code after its start. The result is empty if all labels match, or if the text ends
-    or departs from the pattern before. An open place, such as ``xxx`` or ``...``, matches a part and may also replace
-    the next ones: after it, a part whose literal does not follow is skipped.
+    ``order_code_text`` is the rest of an order code after its start. The result is empty if all labels match, or if the
+    text ends or departs from the pattern before. An open place, such as ``xxx`` or ``...``, matches a part and may also
+    replace the next ones: after it, a part whose literal does not follow is skipped.
     """
     is_left_open = False
     for before, expression in pieces:
-        if _TAIL.fullmatch(text) or expression is None:
+        if _TAIL.fullmatch(order_code_text) or expression is None:
             return ""
-        if not text.startswith(before):
+        if not order_code_text.startswith(before):
             if is_left_open:
                 continue
             return ""
-        rest = text.removeprefix(before)
+        rest = order_code_text.removeprefix(before)
         match = expression.match(rest) or _LEFT_OPEN.match(rest)
         if match is not None:
             is_left_open = rest[0] in "x.…_*"
-            text = rest[match.end() :]
+            order_code_text = rest[match.end() :]
         elif before or not is_left_open:
             return _first_word(rest)
     return ""

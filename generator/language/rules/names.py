@@ -202,21 +202,21 @@ def check_value_clash(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
                     report.add("value-clash", value.place_of("value"), message)
 
 
-def _yield_labels(parts: Sequence[PlacedPart], label: str) -> Iterator[Named]:
+def _yield_labels(placed_parts: Sequence[PlacedPart], label: str) -> Iterator[Named]:
     """Yield the value under the key ``label`` of each part, with its path."""
-    for part in parts:
+    for part in placed_parts:
         yield (*part.path, label), part.data[label]
 
 
-def _names_for_all_codes(parts: Sequence[PlacedPart]) -> Iterator[Named]:
+def _names_for_all_codes(placed_parts: Sequence[PlacedPart]) -> Iterator[Named]:
     """Yield the names of the parts that apply to all order codes. Facts for others are compared by order code."""
-    return _yield_labels([part for part in parts if not part.has("only")], "name")
+    return _yield_labels([part for part in placed_parts if not part.has("only")], "name")
 
 
-def _labels_in(path: Path, key: str, label: str, values: Iterable[str]) -> Iterator[Named]:
-    """Yield the values under the key ``label`` of the items of the list ``key``, each with its path."""
+def _labels_in(path: Path, list_key: str, label: str, values: Iterable[str]) -> Iterator[Named]:
+    """Yield the values under the key ``label`` of the items of the list ``list_key``, each with its path."""
     for index, value in enumerate(values):
-        yield (*path, key, index, label), value
+        yield (*path, list_key, index, label), value
 
 
 def _check_unique(named_values: Iterable[Named], word: str, report: DocumentReport) -> None:

@@ -221,9 +221,9 @@ def check_figures(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepor
             report.add("figure-number", path, message)
 
 
-def _figure_numbers(text: str) -> Iterator[int]:
+def _figure_numbers(figure_text: str) -> Iterator[int]:
     """Yield the numbers of the figures that a text names: 2, 3, 4 and 7 for ``Figures 2 to 4 and 7``."""
-    for listed_numbers in _FIGURES.findall(text):
+    for listed_numbers in _FIGURES.findall(figure_text):
         for numbers in re.split(", | and ", listed_numbers):
             first_text, _, last_text = numbers.partition(" to ")
             first = int(first_text)

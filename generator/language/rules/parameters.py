@@ -135,12 +135,12 @@ def _of_position_range(fields: FieldList) -> _Expressions:
         yield from _expressions_under(fields.layout.position_range, _MEASURED)
 
 
-def _expressions_under(part: PlacedPart, keys: Iterable[str]) -> _Expressions:
+def _expressions_under(owner: PlacedPart, keys: Iterable[str]) -> _Expressions:
     """Yield the expressions under these keys of a part. The schema allows only numbers and texts there."""
     for key in keys:
-        text = part.data.get(key)
+        text = owner.data.get(key)
         if isinstance(text, (int, str)):
-            yield (*part.path, key), text
+            yield (*owner.path, key), text
 
 
 def _of_words(interface: WrittenInterface) -> _Expressions:
@@ -160,9 +160,9 @@ def _of_field(field: WrittenField, path: Path) -> _Expressions:
 _MOST_TERMS = 256
 
 
-def all_parameters(text: object, parameters: Mapping[str, WrittenParameter]) -> Iterator[str]:
+def all_parameters(expression_text: object, parameters: Mapping[str, WrittenParameter]) -> Iterator[str]:
     """Yield the parameters in an expression, and those in the expressions that define them, each once."""
-    factors_to_visit = _list_factors(text)
+    factors_to_visit = _list_factors(expression_text)
     visited_names: set[str] = set()
     # The list grows during the loop: parameters named directly come before those that define them.
     for factor in factors_to_visit:
@@ -173,12 +173,12 @@ def all_parameters(text: object, parameters: Mapping[str, WrittenParameter]) -> 
             factors_to_visit += _list_factors(parameters[name].equals)
 
 
-def _list_factors(text: object) -> list[Factor]:
+def _list_factors(expression_text: object) -> list[Factor]:
     """Return the factors of all terms of an expression, or none if it is not valid."""
-    if not isinstance(text, (int, str)):
+    if not isinstance(expression_text, (int, str)):
         return []
     try:
-        terms = Expression.parse(text).terms
+        terms = Expression.parse(expression_text).terms
     except ExpressionError:  # Reported by the rule on expressions.
         return []
     return [factor for term in terms for factor in term.factors]
@@ -200,14 +200,14 @@ def check_long_sums(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
             report.add("bad-expression", parameter.place_of("equals"), f"{problem}; the limit is {_MOST_TERMS}")
 
 
-def _count_of_terms(name: str, parameters: Mapping[str, WrittenParameter], counts: dict[str, int]) -> int:
+def _count_of_terms(parameter_name: str, parameters: Mapping[str, WrittenParameter], counts: dict[str, int]) -> int:
     """Return the number of terms of a parameter with all definitions inserted, which ``counts`` keeps by name."""
-    if name not in counts:
-        counts[name] = 1  # This ends a cycle, which another rule reports.
-        factors = _list_factors(parameters[name].equals) if name in parameters else []
+    if parameter_name not in counts:
+        counts[parameter_name] = 1  # This ends a cycle, which another rule reports.
+        factors = _list_factors(parameters[parameter_name].equals) if parameter_name in parameters else []
         if factors:
-            counts[name] = sum(_count_of_terms(factor.parameter, parameters, counts) for factor in factors)
-    return counts[name]
+            counts[parameter_name] = sum(_count_of_terms(factor.parameter, parameters, counts) for factor in factors)
+    return counts[parameter_name]
 
 
 def check_parameter_origin(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -387,8 +387,8 @@ def _find_cycle(start: str, definitions: Mapping[str, tuple[str, ...]], settled:
     return []
 
 
-def _parameters_in(text: int | str) -> tuple[str, ...]:
+def _parameters_in(expression_text: int | str) -> tuple[str, ...]:
     try:
-        return Expression.parse(text).parameters
+        return Expression.parse(expression_text).parameters
     except ExpressionError:  # Reported by the rule on expressions.
         return ()

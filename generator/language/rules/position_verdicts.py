@@ -169,7 +169,7 @@ def _check_conditions(
             report.add("undefined-reference", condition_path, problem, at_key=True)
             continue
         field = fields_by_name[field_name]
-        problem = _no_condition(fields, field_name, field)
+        problem = _obstacle_to_combination(fields, field_name, field)
         known_values = _words_of(field)
         if problem:
             report.add("combination", condition_path, problem, at_key=True)
@@ -187,16 +187,17 @@ def _check_conditions(
     return len(report) == problems_before
 
 
-def _no_condition(fields: FieldList, name: str, field: WrittenField) -> str:
+def _obstacle_to_combination(fields: FieldList, field_name: str, field: WrittenField) -> str:
     """Return the reason that a combination cannot contain a field, and the fix. Empty if it can."""
+    name = quoted(field_name)
     if not field.has("active") and not value_names(field):
-        return f"{quoted(name)} is neither a flag nor a field with 'values'; give names to its values with 'values'"
+        return f"{name} is neither a flag nor a field with 'values'; give names to its values with 'values'"
     if field.has("only"):
-        return f"the manual explains {quoted(name)} only for some order codes; a combination applies to all of them"
-    if name in fields.selectors:
-        return f"{quoted(name)} identifies the frame, so it has the same value in all of them; leave it out"
+        return f"the manual explains {name} only for some order codes; a combination applies to all of them"
+    if field_name in fields.selectors:
+        return f"{name} identifies the frame, so it has the same value in all of them; leave it out"
     if constant_width(field) is None:
-        return f"the width of {quoted(name)} depends on the order code; a field in a combination has the same for all"
+        return f"the width of {name} depends on the order code; a field in a combination has the same for all"
     return ""
 
 

@@ -194,9 +194,9 @@ def _compare_writes(
         report.add("writes-mismatch", step.path, "this write is not among the 'printed_writes'")
 
 
-def _printed_write(text: str) -> _Write:
+def _printed_write(write_text: str) -> _Write:
     """Return the write that a text of ``printed_writes`` describes."""
-    match = _WRITE.fullmatch(text)
+    match = _WRITE.fullmatch(write_text)
     assert match is not None  # The schema has the same pattern.
     first, last, bit, value = match.group("first", "last", "bit", "value")
     return _Write(

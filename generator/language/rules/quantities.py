@@ -80,7 +80,7 @@ def check_quantity_text(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
                     report.add("quantity-text", (*characteristic.path, "value"), message)
 
 
-def _check_quantity(quantity: Quantity, text: str, path: Path, report: DocumentReport) -> list[Decimal]:
+def _check_quantity(quantity: Quantity, characteristic_text: str, path: Path, report: DocumentReport) -> list[Decimal]:
     """Check a quantity of a characteristic against its text. Return its bounds, or none if they are invalid.
 
     A bound is a number of the text with the same unit, or one of its numbers plus or minus a tolerance.
@@ -95,7 +95,7 @@ def _check_quantity(quantity: Quantity, text: str, path: Path, report: DocumentR
     if not bounds or bounds_in_order != sorted(bounds_in_order):
         report.add("quantity-text", path, "give 'min', 'typical' or 'max', in ascending order")
         return []
-    possible_numbers = set(_possible_numbers(text, unit))
+    possible_numbers = set(_possible_numbers(characteristic_text, unit))
     for name, number in bounds.items():
         if number not in possible_numbers:
             message = f"the text does not give {number} {unit}; one of the two is wrong"
@@ -109,27 +109,27 @@ def _bounds_of(quantity: Quantity) -> dict[str, float]:
     return {name: number for name, number in bounds.items() if number is not None}
 
 
-def _signed_numbers(text: str, unit: str) -> Iterator[tuple[str, Decimal]]:
+def _signed_numbers(characteristic_text: str, unit: str) -> Iterator[tuple[str, Decimal]]:
     """Yield each number with a unit in a text, with its sign: ``("±", 5)`` and ``("-", 20)``."""
     unit_pattern = _WRITTEN.get(unit, re.escape(unit))
-    for match in re.finditer(rf"{_NUMBER}(?= ?{unit_pattern}(?!\w|/))", text):
+    for match in re.finditer(rf"{_NUMBER}(?= ?{unit_pattern}(?!\w|/))", characteristic_text):
         sign, number = match.group("sign", "number")
         yield sign.replace("−", "-"), Decimal(number.replace(",", ""))
 
 
-def _plain_numbers(text: str, unit: str) -> Iterator[Decimal]:
+def _plain_numbers(characteristic_text: str, unit: str) -> Iterator[Decimal]:
     """Yield each number with a unit that is not a tolerance."""
-    for sign, number in _signed_numbers(text, unit):
+    for sign, number in _signed_numbers(characteristic_text, unit):
         if sign != "±":
             yield -number if sign == "-" else number
 
 
-def _possible_numbers(text: str, unit: str) -> Iterator[Decimal]:
+def _possible_numbers(characteristic_text: str, unit: str) -> Iterator[Decimal]:
     """Yield each number with a unit in a text, and the bounds that its tolerances, in the unit or in percent, give."""
-    plain_numbers = list(_plain_numbers(text, unit))
+    plain_numbers = list(_plain_numbers(characteristic_text, unit))
     yield from plain_numbers
-    tolerances = [number for sign, number in _signed_numbers(text, unit) if sign == "±"]
-    percentages = [number for sign, number in _signed_numbers(text, "%") if sign == "±"]
+    tolerances = [number for sign, number in _signed_numbers(characteristic_text, unit) if sign == "±"]
+    percentages = [number for sign, number in _signed_numbers(characteristic_text, "%") if sign == "±"]
     nominal_numbers = plain_numbers or [Decimal(0)]  # A tolerance alone is about 0.
     for nominal in nominal_numbers:
         relative_tolerances = [nominal * (percentage / 100) for percentage in percentages]
@@ -414,9 +414,9 @@ def _compare_numbers(measured: _Number, printed: _Number, path: Path, report: Do
         report.add("quantity-text", path, message)
 
 
-def _half_digit(number: Decimal | float) -> float:
+def _half_digit(printed_number: Decimal | float) -> float:
     """Return half a unit of the last digit of a number as it is printed: 0.05 for 2.5."""
-    exponent = Decimal(str(number)).as_tuple().exponent
+    exponent = Decimal(str(printed_number)).as_tuple().exponent
     return 0.5 * 10.0**exponent if isinstance(exponent, int) else 0.0
 
 

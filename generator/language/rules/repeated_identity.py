@@ -80,7 +80,7 @@ def check_serial_port(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 
 
 def _compare_with_port(
-    text: str,
+    port_text: str,
     numbers: Mapping[str, tuple[re.Pattern[str], str]],
     rs485: WrittenRs485,
     report: DocumentReport,
@@ -90,7 +90,7 @@ def _compare_with_port(
     ``numbers`` has for each key the pattern of its words and the number or word that is right: ``"1"`` or ``"even"``.
     """
     for key, (pattern, expected) in numbers.items():
-        for word in pattern.findall(text):
+        for word in pattern.findall(port_text):
             if str(_NUMBERS.get(word.casefold(), word.casefold())) != expected:
                 line, _ = report.document.position((*rs485.port.path, key))
                 message = (

@@ -56,9 +56,9 @@ def check_exchanges(
             report.add(rule, exchange.place_of("purpose"), message)
 
 
-def _frame_name(exchange: WrittenRs485Exchange | WrittenSpiExchange, key: str) -> str:
+def _frame_name(exchange: WrittenRs485Exchange | WrittenSpiExchange, frame_key: str) -> str:
     """Return the name of the frame under a key of an exchange: its request or its reply."""
-    return exchange.request if key == "request" else exchange.reply
+    return exchange.request if frame_key == "request" else exchange.reply
 
 
 def _check_layouts(exchanges: Exchanges, layouts: Layouts, report: DocumentReport) -> None:
@@ -285,7 +285,7 @@ def _check_accesses(
 
 def _check_fields(
     accesses: Sequence[WrittenSpiExchange],
-    key: str,
+    frame_key: str,
     needed: tuple[str, ...],
     layouts: Layouts,
     groups: Groups,
@@ -293,29 +293,29 @@ def _check_fields(
 ) -> None:
     """Check that the frames of these exchanges together have the needed fields, and requests no others to decide.
 
-    ``key`` is ``request`` or ``reply``, the frames of the exchanges that are checked. Without exchanges, none is
+    ``frame_key`` is ``request`` or ``reply``, the frames of the exchanges that are checked. Without exchanges, none is
     needed.
     """
     if not accesses:
         return
     field_names_of_frames: set[str] = set()
     for exchange in accesses:
-        layout = layouts.get(_frame_name(exchange, key))
+        layout = layouts.get(_frame_name(exchange, frame_key))
         field_names_of_frames |= field_names(_as_fields(layout), groups).keys() if layout is not None else set()
     missing_names = [field_name for field_name in needed if field_name not in field_names_of_frames]
     if missing_names:
-        frame_name = _frame_name(accesses[0], key)
-        place = accesses[0].place_of(key)
+        frame_name = _frame_name(accesses[0], frame_key)
+        place = accesses[0].place_of(frame_key)
         message = f"{quoted(frame_name)} is for a register, so it needs the field {quoted(missing_names[0])}"
         report.add("spi-exchange", place, message)
-    elif key == "request":
+    elif frame_key == "request":
         for exchange in accesses:
             free_names = _free_fields(layouts.get(exchange.request))
             undecided_names = [field_name for field_name in free_names if field_name not in needed]
             if undecided_names:
                 problem = f"an access to a register gives no value for {quoted(undecided_names[0])}"
                 message = f"{problem} in {quoted(exchange.request)}; use 'constant' or 'unused' there"
-                report.add("spi-exchange", exchange.place_of(key), message)
+                report.add("spi-exchange", exchange.place_of(frame_key), message)
 
 
 def _as_fields(layout: WrittenLayout) -> FieldList:

@@ -135,7 +135,7 @@ def _page_of_section(section: WrittenSection, default: int) -> int:
     return default if section.page is None else section.page
 
 
-def _printed_names(data: object, path: Path) -> tuple[list[str], list[str]]:
+def _printed_names(root: object, path: Path) -> tuple[list[str], list[str]]:
     """Return the printed names of the item with a source, and those of all items around it, the innermost first.
 
     The first list is empty if the innermost map has none. Names are in lower case, for comparison.
@@ -143,7 +143,7 @@ def _printed_names(data: object, path: Path) -> tuple[list[str], list[str]]:
     enclosing_names: list[str] = []
     own_names: list[str] = []
     for end in range(1, len(path)):
-        node = value_at(data, path[:end])
+        node = value_at(root, path[:end])
         if isinstance(node, dict):
             printed_names = (node.get("printed_name"), *mapping(node, "names").values())
             own_names = [name.casefold() for name in printed_names if isinstance(name, str)]
@@ -281,13 +281,13 @@ def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
             report.add("evidence-grade", path, problem + _suggest_source(first_place, spec.documents))
 
 
-def _suggest_source(place: str, documents: Collection[str]) -> str:
+def _suggest_source(cited_place: str, documents: Collection[str]) -> str:
     """Return how to write a source whose place has no key of a document, or an empty string without such a place."""
-    if not place:
+    if not cited_place:
         return ""
-    if place in documents:
-        return f"; write {quoted(f'{place}: PLACE')} with a place in it"
-    return f"; write {quoted(f'KEY: {place}')} with the key of its document"
+    if cited_place in documents:
+        return f"; write {quoted(f'{cited_place}: PLACE')} with a place in it"
+    return f"; write {quoted(f'KEY: {cited_place}')} with the key of its document"
 
 
 def _has_different_bits(example: WrittenExample) -> bool:
@@ -379,9 +379,9 @@ def _limited_parts(interface: WrittenInterface) -> Iterator[tuple[Located[object
         yield cable_length, _CABLE
 
 
-def _source_of_part(part: Located[object]) -> str:
+def _source_of_part(located_part: Located[object]) -> str:
     """Return the source of a part, or an empty string if it has none."""
-    return str(part.source or "")
+    return str(located_part.source or "")
 
 
 def check_revision_in_history(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:

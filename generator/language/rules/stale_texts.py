@@ -93,8 +93,8 @@ def _stated_quantities(facts: Iterable[object]) -> Iterator[tuple[str, Decimal, 
                     yield _KIND_OF_UNIT[unit], _in_smallest_unit(str(number), unit), f"{number} {unit}"
 
 
-def _in_smallest_unit(number: str, unit: str) -> Decimal:
-    return Decimal(number.replace(",", "").replace("−", "-")) * _UNITS[_KIND_OF_UNIT[unit]][unit]
+def _in_smallest_unit(number_text: str, unit: str) -> Decimal:
+    return Decimal(number_text.replace(",", "").replace("−", "-")) * _UNITS[_KIND_OF_UNIT[unit]][unit]
 
 
 def check_repeated_waits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -158,9 +158,9 @@ def _printed_names(spec: WrittenSpec, report: DocumentReport) -> list[str]:
     return list(names)
 
 
-def _fold_name(name: str) -> str:
+def _fold_name(printed_name: str) -> str:
     """Return a name in lower case, with one space for all other characters between letters and digits."""
-    return re.sub(r"[\W_]+", " ", name).strip().casefold()
+    return re.sub(r"[\W_]+", " ", printed_name).strip().casefold()
 
 
 _LABEL = re.compile(r"(?<![\w/-])[A-Z][A-Z0-9]+(?![\w/-])")

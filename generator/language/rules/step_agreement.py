@@ -173,9 +173,9 @@ def check_counted_requests(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
                 report.add("quantity-repeated", (*procedure.path, *path), message)
 
 
-def _counts_in_texts(data: Mapping[str, object]) -> Iterator[tuple[Path, int]]:
+def _counts_in_texts(part_data: Mapping[str, object]) -> Iterator[tuple[Path, int]]:
     """Yield the numbers of requests in the texts of a procedure, with the paths of the texts below it."""
-    for path, text in leaves(data):
+    for path, text in leaves(part_data):
         for number_text in _REPETITIONS.findall(text) if isinstance(text, str) else ():
             is_digits = number_text.isdigit()
             # The words begin with two.

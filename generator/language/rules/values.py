@@ -232,10 +232,10 @@ def check_dates(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport)
         report.add("date", manual.place_of("date"), problem)
 
 
-def _parse_date(text: str) -> datetime.date | None:
+def _parse_date(date_text: str) -> datetime.date | None:
     """Return the date that a text gives as 2024-05-31, or None."""
     try:
-        return datetime.date.fromisoformat(text)
+        return datetime.date.fromisoformat(date_text)
     except ValueError:
         return None
 
@@ -335,7 +335,7 @@ def check_plausible_rates(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
             _report_rate(port.part.baud, "baud", "baud", (*port.path, "baud"), report)
 
 
-def _report_rate(rate: int, key: str, unit: str, path: Path, report: DocumentReport) -> None:
+def _report_rate(rate: int, rate_key: str, unit: str, path: Path, report: DocumentReport) -> None:
     """Report a rate that is too low, with the number to write if the manual gives it in a larger unit."""
     prefix, factor = ("M", 1_000_000) if rate < _LIKELY_MEGA else ("k", 1000)
     likely_rate = rate * factor
@@ -343,7 +343,7 @@ def _report_rate(rate: int, key: str, unit: str, path: Path, report: DocumentRep
         # Manuals round standard rates: 115 kbaud is 115200 baud.
         standard_rates = [standard for standard in _STANDARD_BAUDS if standard // 1000 == rate]
         likely_rate = standard_rates[0] if standard_rates else likely_rate
-    problem = f"'{key}' is {rate} {unit}, which is implausible; if the manual means {rate} {prefix}{unit}"
+    problem = f"'{rate_key}' is {rate} {unit}, which is implausible; if the manual means {rate} {prefix}{unit}"
     remedy = f"write {likely_rate}. If the number is right, say so in a 'note' of the interface"
     report.add("implausible-rate", path, f"{problem}, {remedy}")
 

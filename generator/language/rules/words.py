@@ -95,9 +95,9 @@ def check_name_and_meaning(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
                     report.add("words-contradict", value.place_of("meaning"), f"{message}; correct one of the two")
 
 
-def _yield_contradictions(name: str, meaning: str) -> Iterator[tuple[str, str]]:
+def _yield_contradictions(field_name: str, meaning: str) -> Iterator[tuple[str, str]]:
     """Yield each word of a name with its opposite, if only the opposite is in the meaning: ``("binary", "gray")``."""
-    plain_name = name.replace("counter_clockwise", "counterclockwise")
+    plain_name = field_name.replace("counter_clockwise", "counterclockwise")
     plain_meaning = re.sub(r"counter-?clockwise", "counterclockwise", meaning.casefold())
     meaning_words = set(re.findall(r"[a-z]+", plain_meaning))
     for word in plain_name.split("_"):
@@ -159,9 +159,9 @@ def _all_texts(spec: WrittenSpec) -> Iterator[tuple[Path, str]]:
         yield from _texts_of(alarm, _TEXTS)
 
 
-def _texts_of(part: PlacedPart, keys: Sequence[str]) -> Iterator[tuple[Path, str]]:
+def _texts_of(placed_part: PlacedPart, keys: Sequence[str]) -> Iterator[tuple[Path, str]]:
     """Yield the texts of a part under these keys, with their paths."""
     for key in keys:
-        text = part.data.get(key)
+        text = placed_part.data.get(key)
         if isinstance(text, str):
-            yield (*part.path, key), text
+            yield (*placed_part.path, key), text
