@@ -99,11 +99,11 @@ def _cable_at(document: Document, path: Path) -> Iterator[_Cable]:
     """Yield the cable at a place, or nothing for a connector. A shield is not a wire."""
     connector = document.data["connectors"][path[-1]]
     if connector["kind"] == "cable":
-        wires = {
-            str(contact["contact"]).casefold()
-            for _, contact in items(connector, "contacts")
-            if not _SHIELDS.intersection(signal_names(str(contact["signal"])))
-        }
+        wires: set[str] = set()
+        for _, contact in items(connector, "contacts"):
+            is_shield = not _SHIELDS.isdisjoint(signal_names(str(contact["signal"])))
+            if not is_shield:
+                wires.add(str(contact["contact"]).casefold())
         yield _Cable(document, path, frozenset(wires))
 
 

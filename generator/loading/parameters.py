@@ -85,11 +85,8 @@ def check_reach(raw_spec: Raw, context: Context, variants: Sequence[Variant]) ->
     spec = WrittenSpec(dict(raw_spec))
     for path, interface, expression_text in uses(spec):
         parameter_names = list(all_parameters(expression_text, spec.parameters))
-        formulas_of_parameters = [
-            raw_spec["parameters"][name]["equals"]
-            for name in parameter_names
-            if "equals" in raw_spec["parameters"][name]
-        ]
+        definitions_of_parameters = [raw_spec["parameters"][name] for name in parameter_names]
+        formulas_of_parameters = [raw["equals"] for raw in definitions_of_parameters if "equals" in raw]
         sets_of_interface = context.parameter_sets.get(interface, ())
         # A number has the same value in each set.
         sets_to_check = sets_of_interface if parameter_names else sets_of_interface[:1]

@@ -42,10 +42,8 @@ def check_shared_facts(documents: Sequence[Document], report: Report) -> None:
         for kind in _COMMON:
             # ``name`` is that of a register or CRC, such as ``{"registers": ["preset"]}``.
             for name in alike_names.get(kind, ()):
-                documents_with_fact = [
-                    document for document in documents_of_maker if name in _parts_by_name(kind, document)
-                ]
-                _report_different_facts(kind, name, documents_with_fact, report)
+                specs_with_part = [device for device in documents_of_maker if name in _parts_by_name(kind, device)]
+                _report_different_facts(kind, name, specs_with_part, report)
         compare_ports(alike_names.get("ports", ()), documents_of_maker, report)
         compare_connectors(maker_document, documents_of_maker, report)
 

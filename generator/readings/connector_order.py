@@ -6,7 +6,7 @@ from collections import defaultdict
 from dataclasses import replace
 from typing import Any
 
-from .reading import Facts, Key
+from .reading import Fact, Facts, Key
 
 #: Steps of the key that identifies a connector: ``("connector", "ssi", "cable", 1)``.
 _STEPS = 4
@@ -33,14 +33,14 @@ def with_order_of(spec: Facts, second: Facts) -> Facts:
     def renumbered(key: Key) -> Key:
         return (*new_keys.get(key[:_STEPS], key[:_STEPS]), *key[_STEPS:])
 
-    facts = {
-        renumbered(key): replace(fact, key=renumbered(fact.key), depends_on=renumbered(fact.depends_on))
-        for key, fact in spec.facts.items()
-    }
-    names = {
-        kind: {renumbered(key): replace(name, key=renumbered(name.key)) for key, name in names_of_kind.items()}
-        for kind, names_of_kind in spec.names.items()
-    }
+    facts: dict[Key, Fact] = {}
+    for key, fact in spec.facts.items():
+        facts[renumbered(key)] = replace(fact, key=renumbered(fact.key), depends_on=renumbered(fact.depends_on))
+    names: dict[Key, dict[Key, Fact]] = {}
+    for kind, names_of_kind in spec.names.items():
+        names[kind] = {}
+        for key, name_fact in names_of_kind.items():
+            names[kind][renumbered(key)] = replace(name_fact, key=renumbered(name_fact.key))
     return replace(spec, facts=facts, names=names)
 
 

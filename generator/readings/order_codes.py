@@ -157,11 +157,9 @@ def _label_with_spelling(spelling: Spelling, variant: Variant, parts: Iterable[C
     label = spelling.pattern
     for part in parts:
         placeholder = f"{{{part.name}}}"
-        spelled_texts = [
-            spelled_text
-            for spelled_text, listed_value in spelled(part, spelling).items()
-            if listed_value == variant.parts[part.name]
-        ]
+        value_by_spelled_text = spelled(part, spelling)
+        value = variant.parts[part.name]
+        spelled_texts = [text for text, listed_value in value_by_spelled_text.items() if listed_value == value]
         if spelled_texts:
             label = label.replace(placeholder, spelled_texts[0])
         elif placeholder in label:

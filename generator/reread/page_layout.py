@@ -128,11 +128,12 @@ def find_heads_at_edges(pages: Sequence[Sequence[str]]) -> set[str]:
         bottom = below_top[-_PAGE_EDGE:]
         counts_anywhere.update(map(without_digits, page))
         counts_at_edges.update(map(without_digits, (*top, *bottom)))
-    return {
-        head
-        for head, count in counts_at_edges.items()
-        if count >= max(LEAST_REPETITIONS, _MOSTLY * counts_anywhere[head])
-    }
+    heads: set[str] = set()
+    for head, count in counts_at_edges.items():
+        is_mostly_at_edges = count >= _MOSTLY * counts_anywhere[head]
+        if count >= LEAST_REPETITIONS and is_mostly_at_edges:
+            heads.add(head)
+    return heads
 
 
 def without_edges(pages: Sequence[Sequence[str]], heads: Collection[str]) -> Iterator[Sequence[str]]:

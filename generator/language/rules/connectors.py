@@ -108,9 +108,8 @@ def _has_signal_of(contact: _Contact, earlier: _Contact) -> bool:
     """
     if contact.only and earlier.only and contact.only != earlier.only:
         return False
-    contact_names, earlier_names = (
-        {*map(_normalise_signal, {*either.main_names, either.signal})} for either in (contact, earlier)
-    )
+    contact_names = set(map(_normalise_signal, (*contact.main_names, contact.signal)))
+    earlier_names = set(map(_normalise_signal, (*earlier.main_names, earlier.signal)))
     return not contact_names.isdisjoint(earlier_names)
 
 
@@ -155,12 +154,13 @@ def _report_missing_signals(incomplete: _Connector, complete: _Connector, report
 
     It has a signal if it has one of its names, such as ``MA +`` of ``CLOCK IN + / MA +``.
     """
-    names = {_normalise_signal(name) for contact in incomplete.contacts for name in (contact.signal, *contact.names)}
-    missing_signals = [
-        contact.signal
-        for contact in complete.contacts
-        if names.isdisjoint({_normalise_signal(name) for name in (contact.signal, *contact.names)})
-    ]
+    names: set[str] = set()
+    for contact in incomplete.contacts:
+        names |= _normalised_names(contact)
+    missing_signals: list[str] = []
+    for contact in complete.contacts:
+        if names.isdisjoint(_normalised_names(contact)):
+            missing_signals.append(contact.signal)
     unexplained = [signal for signal in dict.fromkeys(missing_signals) if not incomplete.names_in_note(signal)]
     if unexplained:
         lacking = f"{incomplete.label} lacks {listed(map(quoted, unexplained))}, which {complete.label} has"
@@ -172,13 +172,18 @@ def _collect_connectors(spec: WrittenSpec) -> list[_Connector]:
     """Return the connectors and cables, without the contacts that have no signal."""
     connectors = []
     for located in spec.connectors:
-        contacts = [
-            _Contact((*located.path, "contacts", index), contact.contact, contact.signal, contact.only)
-            for index, contact in enumerate(located.part.contacts)
-            if not _FREE.fullmatch(contact.signal.strip())
-        ]
+        contacts: list[_Contact] = []
+        for index, contact in enumerate(located.part.contacts):
+            if not _FREE.fullmatch(contact.signal.strip()):
+                path = (*located.path, "contacts", index)
+                contacts.append(_Contact(path, contact.contact, contact.signal, contact.only))
         connectors.append(_Connector(located, tuple(contacts)))
     return connectors
+
+
+def _normalised_names(contact: _Contact) -> set[str]:
+    """Return the names of a contact, and its signal, as they are compared."""
+    return set(map(_normalise_signal, (contact.signal, *contact.names)))
 
 
 def _normalise_signal(signal: str) -> str:

@@ -167,9 +167,8 @@ def check_opening_steps(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
             opener = _register_of(step, registers).opened_by
             if step.do != "write" or opener is None:
                 continue
-            values_before = [
-                earlier.value for earlier in procedure.steps[:index] if _writes_opening_value(earlier, opener)
-            ]
+            steps_before = procedure.steps[:index]
+            values_before = [earlier.value for earlier in steps_before if _writes_opening_value(earlier, opener)]
             # An argument may be the value that opens the register.
             if values_before and values_before[-1] != opener.value and values_before[-1] not in arguments:
                 message = (

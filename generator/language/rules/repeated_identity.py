@@ -130,10 +130,10 @@ def check_address_tables(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
     Rows in which one of the two is not a hexadecimal number are skipped.
     """
     for table in spec.tables:
-        column_names = [column.casefold() for column in table.part.columns]
-        address_columns = [
-            index for index, column in enumerate(column_names) if column in ("first address", "last address")
-        ]
+        address_columns: list[int] = []
+        for index, heading in enumerate(table.part.columns):
+            if heading.casefold() in ("first address", "last address"):
+                address_columns.append(index)
         if len(address_columns) != 2:
             continue
         for row_index, row in enumerate(table.part.rows):

@@ -48,11 +48,10 @@ def _numbers_of_errata(spec: WrittenSpec, affected_path: str) -> set[str]:
 
 def _frequency_column(table: Table, word: str) -> int | None:
     """Return the only column of frequencies with this word in its heading, if its unit is that of the others."""
-    columns = [
-        index
-        for index, (heading, unit) in enumerate(zip(table.columns, table.units, strict=False))
-        if unit in _FREQUENCIES and re.search(rf"\b{word}\b", heading, re.IGNORECASE)
-    ]
+    columns: list[int] = []
+    for index, (heading, unit) in enumerate(zip(table.columns, table.units, strict=False)):
+        if unit in _FREQUENCIES and re.search(rf"\b{word}\b", heading, re.IGNORECASE):
+            columns.append(index)
     frequency_units = {unit for unit in table.units if unit in _FREQUENCIES}
     return columns[0] if len(columns) == 1 and len(frequency_units) == 1 else None
 
@@ -71,11 +70,10 @@ def check_order_codes_in_rows(spec: WrittenSpec, as_read: WrittenSpec, report: D
     for table in spec.tables:
         for part in spec.order_code.parts:
             meanings = {label: value.meaning for label, value in part.values.items()}
-            columns = [
-                index
-                for index, heading in enumerate(table.part.columns)
-                if part.meaning and heading.casefold().startswith(part.meaning.casefold())
-            ]
+            columns: list[int] = []
+            for index, heading in enumerate(table.part.columns):
+                if part.meaning and heading.casefold().startswith(part.meaning.casefold()):
+                    columns.append(index)
             if len(columns) == 1 and columns[0] < len(table.part.units):
                 _compare_rows(table, columns[0], meanings, report)
 
@@ -155,9 +153,10 @@ def check_lengths_of_errata(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
     """Check that the lengths that an erratum about a table uses are in this table, if it has a column of lengths."""
     tables = {f"tables.{table.part.name}": table.part for table in spec.tables}
     for erratum in spec.errata:
-        lengths = {
-            length for affected in erratum.affects if affected in tables for length in _yield_lengths(tables[affected])
-        }
+        lengths: set[Decimal] = set()
+        for affected in erratum.affects:
+            if affected in tables:
+                lengths.update(_yield_lengths(tables[affected]))
         for number, unit in re.findall(r"(\d[\d,]*(?:\.\d+)?) (nm|µm|mm)\b", erratum.used) if lengths else ():
             if Decimal(number.replace(",", "")) * _NANOMETRES[unit] not in lengths:
                 message = f"no table that it affects has {number} {unit}; correct one of the two"
