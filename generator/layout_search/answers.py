@@ -48,7 +48,7 @@ class _Parts:
         return f"{head}:{','.join(field for field in fields if field)}"
 
 
-def answer(recording: Recording, layout: FoundLayout) -> Answer:
+def answer_with_lines(recording: Recording, layout: FoundLayout) -> Answer:
     """Return a layout as a line, with the lines that are equal to it for these frames and with notes."""
     parts = _parts_of_line(recording, layout)
     return Answer(

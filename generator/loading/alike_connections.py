@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from ..language.document import Document, Path
 from ..language.problems import Report, quoted
 from ..language.rules.connectors import signal_names
-from ..language.rules.parts import explained
+from ..language.rules.parts import has_erratum_at
 from ..language.rules.walk import items, mapping
 
 _PORT_KEYS = ("baud", "data_bits", "parity", "stop_bits", "flow_control")
@@ -38,7 +38,7 @@ def _compare_setting(first: Document, document: Document, path: Path, report: Re
     first_setting, setting = (mapping(either.data, *place[:-1]).get(place[-1]) for either in (first, document))
     if first_setting is None or setting is None or first_setting == setting:
         return
-    if explained(document, *place) or explained(first, *place):
+    if has_erratum_at(document, *place) or has_erratum_at(first, *place):
         return
     line, _ = first.position(path)
     message = (
@@ -126,7 +126,7 @@ def _compare_wires(cables: Sequence[_Cable], report: Report) -> None:
 
 def _has_erratum(cable: _Cable) -> bool:
     """Return True if an erratum affects the contacts of a cable."""
-    return explained(cable.document, "connectors", _name_of_cable(cable), "contacts")
+    return has_erratum_at(cable.document, "connectors", _name_of_cable(cable), "contacts")
 
 
 def _name_of_cable(cable: _Cable) -> str:
@@ -140,7 +140,7 @@ def _compare_connector(contacts_by_line: dict[_Line, _Contact], document: Docume
     for line, contact in _contacts_by_line(connector, path, document).items():
         first_contact = contacts_by_line.setdefault(line, contact)
         is_explained = any(
-            explained(either.document, "connectors", either.connector, "contacts", either.name)
+            has_erratum_at(either.document, "connectors", either.connector, "contacts", either.name)
             for either in (contact, first_contact)
         )
         if first_contact.name != contact.name and contact.path not in reported_paths and not is_explained:

@@ -36,13 +36,13 @@ from ..model import (
     Variant,
 )
 from ..model.expressions import Expression, ExpressionError, resolve_parameters
-from ..model.registers import bounded, bounded_width, bounds, representable
+from ..model.registers import bounded_width, bounds, name_with_limits, numbers_that_fit
 from ..order_codes.labels import combinations
 from ..reference.bits import join_value
 from .crc_rules import check_settings_of_crcs
 from .editions import editions
 from .evidence import with_placeholders
-from .examples import build_examples, check_examples, samples
+from .examples import build_examples, check_examples, sample_frames
 from .facts_by_code import check_facts_by_code
 from .fields import Context, Site
 from .frame_kinds import check_errata, check_frame_kinds
@@ -102,7 +102,7 @@ def build_device(raw_spec: Raw, manufacturer: Manufacturer, report: DocumentRepo
     check_agreement(raw_spec, device, report)
     check_errata(device, report)
     check_examples(device, report)
-    return replace(device, samples=samples(device)) if variants and not report.faults() else device
+    return replace(device, samples=sample_frames(device)) if variants and not report.faults() else device
 
 
 def _content_hash(raw_spec: Raw) -> str:
@@ -336,7 +336,7 @@ class _Limits(NamedTuple):
 
 def _limits_for_code(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Limits:
     """Return the limits of a register for one order code. If the highest number is stored as 0, it is not ``high``."""
-    bounded_field = placed.find_field(bounded(register))
+    bounded_field = placed.find_field(name_with_limits(register))
     zero_means = bounded_field.field.number.zero_means if bounded_field is not None else 0
     low, high = bounds(register, placed, (register.min, register.max), parameters)
     if zero_means and high == zero_means:
@@ -346,7 +346,7 @@ def _limits_for_code(register: Register, placed: PlacedLayout, parameters: Mappi
 
 def _problem_of_limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Wrong | None:
     """Return the first problem of the limits for an order code, or None."""
-    lowest, highest = representable(register, placed)
+    lowest, highest = numbers_that_fit(register, placed)
     limits = _limits_for_code(register, placed, parameters)
     width_text = f"the {bounded_width(register, placed)} bits of '{register.limits_of}'"
     if limits.high > highest:
@@ -382,7 +382,7 @@ def _problem_of_default(register: Register, placed: PlacedLayout, parameters: Ma
 
 def _number_within_limits(register: Register, placed: PlacedLayout, default: int) -> int:
     """Return the number in the default to which the limits apply, with its sign: a field, a join or the register."""
-    bounded_name, width = bounded(register), bounded_width(register, placed)
+    bounded_name, width = name_with_limits(register), bounded_width(register, placed)
     bounded_joins = [join for join in register.layout.joins if join.name == bounded_name]
     if bounded_joins:
         number_without_sign = join_value(placed, bounded_joins[0], default)
@@ -390,7 +390,7 @@ def _number_within_limits(register: Register, placed: PlacedLayout, default: int
         bounded_field = placed.find_field(bounded_name)
         low_bit = bounded_field.low if bounded_field is not None else 0
         number_without_sign = (default >> low_bit) & ((1 << width) - 1)
-    _, highest = representable(register, placed)
+    _, highest = numbers_that_fit(register, placed)
     # Only a signed field holds bits that read as more than its highest number.
     is_negative = number_without_sign > highest
     return number_without_sign - (1 << width) if is_negative else number_without_sign

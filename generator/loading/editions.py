@@ -19,7 +19,7 @@ from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, ManualEdition, layer_i
 from ..order_codes.reduction import for_codes
 from .change_titles import change_title
 from .from_mapping import record
-from .overlays import Build, Family, errata_of, shortened, without_examples
+from .overlays import Build, Family, errata_of, join_shortened, without_examples
 
 #: Largest number of editions times values. Each edition is checked like a spec. The largest manual needs 26,000.
 MOST_VALUES = 500_000
@@ -160,7 +160,7 @@ def _change_lists(family: Family, revision: str) -> Iterator[tuple[int, str, str
             yield index, key, f"before {passed_revision}" if key == "before" else passed_revision
 
 
-def notes(raw_spec: Raw) -> Iterator[Erratum]:
+def errata_of_other_editions(raw_spec: Raw) -> Iterator[Erratum]:
     """Yield the changes of all other editions, as errata of the family of the spec."""
     for edition in raw_spec.get("editions", ()):
         revision = edition["revision"]
@@ -199,7 +199,9 @@ def _edition_erratum(raw_spec: Raw, change: Raw, revision: str, change_number: i
         {"severity": "wrong_data", **stated},
         name=f"edition_{re.sub('[^a-z0-9]+', '_', revision.lower())}_{change_number}",
         title=change_title(layer_in_words("", revision), without_examples(affected_texts)),
-        printed=shortened(without_examples([path_text.removeprefix("registers.") for path_text in affected_texts])),
+        printed=join_shortened(
+            without_examples([path_text.removeprefix("registers.") for path_text in affected_texts])
+        ),
         used=used,
         status="open" if used == NOT_KNOWN else "settled",
         affects=tuple(dict.fromkeys(path for path in affected_paths if path)),

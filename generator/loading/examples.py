@@ -40,7 +40,7 @@ from ..model import (
     assert_never,
     number_from_bytes,
 )
-from ..order_codes.labels import UnknownOrderCode, find
+from ..order_codes.labels import UnknownOrderCode, find_code
 from ..order_codes.parameters import with_answers
 from ..reference.bits import bits_in_crc_order, compute_bytes, covered_bits, from_gray, init_for_result, join_value
 from ..reference.codec import Decoded, EncodeError, decode, decode_bits, decode_bytes, decode_placed, encode
@@ -120,7 +120,7 @@ def example_variant(device: Device, example: Example) -> Variant:
         return device.variants[0]
     listed_variants = [variant for variant in device.variants if variant.code == example.order_code]
     # Other labels stand for a listed code, such as one in another spelling.
-    variant = listed_variants[0] if listed_variants else find(device, example.order_code).variant
+    variant = listed_variants[0] if listed_variants else find_code(device, example.order_code).variant
     if isinstance(example, FrameExample):
         return with_answers(device, variant, example.alternatives)
     return variant
@@ -326,7 +326,7 @@ def _check_encoding(device: Device, decoded: Decoded, example: FrameExample | Re
         yield _data_path(example), f"encoding its fields again gives {encoded:#x}, not {decoded.number:#x}"
 
 
-def samples(device: Device) -> tuple[Sample, ...]:
+def sample_frames(device: Device) -> tuple[Sample, ...]:
     """Return the sample frames of every interface, or none if an example has an unknown order code."""
     samples_of_all: list[Sample] = []
     try:

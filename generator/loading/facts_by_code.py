@@ -7,7 +7,7 @@ from itertools import combinations, compress
 from typing import Protocol
 
 from ..language.problems import DocumentReport, Path, quoted
-from ..language.rules.parts import explained
+from ..language.rules.parts import has_erratum_at
 from ..model import Biss, Clocked, Interface, Ssi, Variant
 from ..model.device import Device
 from ..model.order_codes import Restricted, facts_for_code, fits
@@ -70,7 +70,7 @@ def _facts_of_interface(
         yield ExclusiveFacts(noun="a clock", facts=clocks, codes=codes, interface=interface.short, is_needed=is_whole)
     if isinstance(interface, Biss):
         timeouts = _with_paths(raw_interface, (*path, "timeout"), interface.timeouts)
-        is_needed = not explained(report.document, *path, "timeout")
+        is_needed = not has_erratum_at(report.document, *path, "timeout")
         is_whole = (*path, "timeout") not in report.document.kept_indices
         yield ExclusiveFacts(
             noun="a time-out", facts=timeouts, codes=codes, interface=interface.short, is_needed=is_needed and is_whole

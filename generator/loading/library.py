@@ -20,9 +20,9 @@ from ..language.read import read_document, read_specs
 from ..model import Device, Manufacturer, Variant
 from ..order_codes.reduction import for_codes
 from .device import build_device
-from .editions import check_editions, edition_of, notes
+from .editions import check_editions, edition_of, errata_of_other_editions
 from .evidence import read_counts, read_history
-from .examples import samples
+from .examples import sample_frames
 from .from_mapping import build_manufacturer
 from .overlays import Family as Family
 from .overlays import apply_overlays, is_overlay, overlays_beside
@@ -249,7 +249,7 @@ def _build_device(
         return None
     check_editions(device_data, device, report.for_document(document))
     spec = Path(document.file)
-    edition_notes = tuple(notes(device_data))
+    edition_notes = tuple(errata_of_other_editions(device_data))
     counts = read_counts(spec, report)
     releases = read_history(spec, report)
     return replace(device, times_read=counts, releases=releases, errata=(*device.errata, *edition_notes))
@@ -382,7 +382,7 @@ def narrowed_to(devices: Sequence[Device], only: str) -> tuple[Device, ...]:
         if codes:
             narrowed_device = for_codes(device, codes)
             # Frames that programs and pages show come from one of the remaining order codes.
-            narrowed_devices.append(replace(narrowed_device, samples=samples(narrowed_device)))
+            narrowed_devices.append(replace(narrowed_device, samples=sample_frames(narrowed_device)))
     return tuple(narrowed_devices)
 
 

@@ -212,7 +212,7 @@ def errata_of(applied_changes: Iterable[AppliedChange]) -> Iterator[Erratum]:
         stated_facts: dict[str, object] = {
             key: definition[key] for key in ("severity", "why", "source") if key in definition
         }
-        new_values = shortened([change.now for change in changes if change.now]) or LEFT_OUT
+        new_values = join_shortened([change.now for change in changes if change.now]) or LEFT_OUT
         affected_paths: list[str] = []
         for change in changes:
             affected_paths += change.affects
@@ -221,7 +221,7 @@ def errata_of(applied_changes: Iterable[AppliedChange]) -> Iterator[Erratum]:
             stated_facts,  # The schema reports the rest.
             name=f"{_WORD.sub('_', f'{kind}_{name}'.removeprefix('overlay_'))}_{errata_counts[name]}",
             title=change_title(_layer_words(kind, name), without_examples([change.was for change in changes])),
-            printed=shortened(without_examples([change.was for change in changes])),
+            printed=join_shortened(without_examples([change.was for change in changes])),
             used=new_values if first_change.is_known else NOT_KNOWN,
             status="settled" if first_change.is_known else "open",
             affects=tuple(dict.fromkeys(affected_paths)),
@@ -251,7 +251,7 @@ def without_examples(names: Sequence[str]) -> Sequence[str]:
     return [name for name in names if not name.startswith("examples.")] or names
 
 
-def shortened(names: Sequence[str]) -> str:
+def join_shortened(names: Sequence[str]) -> str:
     """Return the names as text, each once, such as ``a, b`` for two names.
 
     Of more than nine names, only the first eight are listed, followed by the number of the others: ``and 3 more``.

@@ -8,14 +8,14 @@ from itertools import product
 from types import MappingProxyType
 
 from ..language.problems import DocumentReport, quoted
-from ..language.rules.parameters import all_parameters, uses
-from ..language.rules.parts import by_name, expanded, field_lists, interface_of
+from ..language.rules.parameters import all_parameters, parameter_uses
+from ..language.rules.parts import by_name, field_lists, interface_of, with_groups_expanded
 from ..language.rules.walk import leaves
 from ..language.schema_files import is_second
 from ..language.written_parts import WrittenSpec
 from ..model import Alternative, CodedValue, Device, Interface, Layout, Parameter, Variant
 from ..model.expressions import Expression, ExpressionError, resolve_parameters
-from ..order_codes.parameters import State, coded_states, corners
+from ..order_codes.parameters import State, coded_states, extreme_combinations
 from .fields import Context, bit_range
 from .from_mapping import Raw
 
@@ -83,7 +83,7 @@ def check_reach(raw_spec: Raw, context: Context, variants: Sequence[Variant]) ->
     """
     problems_before = len(context.report)
     spec = WrittenSpec(dict(raw_spec))
-    for path, interface, expression_text in uses(spec):
+    for path, interface, expression_text in parameter_uses(spec):
         parameter_names = list(all_parameters(expression_text, spec.parameters))
         definitions_of_parameters = [raw_spec["parameters"][name] for name in parameter_names]
         formulas_of_parameters = [raw["equals"] for raw in definitions_of_parameters if "equals" in raw]
@@ -316,7 +316,11 @@ def parameter_sets(
     states_by_field = extreme_states(raw_spec)
     # One by one first, so that messages name as few parameters as possible.
     single_states = (register_state for states in states_by_field for register_state in states)
-    register_states: list[State] = [{}, *single_states, *(corners(states_by_field) if len(states_by_field) > 1 else ())]
+    register_states: list[State] = [
+        {},
+        *single_states,
+        *(extreme_combinations(states_by_field) if len(states_by_field) > 1 else ()),
+    ]
     known_sets: set[tuple[str, tuple[int, ...]]] = set()
     sets_by_codes = _without_definitions(definitions, variants)
     for (kind, set_by_code), register_state, values_of_answer in product(
@@ -359,7 +363,7 @@ def too_much_work(raw_spec: Raw, context: Context) -> bool:
     number_of_sets = sum(map(len, context.parameter_sets.values()))
     spec = WrittenSpec(dict(raw_spec))
     groups = by_name(spec.field_groups)
-    number_of_fields = sum(1 for fields in field_lists(spec) for _ in expanded(fields, groups))
+    number_of_fields = sum(1 for fields in field_lists(spec) for _ in with_groups_expanded(fields, groups))
     if number_of_sets <= MOST_SETS and number_of_sets * number_of_fields <= MOST_PLACES:
         return False
     number_text = f"more than {MOST_SETS}" if number_of_sets > MOST_SETS else str(number_of_sets)

@@ -11,7 +11,7 @@ from pathlib import PurePath
 from ..language.document import Document, Path
 from ..language.problems import DocumentReport, Report, quoted
 from ..language.rules.code_meanings import MEANING_DIFFERS
-from ..language.rules.parts import by_name, by_part_name, explained
+from ..language.rules.parts import by_name, by_part_name, has_erratum_at
 from ..language.written import Located
 from ..language.written_codes import WrittenRegister
 from ..language.written_layouts import WrittenField
@@ -71,10 +71,10 @@ def _report_different_facts(
         (common_text, _), *_ = Counter(text for _, (_, text) in facts).most_common(1)
         facts_in_common = [fact for fact in facts if fact[1][1] == common_text]
         common_document, (common_path, _) = facts_in_common[0]
-        if explained(common_document, *affected_place):
+        if has_erratum_at(common_document, *affected_place):
             continue
         for document, (path, text) in facts:
-            if text == common_text or explained(document, *affected_place):
+            if text == common_text or has_erratum_at(document, *affected_place):
                 continue
             line = common_document.position((section, part_name, *common_path))[0]
             message = (

@@ -139,7 +139,7 @@ State = Mapping[str, int]
 _MOST_CORNERS = 64
 
 
-def corners(states_by_field: Sequence[Sequence[State]]) -> Iterator[State]:
+def extreme_combinations(states_by_field: Sequence[Sequence[State]]) -> Iterator[State]:
     """Yield combined states of register fields, since a value may fit with one extreme but not with two.
 
     Each is a map such as ``{"singleturn_bits": 16, "multiturn_bits": 12}``. If there are more than ``_MOST_CORNERS``,
@@ -224,7 +224,7 @@ def _states_of_fields(
 
 def parameters_at_run_time(device: Device, variant: Variant) -> Iterator[Mapping[str, int]]:
     """Yield the parameters of a variant with factory defaults, and with the extremes of those held in registers."""
-    for changed in ({}, *corners(extreme_states(device))):  # {} leaves the factory defaults.
+    for changed in ({}, *extreme_combinations(extreme_states(device))):  # {} leaves the factory defaults.
         yield with_changed(device, variant, changed)
 
 

@@ -17,7 +17,7 @@ from ..language.schema_check import FileKind, check_schema
 from ..language.schema_files import word_sheet_path
 from ..loading.overlays import Family
 from ..say.plain_text import counted
-from .texts import dotted, is_source, prose_texts
+from .texts import dotted_path, is_source, prose_texts
 from .turning_words import SIGNAL, ClozeText, Vocabulary
 
 RULE = "words-disagree"
@@ -45,11 +45,11 @@ def clozes(spec: Document) -> dict[str, _SpecText]:
             continue
         cloze = vocabulary.cloze(text)
         if cloze.gaps:
-            path = dotted(place)
+            path = dotted_path(place)
             repetition = 1
             while path in spec_texts:
                 repetition += 1
-                path = f"{dotted(place)} {repetition}"
+                path = f"{dotted_path(place)} {repetition}"
             spec_texts[path] = _SpecText(place, cloze)
     return spec_texts
 

@@ -32,9 +32,9 @@ from .reading import (
     Reading,
     Sort,
     Value,
+    comparable_text,
     in_hex,
     interface_label,
-    plain,
 )
 from .stated import Subject
 
@@ -287,7 +287,7 @@ def _rs485_facts(reading: Reading, interface: Rs485) -> Iterator[Fact]:
         yield Fact(
             sort=Sort.SETTING,
             key=("memory", access.access, access.busy),
-            value=f"address {plain(access.address)}, data {plain(access.data)}",
+            value=f"address {comparable_text(access.address)}, data {comparable_text(access.data)}",
             description=f"reply to a {access.access} while the busy flag is {access.busy}",
             place=(*place, "memory_access", index),
         )
@@ -344,7 +344,7 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
                 name=name,
             )
             continue
-        symbol = plain(timing.symbol).replace(" ", "")
+        symbol = comparable_text(timing.symbol).replace(" ", "")
         for bound_name, bound_time in time_by_bound.items():
             yield Fact(
                 sort=Sort.TIME,

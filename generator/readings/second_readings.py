@@ -21,7 +21,7 @@ from . import interfaces, order_codes, registers, stated, surroundings, texts
 from .compare import compare
 from .comparison import Comparison, Disagreement, Read
 from .reading import NOTHING, Facts, Reading, Sort
-from .related import Related, related
+from .related import Related, group_by_cause
 
 
 def facts_of(reading: Reading) -> Facts:
@@ -35,8 +35,8 @@ def facts_of(reading: Reading) -> Facts:
     registers.add_registers(reading, facts)
     facts.add(stated.procedures(reading))
     facts.add(surroundings.surroundings(reading))
-    facts.add(texts.contents(reading))
-    facts.add(texts.texts(reading))
+    facts.add(texts.content_facts(reading))
+    facts.add(texts.text_facts(reading))
     facts.printed_numbers = texts.by_path(reading)
     facts.sections = texts.sections_by_path(reading)
     facts.decided = reading.document.data.get("decided", ())
@@ -75,7 +75,7 @@ class Coverage:
     @property
     def total(self) -> TimesRead:
         """Counts of all classes together."""
-        return added(self.counts.values())
+        return add_counts(self.counts.values())
 
     @cached_property
     def once(self) -> Sequence[tuple[Sort, Path]]:
@@ -94,7 +94,7 @@ class Coverage:
         return [(sort, place) for sort, place in self.once if sort.is_needed]
 
 
-def added(counts: Iterable[TimesRead]) -> TimesRead:
+def add_counts(counts: Iterable[TimesRead]) -> TimesRead:
     """Return the sum of several counts."""
     all_counts = list(counts)
     return TimesRead(
@@ -197,7 +197,7 @@ def explain(spec: Document, second: Document, outcome: Comparison, report: Repor
         # A fact that the spec lacks is counted at its place in the second reading.
         counted_place = disagreement.spec_place or ("second", *disagreement.second_place)
         outcome.read_by_place[disagreement.sort, counted_place] = Read.EXPLAINED
-    for disagreements in related(unexplained):
+    for disagreements in group_by_cause(unexplained):
         _report_disagreements(disagreements, spec, second, report)
     for explanation in explanations:
         _check_explanation(explanation, spec, report, is_used=explanation.place in used_explanations)

@@ -26,7 +26,7 @@ from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS, Member
 from ..model.order_codes import facts_for_code
 from ..model.record import dataclass
-from .reading import Case, Fact, Key, Reading, Sort, Value, in_hex, interface_label, register_text, short
+from .reading import Case, Fact, Key, Reading, Sort, Value, count_text, in_hex, interface_label, register_text
 
 
 class _Detail(NamedTuple):
@@ -45,7 +45,7 @@ def procedures(reading: Reading) -> Iterator[Fact]:
     A procedure is identified by its interface and the text of its steps, such as ``write 0x49 = 05; read 0x4A``.
     """
     for procedure in reading.device.procedures:
-        steps_text = program(reading, procedure)
+        steps_text = program_text(reading, procedure)
         procedure_key: Key = ("procedure", procedure.interface, steps_text)
         procedure_place: Path = ("procedures", procedure.name)
         yield Fact(
@@ -157,7 +157,7 @@ def _repetition_details(step: SendStep, step_number: int, place: Path, request_t
         )
 
 
-def program(reading: Reading, procedure: Procedure) -> str:
+def program_text(reading: Reading, procedure: Procedure) -> str:
     """Return the steps of a procedure as text, without waits and repetitions: ``write 0x49 = 05; read 0x4A``."""
     texts = (_step_text(reading, step, procedure) for step in procedure.steps)
     return "; ".join(text for text in texts if text)
@@ -206,10 +206,10 @@ def _register_and_bits(reading: Reading, register_name: str, field_name: str) ->
     return f"{register_text(register).removeprefix('register ')}{bits_text}"
 
 
-def programs(reading: Reading, names: tuple[str, ...]) -> str:
+def program_texts(reading: Reading, names: tuple[str, ...]) -> str:
     """Return the steps of several procedures as text, in the order of these texts: ``read 0x4A | write 0x49 = 05``."""
     procedures_by_name = {procedure.name: procedure for procedure in reading.device.procedures}
-    texts = [program(reading, procedures_by_name[name]) for name in names if name in procedures_by_name]
+    texts = [program_text(reading, procedures_by_name[name]) for name in names if name in procedures_by_name]
     return " | ".join(sorted(texts))
 
 
@@ -331,7 +331,9 @@ def _value_text(reading: Reading, member: Member, member_value: Any, interface: 
     if member.refers_to:
         return _referred_text(reading, member, member_value, interface)
     if isinstance(member_value, Expression):
-        return {case: short(member_value.value(parameters)) for case, parameters in reading.cases(interface).items()}
+        return {
+            case: count_text(member_value.value(parameters)) for case, parameters in reading.cases(interface).items()
+        }
     if isinstance(member_value, bool):
         return _bool_text(member, member_value)
     if isinstance(member_value, int):
@@ -379,7 +381,7 @@ def _referred_text(reading: Reading, member: Member, referred_names: Any, interf
         case "dotted":
             thing_texts = {reading.bits_at(name) for name in names}
         case "procedure":
-            return programs(reading, names)
+            return program_texts(reading, names)
         case _:
             # All other members name fields of the frames of the interface.
             thing_texts = set()

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from ..language.document import Path
 from ..model import Alarm, Connector, Edition, Manual
-from .reading import Fact, Key, Reading, Sort, interface_label, plain, register_text
+from .reading import Fact, Key, Reading, Sort, comparable_text, interface_label, register_text
 from .stated import Subject
 from .texts import numbers_in
 
@@ -65,7 +65,7 @@ def _contact_facts(reading: Reading, connector: Connector, interface: str, conne
     for contact in connector.contacts:
         subject = Subject(
             reading,
-            key=(*owner.key, plain(contact.contact)),
+            key=(*owner.key, comparable_text(contact.contact)),
             place=(*owner.place, "contacts", contact.contact),
             description=f"contact {contact.contact} of {connector_text}",
             joint=" with ",

@@ -87,7 +87,7 @@ class Decoded:
         return {field.name: field.value for field in self.fields}
 
 
-def select(
+def select_layout(
     device: Device, variant: Variant, sender: str, data: bytes
 ) -> tuple[PlacedLayout | None, tuple[Problem, ...]]:
     """Return the layout of ``data`` and no problems, or None and the reason why there is none.
@@ -139,7 +139,7 @@ def _selector_value(placed: PlacedLayout, data: bytes) -> int | None:
 
 def decode_bytes(device: Device, variant: Variant, sender: str, data: bytes) -> Decoded:
     """Decode a frame of whole bytes whose selector field identifies the layout."""
-    placed, problems = select(device, variant, sender, data)
+    placed, problems = select_layout(device, variant, sender, data)
     if placed is None:
         return Decoded(layout=None, number=0, fields=(), crc=None, problems=problems)
     return decode_placed(device, placed, data)

@@ -21,7 +21,7 @@ from ..model import (
     number_to_bytes,
 )
 from ..model.expressions import Expression
-from ..model.registers import bounded, bounds
+from ..model.registers import bounds, name_with_limits
 from ..order_codes.parameters import RegisterError, after_write
 from ..say import report
 from ..say.plain_text import counted
@@ -118,7 +118,7 @@ def _value_of_step(step: WriteStep | ModifyStep, arguments: Mapping[str, int]) -
 
 
 def _name_of_written_field(register: Register, step: WriteStep | ModifyStep) -> str:
-    return step.field if isinstance(step, ModifyStep) else bounded(register)
+    return step.field if isinstance(step, ModifyStep) else name_with_limits(register)
 
 
 def _writes_of_register(register: Register, content: int) -> list[Write]:
@@ -144,7 +144,7 @@ def _content_for_argument(device: Device, register: Register, placed: PlacedLayo
     Raises:
         EncodeError: The argument does not fit, or is not a valid content.
     """
-    name = bounded(register)
+    name = name_with_limits(register)
     names_of_numbers = {field.name for field in register.layout.fields if isinstance(field.kind, Number)}
     names_of_numbers |= {join.name for join in register.layout.joins}
     if name in names_of_numbers or register.limits_of == name:
@@ -169,6 +169,6 @@ def _check_argument(register: Register, field_name: str, argument: int, placed: 
     lowest, highest = bounds(register, placed, limits, placed.parameters)
     # The limits of a meaning apply to the field or register to which the argument is written.
     has_limits_of_meaning = limits != (register.min, register.max)
-    is_limited = has_limits_of_meaning or field_name == bounded(register)
+    is_limited = has_limits_of_meaning or field_name == name_with_limits(register)
     if is_limited and not lowest <= argument <= highest:
         raise codec.EncodeError(report.outside(f"{argument}", f"{lowest}", f"{highest}"))

@@ -14,7 +14,7 @@ from ..language.document import Document, Path
 from ..loading.from_mapping import parse_sources
 from ..model import Sources
 from .passages import Passage
-from .sections import COVER, WORD, plain
+from .sections import COVER, WORD, plain_line
 
 #: Keys that hold no fact of the manual: places, names, and the judgement of an erratum.
 _NO_FACTS = frozenset({"source", "name", "erratum", "affects", "severity", "status"})
@@ -151,7 +151,7 @@ def _words_of_name(name: str) -> list[str]:
 
 def spaced(text: str) -> str:
     """Return the words of a text or of an identifier, with spaces between them and around them."""
-    words = " ".join(_words_of_name(plain(text)))
+    words = " ".join(_words_of_name(plain_line(text)))
     return f" {words} "
 
 
@@ -191,7 +191,7 @@ def _printed_words(value: object) -> Iterator[str]:
     if isinstance(value, bool) or value is None:
         return
     if not isinstance(value, int):
-        for word in WORD.findall(plain(str(value))):
+        for word in WORD.findall(plain_line(str(value))):
             yield word.casefold()
         yield from _PRINTED_FOR_VALUE.get(str(value), ())
         return
@@ -237,7 +237,7 @@ class _Surroundings:
     refers_to: frozenset[str] = frozenset()
 
 
-def citing(document: Document) -> list[Citing]:
+def facts_with_citations(document: Document) -> list[Citing]:
     """Return the facts of a spec with what they cite. A fact without a source has that of the item around it."""
     return list(_facts_in(document, document.data, path=(), around=_Surroundings()))
 

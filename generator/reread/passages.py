@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from .alignment import Ranges, differing_ranges
-from .sections import WORD, Manual, Section, letters, pair_sections
+from .sections import WORD, Manual, Section, joined_letters, pair_sections
 
 #: Differences with no more equal words between them are one passage.
 _TOGETHER = 6
@@ -53,7 +53,7 @@ def same_language(old: Manual, new: Manual) -> bool:
     return common_count >= _SAME_LANGUAGE * min(old_words.total(), new_words.total())
 
 
-def changed(old: Manual, new: Manual) -> Iterator[Passage]:
+def differing_passages(old: Manual, new: Manual) -> Iterator[Passage]:
     """Yield the passages that differ. A section that only one edition has is one passage.
 
     Sections that were only renumbered or moved do not differ. A running head of one edition can be the title on the
@@ -104,7 +104,7 @@ def _passages_of_section(
         if "".join(old_words) == "".join(new_words):
             continue
         is_in_one_edition = not old_words or not new_words
-        if is_in_one_edition and letters((*old_words, *new_words)) in heads:
+        if is_in_one_edition and joined_letters((*old_words, *new_words)) in heads:
             continue
         old_row = _with_words_around(old, low, high, count_before=_CLOSE, count_after=_CLOSE)
         new_row = _with_words_around(new, new_low, new_high, count_before=_CLOSE, count_after=_CLOSE)

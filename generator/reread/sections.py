@@ -97,7 +97,7 @@ class Manual:
         return {missing_number for missing_number in self.missing if start_key < _number_key(missing_number) < end_key}
 
 
-def read(path: Path) -> Manual:
+def read_manual(path: Path) -> Manual:
     """Read the text of a manual from a text file in UTF-8 or from a PDF.
 
     Raises:
@@ -116,7 +116,7 @@ def read(path: Path) -> Manual:
             manual_text = file_bytes.decode("utf-8-sig")
         except UnicodeDecodeError:
             raise NoText(f"{path} is not text in UTF-8; convert it, or give the PDF") from None
-    manual = divide(manual_text)
+    manual = divide_into_sections(manual_text)
     if not manual.words:
         raise NoText(f"{path} has no text; a scanned manual must be recognised (OCR) first")
     return manual
@@ -142,7 +142,7 @@ def _text_of_pdf(path: Path) -> str:
 _Heading = tuple[str, str]
 
 
-def divide(text: str) -> Manual:
+def divide_into_sections(text: str) -> Manual:
     """Return a manual divided into its sections, without the contents, page numbers and running heads.
 
     Pages are separated by form feeds. With at least 4 of them, running heads are found at their edges, otherwise by
@@ -176,7 +176,7 @@ def divide(text: str) -> Manual:
         sections.append(Section(number=number, title=title, words=words, page=page_by_title.get(number)))
     # Running heads are compared by their letters, since their page numbers change.
     letters_of_running_heads = {
-        letters([line]) for line in (*heads_at_edges, *(lines[index] for index in running_heads))
+        joined_letters([line]) for line in (*heads_at_edges, *(lines[index] for index in running_heads))
     }
     return Manual(
         sections=tuple(sections),
@@ -228,10 +228,10 @@ def _missing_titles(title_by_number: Mapping[str, str], headings: Mapping[int, _
 
 
 def _plain_lines(page: str) -> list[str]:
-    return [line for line in map(plain, page.split("\n")) if line.strip()]
+    return [line for line in map(plain_line, page.split("\n")) if line.strip()]
 
 
-def plain(line: str) -> str:
+def plain_line(line: str) -> str:
     """Return a line without markup, with ASCII dashes and quotes, and a tab before each cell or page number."""
     with_tabs = line.strip().strip("|").replace("|", "\t")
     ascii_line = unicodedata.normalize("NFKC", with_tabs).translate(_DASHES)
@@ -286,7 +286,7 @@ def _words_without_numbers(lines: Iterable[str], title_by_number: Mapping[str, s
     return WORD.findall(_SECTION_REFERENCE.sub(without_number, without_pages))
 
 
-def letters(words: Iterable[str]) -> str:
+def joined_letters(words: Iterable[str]) -> str:
     """Return the letters of words as one text, such as those of a running head without its page."""
     return re.sub(r"[\W\d_]+", "", "".join(words))
 

@@ -12,7 +12,7 @@ from ..hints import POLYNOMIAL, polynomial_powers
 from ..problems import DocumentReport, Path, is_typo, quoted
 from ..written_layouts import WrittenField
 from ..written_parts import WrittenErratum, WrittenSpec
-from .parts import Has, by_name, constant_width, explained, field_lists, owner_of_alarm
+from .parts import Has, by_name, constant_width, field_lists, has_erratum_at, owner_of_alarm
 from .walk import leaves, leaves_of
 
 #: A hexadecimal number in a text.
@@ -250,7 +250,7 @@ def check_repeated_access(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
         is_fixed = bool(register.fields) and all(field.equals is not None for field in register.fields)
         if not is_fixed or register.access != "read_write" or register.note:
             continue
-        if not explained(report.document, "registers", register.name, "access"):
+        if not has_erratum_at(report.document, "registers", register.name, "access"):
             message = (
                 f"all fields of {quoted(register.name)} have a fixed value ('equals'), so it should be read_only; "
                 "if the manual says read_write, say so in a 'note'"

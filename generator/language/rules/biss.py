@@ -11,7 +11,16 @@ from ..written import Located
 from ..written_codes import WrittenRegister
 from ..written_layouts import WrittenField
 from ..written_parts import WrittenSpec
-from .parts import bank_select, by_name, by_part_name, expanded, explained, interface_of, layouts, position_names
+from .parts import (
+    bank_select,
+    by_name,
+    by_part_name,
+    has_erratum_at,
+    interface_of,
+    layouts,
+    position_names,
+    with_groups_expanded,
+)
 
 #: Registers with a fixed place in BiSS, by their usual name: address, length, and the place in words.
 _PLACES = {
@@ -71,7 +80,7 @@ def check_taken_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
         if interface_of(register) != Biss.name or register.bank is not None or has_fixed_name:
             continue
         fixed_name = _taken_place(register)
-        if fixed_name is None or explained(report.document, "registers", name, "address"):
+        if fixed_name is None or has_erratum_at(report.document, "registers", name, "address"):
             continue
         first = register.address
         last = register.address + register.length - 1
@@ -108,7 +117,7 @@ def check_biss_byte_order(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
         if name not in _PLACES or interface_of(register) != Biss.name or register.bank is not None:
             continue
         is_low_byte_first = register.byte_order == "low_byte_first"
-        if is_low_byte_first and not explained(report.document, "registers", name, "byte_order"):
+        if is_low_byte_first and not has_erratum_at(report.document, "registers", name, "byte_order"):
             message = (
                 f"{quoted(name)} has its low byte first, but in BiSS the most significant byte has the lowest address."
                 f" If this is what the manual says, add an erratum that affects registers.{name}.byte_order"
@@ -127,7 +136,7 @@ def check_biss_frame(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
         layout = frame.layout
         if layout is None or frame.interface != Biss.name or not frame.is_from_encoder:
             continue
-        sent_fields = list(expanded(frame, groups))
+        sent_fields = list(with_groups_expanded(frame, groups))
         if _FLAGS.isdisjoint(field.name for _, field in sent_fields):
             continue
         frame_path = f"interfaces.{Biss.name}.{layout.name}"
@@ -137,7 +146,7 @@ def check_biss_frame(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
             *_late_positions(sent_fields, position_names(spec, Biss.name), frame_path),
         ]
         for fault in faults:
-            if not explained(report.document, fault.affected):
+            if not has_erratum_at(report.document, fault.affected):
                 hint = f"If this is what the manual says, add an erratum that affects {fault.affected}"
                 report.add("biss-protocol", fault.path, f"{fault.problem}. {hint}")
 

@@ -13,7 +13,7 @@ from ..schema_files import is_second
 from ..written import Located
 from ..written_parts import WrittenSpec
 from .connectors import partner_of, signal_names
-from .parts import explained
+from .parts import has_erratum_at
 
 _COLOURS = "white|black|brown|green|yellow|grey|gray|pink|blue|red|violet|orange|purple"
 #: A wire with one colour or two: ``White``, ``Brown_Green``.
@@ -152,7 +152,7 @@ def _compare_signals(
         if signal is None or _plain_signal(signal) == _plain_signal(contact.signal):
             continue
         places = ((connector.part.name, contact.contact), (cable.part.name, wire))
-        if not any(explained(report.document, "connectors", name, "contacts", place) for name, place in places):
+        if not any(has_erratum_at(report.document, "connectors", name, "contacts", place) for name, place in places):
             message = (
                 f"contact {quoted(contact.contact)} and the wire {quoted(wire)} have the same line over another"
                 f" interface, but {quoted(contact.signal)} and {quoted(signal)} here; correct one of the tables"

@@ -11,7 +11,7 @@ from ..written import Located
 from ..written_interfaces import WrittenRs485
 from ..written_layouts import WrittenField, WrittenLayout
 from ..written_parts import WrittenSpec
-from .parts import FieldList, Groups, Has, by_name, expanded, explained, layouts
+from .parts import FieldList, Groups, Has, by_name, has_erratum_at, layouts, with_groups_expanded
 
 #: Interfaces over which a master sends only a clock, or control data, which are not a layout.
 _WITHOUT_REQUESTS = frozenset((Biss.name, Ssi.name))
@@ -36,7 +36,7 @@ def check_slaves(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport
     if network is None or not network.is_valid("topology") or not network.is_valid("multiple_slaves"):
         return
     is_bus = network.part.topology == "bus"
-    if is_bus != network.part.multiple_slaves and not explained(report.document, *map(str, network.path)):
+    if is_bus != network.part.multiple_slaves and not has_erratum_at(report.document, *map(str, network.path)):
         slaves_text = "several slaves" if network.part.multiple_slaves else "one slave"
         message = (
             f"{quoted(network.part.topology)} does not fit {slaves_text}; correct one of the two. If this is what the"
@@ -108,7 +108,7 @@ def _request_with(data_id: Located[DataId], rs485: WrittenRs485) -> WrittenLayou
 
 
 def _fields_of(layout: WrittenLayout, groups: Groups) -> Iterator[WrittenField]:
-    for _, field in expanded(FieldList(Has.LAYOUT, layout, ""), groups):
+    for _, field in with_groups_expanded(FieldList(Has.LAYOUT, layout, ""), groups):
         yield field
 
 

@@ -9,7 +9,16 @@ from ..schema_files import family_of
 from ..written_codes import WrittenRegister
 from ..written_interfaces import WrittenRs485
 from ..written_parts import WrittenSpec
-from .parts import PlacedPart, by_name, expanded, field_lists, interface_of, interfaces, last_address, layouts
+from .parts import (
+    PlacedPart,
+    by_name,
+    field_lists,
+    interface_of,
+    interfaces,
+    last_address,
+    layouts,
+    with_groups_expanded,
+)
 
 #: Keys of a data ID that must be unique, each with the word for such a data ID.
 _DATA_ID_LABELS = (
@@ -115,7 +124,7 @@ def check_duplicate_field(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
     for field_list in field_lists(spec):
         named_values: list[Named] = []
         use_paths = {field.path for field in field_list.fields if field.use}
-        for path, field in expanded(field_list, groups):
+        for path, field in with_groups_expanded(field_list, groups):
             # A name in a group is reported at its use, because that is what makes it occur twice.
             name_path = path if path in use_paths else (*path, "name")
             named_values.append((name_path, field.name or None))  # None is not compared.

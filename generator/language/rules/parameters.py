@@ -17,13 +17,13 @@ from .parts import (
     PlacedPart,
     WrittenInterface,
     by_name,
-    expanded,
     field_lists,
     interface_of,
     interfaces,
     layouts,
     measurements,
     origins_of,
+    with_groups_expanded,
 )
 
 #: Quantities by their units as manuals name them. Other units are used unchanged.
@@ -57,7 +57,7 @@ def kind_of_unit(unit: str) -> str:
 
 def check_parameter_interface(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an expression of one interface uses no parameter of another, directly or through other parameters."""
-    for path, interface, text in uses(spec, as_read):
+    for path, interface, text in parameter_uses(spec, as_read):
         for name in dict.fromkeys(all_parameters(text, as_read.parameters)):
             owner_interface = as_read.parameters[name].interface
             if owner_interface is not None and owner_interface != interface:
@@ -93,7 +93,7 @@ def expressions(spec: WrittenSpec) -> _Expressions:
         yield from _of_words(interface)
 
 
-def uses(spec: WrittenSpec, as_read: WrittenSpec | None = None) -> Iterator[tuple[Path, str, int | str]]:
+def parameter_uses(spec: WrittenSpec, as_read: WrittenSpec | None = None) -> Iterator[tuple[Path, str, int | str]]:
     """Yield each use of an expression or parameter by an interface: the place, the interface, and the text.
 
     A field of a group is yielded for each layout or register that uses the group.
@@ -102,7 +102,7 @@ def uses(spec: WrittenSpec, as_read: WrittenSpec | None = None) -> Iterator[tupl
     field_owners = list(layouts(spec))
     field_owners += [FieldList(Has.REGISTER, register, interface_of(register)) for register in spec.registers]
     for field_list in field_owners:
-        for path, field in expanded(field_list, groups):
+        for path, field in with_groups_expanded(field_list, groups):
             yield from _used_by(field_list.interface, _of_field(field, path))
         yield from _used_by(field_list.interface, _of_owner(field_list))
     for name, interface in interfaces(spec):
@@ -295,7 +295,7 @@ def check_alternative_use(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
     alternatives = by_name(as_read.alternatives)
     set_by_alternative = {name: parameter for name, parameter in as_read.parameters.items() if parameter.alternative}
     used_texts = list(expressions(spec))
-    used_texts += [(path, text) for path, _, text in uses(spec, as_read) if path[-1] == "when"]
+    used_texts += [(path, text) for path, _, text in parameter_uses(spec, as_read) if path[-1] == "when"]
     for path, text in used_texts:
         names = [factor.parameter for factor in _list_factors(text) if factor.parameter in set_by_alternative]
         if not names:

@@ -17,13 +17,13 @@ from .parts import (
     Has,
     by_name,
     constant_width,
-    expanded,
     field_lists,
     field_names,
     layouts,
     position_names,
     readable_names,
     value_names,
+    with_groups_expanded,
 )
 from .shapes import MOST_RESERVED_BITS, RESERVED
 
@@ -145,7 +145,7 @@ def _report_names(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, str
     A value with a verdict is reported as ``field_value``, and a combination under its own name.
     """
     use_paths = {field.path for field in fields.fields if field.use}
-    for field_path, field in expanded(fields, groups):
+    for field_path, field in with_groups_expanded(fields, groups):
         for name, value in field.values.items():
             if value.has("makes_position"):
                 # A value in a group is reported at the use of the group.

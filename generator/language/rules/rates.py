@@ -14,7 +14,7 @@ from ..schema_files import is_second
 from ..written import Located
 from ..written_interfaces import WrittenBiss, WrittenRs485, WrittenSpi, WrittenSsi
 from ..written_parts import WrittenSpec
-from .parts import WrittenInterface, explained, interfaces, share_codes
+from .parts import WrittenInterface, has_erratum_at, interfaces, share_codes
 
 #: Significant digits of the rates in data sheets.
 _DIGITS = 3
@@ -112,7 +112,7 @@ def _check_monoflop(timing: Located[Timing], ssi: WrittenSsi, report: DocumentRe
     """Check a monoflop time against the clocks and pauses of the same order codes."""
     time_us, key = _find_shortest(timing)
     affected_path = ".".join(map(str, (*timing.path[:-1], _MONOFLOP, key)))
-    if explained(report.document, affected_path) or not time_us:
+    if has_erratum_at(report.document, affected_path) or not time_us:
         return
     remedy = f"If this is what the manual says, add an erratum that affects {affected_path}"
     for clock in ssi.clock:
@@ -163,7 +163,7 @@ def _check_cable_clock(row: Located[CableLength], clock: Clock, report: Document
     highest_hz = clock.max_hz
     is_too_high = highest_hz is not None and below_hz > highest_hz
     place = "interfaces.ssi.clock.max_hz" if is_too_high else "interfaces.ssi.clock.min_hz"
-    if explained(report.document, place) or not (below_hz < lowest_hz or is_too_high):
+    if has_erratum_at(report.document, place) or not (below_hz < lowest_hz or is_too_high):
         return
     message = (
         f"no clock is below {below_hz} Hz for cables shorter than {row.part.shorter_than_m} m: the clock is"
@@ -182,7 +182,7 @@ def check_timeouts_and_clocks(spec: WrittenSpec, as_read: WrittenSpec, report: D
     """
     biss = spec.interfaces.biss
     for timeout in biss.timeout if biss is not None else ():
-        if biss is None or explained(report.document, *_TIMEOUT, "printed"):
+        if biss is None or has_erratum_at(report.document, *_TIMEOUT, "printed"):
             continue
         remedy = f"correct one of the two. If this is what the manual says, add an erratum that affects {_PRINTED}"
         _check_longest_timeout(biss, timeout, remedy, report)
@@ -234,7 +234,7 @@ def check_timeout_mismatch(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
 
 def _check_clocks_of_timeouts(timeout: Located[Timeout], clock: Clock, report: DocumentReport) -> None:
     """Report printed time-outs at clocks that an encoder does not support."""
-    if clock.max_hz is None or explained(report.document, *_TIMEOUT):
+    if clock.max_hz is None or has_erratum_at(report.document, *_TIMEOUT):
         return
     lowest_hz = clock.min_hz or 0
     highest_hz = clock.max_hz

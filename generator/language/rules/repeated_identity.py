@@ -9,7 +9,7 @@ from ...model import Biss
 from ..problems import DocumentReport, quoted
 from ..written_interfaces import WrittenRs485
 from ..written_parts import WrittenSpec
-from .parts import by_name, explained, interface_of
+from .parts import by_name, has_erratum_at, interface_of
 from .walk import leaves_of
 
 #: Name of a device description file: idbiss and the manufacturer ID in hexadecimal.
@@ -51,7 +51,7 @@ def check_alignment(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
         texts += [value.meaning for value in part.values.values()]
     sides_by_text = [_ALIGNED.findall(title) for title in texts]
     named_alignments = {_ALIGNMENTS[side.casefold()] for sides in sides_by_text for side in sides}
-    if ssi is None or len(named_alignments) != 1 or explained(report.document, "interfaces", "ssi", "alignment"):
+    if ssi is None or len(named_alignments) != 1 or has_erratum_at(report.document, "interfaces", "ssi", "alignment"):
         return
     named_alignment = named_alignments.pop()
     if ssi.alignment and ssi.alignment != named_alignment:

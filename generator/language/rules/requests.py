@@ -17,9 +17,9 @@ from .parts import (
     Has,
     by_name,
     constant_width,
-    expanded,
     field_names,
     interface_of,
+    with_groups_expanded,
 )
 
 #: Requests with their replies, over SPI or RS-485.
@@ -373,7 +373,7 @@ def _constant_bits(layout: WrittenLayout, groups: Groups) -> str:
     The result is empty if a width depends on the order code or is too large.
     """
     word = ""
-    for _, field in expanded(_as_fields(layout), groups):
+    for _, field in with_groups_expanded(_as_fields(layout), groups):
         width = 1 if field.parity_of else constant_width(field)
         if width is None or width > _WIDEST_WORD:
             return ""
@@ -389,6 +389,6 @@ def _fixed_value(field: WrittenField) -> int | None:
 
 def _free_names(layout: WrittenLayout, groups: Groups) -> Iterator[str]:
     """Yield the names of the fields that have no fixed value."""
-    for _, field in expanded(_as_fields(layout), groups):
+    for _, field in with_groups_expanded(_as_fields(layout), groups):
         if _fixed_value(field) is None:
             yield field.name

@@ -12,7 +12,7 @@ from ..problems import DocumentReport, listed, quoted, suggestion
 from ..written import Located
 from ..written_interfaces import WrittenBiss, WrittenSsi
 from ..written_parts import WrittenExample, WrittenSection, WrittenSpec
-from .parts import PlacedPart, WrittenInterface, by_name, clocks_of, explained, interfaces
+from .parts import PlacedPart, WrittenInterface, by_name, clocks_of, has_erratum_at, interfaces
 from .walk import leaves, leaves_of, mapping, sources
 
 _CITED = re.compile(r"(?P<section>[0-9]+(?:\.[0-9]+)*|[^\W\d_][^:;]*?)(?:\s+p\.(?P<page>[0-9]+))?")
@@ -392,7 +392,7 @@ def check_revision_in_history(spec: WrittenSpec, as_read: WrittenSpec, report: D
     is_repeated = len(set(revisions)) < len(revisions)  # Reported by another rule.
     if not revisions or is_repeated or not revision or revision in revisions:
         return
-    if explained(report.document, "manual", "history"):
+    if has_erratum_at(report.document, "manual", "history"):
         return
     problem = f"the manual has revision {quoted(revision)}, but its history lists {', '.join(revisions)}"
     remedy = "correct one of the two, or add an erratum that affects manual.history if the manual prints this"
