@@ -35,13 +35,14 @@ def check_channels(device: Device, report: DocumentReport) -> None:
             report.add("undefined-reference", (*place, "order"), message)
         return
     ordered_layouts = [layouts[name] for name in biss.channels.order]
-    problems = (
+    problems: tuple[_Problem, ...] = (
         *_order_problems(biss, ordered_layouts),
         *_question_problems(device, ordered_layouts),
         *_position_problems(device, ordered_layouts),
         *_comparison_problems(device, biss.channels, layouts),
     )
-    for keys, message in problems[:1]:
+    if problems:
+        keys, message = problems[0]
         report.add(_RULE, (*place, *keys), message)
 
 

@@ -37,7 +37,7 @@ from ..model import (
 )
 from ..model.expressions import Expression, ExpressionError, resolve_parameters
 from ..model.registers import bounded_width, bounds, name_with_limits, numbers_that_fit
-from ..order_codes.labels import combinations
+from ..order_codes.labels import listed_codes
 from ..reference.bits import join_value
 from .crc_rules import check_settings_of_crcs
 from .editions import editions
@@ -238,7 +238,7 @@ def _list_variants(
     if not order_code.parts:
         return ()
     variants = []
-    for code, values_by_part, interface, set_values in combinations(order_code):
+    for code, values_by_part, interface, set_values in listed_codes(order_code):
         parameters = resolve_parameters({**default_values, **set_values}, definitions)
         variants.append(
             Variant(code=code, parts=MappingProxyType(dict(values_by_part)), interface=interface, parameters=parameters)

@@ -369,9 +369,10 @@ def narrowed_to(devices: Sequence[Device], only: str) -> tuple[Device, ...]:
     words = [word.strip() for word in only.split(",") if word.strip()]
     if not words:
         return tuple(devices)
-    known_names = {
-        name for device in devices for variant in device.variants for name in _names_of_code(device, variant)
-    }
+    known_names: set[str] = set()
+    for device in devices:
+        for variant in device.variants:
+            known_names.update(_names_of_code(device, variant))
     for word in words:
         if word.upper() not in known_names:
             raise UnknownName(_unknown_message(devices, word))

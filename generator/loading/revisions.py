@@ -101,13 +101,16 @@ def write_revision(revision_path: RevisionPath, folder: Path) -> RevisionFiles:
     manufacturer_path = posixpath.join(posixpath.dirname(path), _BESIDE)
     if is_single_file and path != manufacturer_path:
         blobs_by_path |= _list_files(commit, manufacturer_path)
-    # A file given by name is a spec, whatever its suffix.
-    blobs_of_specs = {name: blob for name, blob in blobs_by_path.items() if name.endswith(SUFFIXES) or name == path}
+    blobs_of_specs: dict[str, str] = {}
+    for name, blob in blobs_by_path.items():
+        # A file given by name is a spec, whatever its suffix.
+        if name.endswith(SUFFIXES) or name == path:
+            blobs_of_specs[name] = blob
     _refuse_bad_names(revision_path.revision, blobs_of_specs)  # Also those of hidden files.
     if not is_single_file:
-        blobs_of_specs = {
-            name: blob for name, blob in blobs_of_specs.items() if not _is_hidden(name.removeprefix(path))
-        }
+        for name in list(blobs_of_specs):
+            if _is_hidden(name.removeprefix(path)):
+                del blobs_of_specs[name]
     if len(blobs_of_specs) > _MOST_FILES:
         raise RevisionError(
             f"{visible(str(revision_path))} contains {len(blobs_of_specs)} YAML files; name the folder of the specs"

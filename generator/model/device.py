@@ -359,18 +359,22 @@ class Device:
         return frame is not None and layout in frame.layouts and layout.judges_position
 
     def range_in(self, layout: Layout) -> PositionRange | None:
-        """Return the range of valid positions in a frame if its field could hold others."""
+        """Return the range of valid positions in a frame, or None if its field holds no others."""
         # The device holds its layouts, so no other layout can have the identity of one of them.
         if id(layout) not in self._ranges_by_layout:
-            interface = next((interface.name for interface, candidate in self.layouts() if candidate is layout), "")
-            if not interface:
+            interface_names = [interface.name for interface, candidate in self.layouts() if candidate is layout]
+            if not interface_names:
                 return None
-            measurement = self.measurement_in(interface, layout) if layout.sender == "encoder" else None
-            sets = [variant.parameters for variant in self.variants_over(interface)]
-            self._ranges_by_layout[id(layout)] = (
-                narrower_range(measurement, layout, sets) if measurement is not None else None
-            )
+            self._ranges_by_layout[id(layout)] = self._range_over(interface_names[0], layout)
         return self._ranges_by_layout[id(layout)]
+
+    def _range_over(self, interface: str, layout: Layout) -> PositionRange | None:
+        """Return the range of valid positions in a frame over an interface, or None if its field holds no others."""
+        measurement = self.measurement_in(interface, layout)
+        if layout.sender != "encoder" or measurement is None:
+            return None
+        parameter_sets = [variant.parameters for variant in self.variants_over(interface)]
+        return narrower_range(measurement, layout, parameter_sets)
 
     @cached_property
     def _ranges_by_layout(self) -> dict[int, PositionRange | None]:

@@ -218,11 +218,14 @@ class Layout:
         placed_fields = (field.place(parameters) for field in self.fields)
         fields_by_name = {field.name: field for field in placed_fields if field.width > 0}
         gray = bool(self.gray_of and (not self.gray_when or parameters.get(self.gray_when)))
-        unused_with_places = tuple(
-            (fields_by_name[field.name], place) for field, place in self.unused if field.name in fields_by_name
-        )
+        remaining_unused = [(field, place) for field, place in self.unused if field.name in fields_by_name]
         return PlacedLayout(
-            self, self.bits.value(parameters), tuple(fields_by_name.values()), gray, unused_with_places, parameters
+            layout=self,
+            bits=self.bits.value(parameters),
+            fields=tuple(fields_by_name.values()),
+            gray=gray,
+            unused=tuple((fields_by_name[field.name], place) for field, place in remaining_unused),
+            parameters=parameters,
         )
 
 

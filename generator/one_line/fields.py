@@ -150,13 +150,24 @@ def _read_crc(values: Sequence[str], column: int, interface: str) -> Crc:
     offset = len("crc=") + len(values[0]) + 1  # after "crc=width:"
     if not 0 < len(numbers) < 3:
         raise FieldError("write crc=BITS:POLYNOMIAL:START, with :inverted or :plain after it if needed", offset)
-    poly = number_in(numbers[0])
-    top_bit = 1 << bits
-    if poly is None or not poly & 1 or poly >= 2 * top_bit:
-        reason = f"write an odd number of at most {2 * top_bit - 1:#x}, with or without its top bit"
-        raise FieldError(f"{quoted(numbers[0])} is not a polynomial of {bits} bits; {reason}", offset)
+    poly = _read_polynomial(numbers[0], bits, offset)
     init = number_in(numbers[1]) if len(numbers) > 1 else 0
-    if init is None or init >= top_bit:
+    highest = (1 << bits) - 1
+    if init is None or init > highest:
         offset += len(numbers[0]) + 1
-        raise FieldError(f"{quoted(numbers[1])} is not a start value; write at most {top_bit - 1:#x}", offset)
-    return Crc("crc", bits, column, poly & (top_bit - 1), init, is_inverted)
+        raise FieldError(f"{quoted(numbers[1])} is not a start value; write at most {highest:#x}", offset)
+    return Crc("crc", bits, column, poly, init, is_inverted)
+
+
+def _read_polynomial(polynomial_text: str, bits: int, offset: int) -> int:
+    """Return a polynomial without its top bit, which may be written: ``0x43`` of 6 bits is 3.
+
+    Its lowest bit is always 1. ``offset`` is that of the text in the field, for the error.
+    """
+    polynomial = number_in(polynomial_text)
+    top_bit = 1 << bits
+    highest = 2 * top_bit - 1
+    if polynomial is None or polynomial % 2 == 0 or polynomial > highest:
+        reason = f"write an odd number of at most {highest:#x}, with or without its top bit"
+        raise FieldError(f"{quoted(polynomial_text)} is not a polynomial of {bits} bits; {reason}", offset)
+    return polynomial & (top_bit - 1)

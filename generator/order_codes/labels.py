@@ -91,11 +91,19 @@ class Match:
     written_as_in: str = ""
 
 
-def combinations(order_code: OrderCode) -> Iterator[tuple[str, Mapping[str, str], str, Mapping[str, int]]]:
-    """Yield every listed code: its text, the text of each part, the interface, and the parameters that the parts set.
+class ListedCode(NamedTuple):
+    """A listed order code: ``("X-24-B", {"bits": "24", "output": "B"}, "biss", {"singleturn_bits": 24})``."""
 
-    For example, ``("X-24-B", {"singleturn": "24", "output": "B"}, "biss", {"singleturn_bits": 24})``.
-    """
+    text: str
+    #: The text of each part, by the name of the part.
+    parts: Mapping[str, str]
+    interface: str
+    #: The parameters that the parts set.
+    parameters: Mapping[str, int]
+
+
+def listed_codes(order_code: OrderCode) -> Iterator[ListedCode]:
+    """Yield every combination of values of the parts that is allowed, as an order code."""
     values_of_parts = [part.values for part in order_code.parts]
     for values in itertools.product(*values_of_parts):
         texts = {part.name: value.text for part, value in zip(order_code.parts, values, strict=True)}
@@ -106,7 +114,8 @@ def combinations(order_code: OrderCode) -> Iterator[tuple[str, Mapping[str, str]
             parameters |= value.sets
         interfaces = [value.interface for value in values if value.interface]
         interface = interfaces[0] if interfaces else ""
-        yield fill_pattern(order_code.pattern, texts), texts, interface, parameters
+        code = fill_pattern(order_code.pattern, texts)
+        yield ListedCode(text=code, parts=texts, interface=interface, parameters=parameters)
 
 
 def _can_be_combined(value: CodeValue, texts: Mapping[str, str]) -> bool:

@@ -75,10 +75,11 @@ def _exchange_constants(interface: Interface) -> dict[str, str]:
     layouts = {layout.name: layout for layout in interface.layouts}
     for exchange in interface.exchanges:
         fields = layouts[exchange.request].fields
-        constants = [(field.low, field.kind.value) for field in fields if isinstance(field.kind, Constant)]
-        constants_text = ", ".join(
-            f"{in_hex(constant_value)} from bit {low_bit.render()}" for low_bit, constant_value in constants
-        )
+        constant_texts: list[str] = []
+        for field in fields:
+            if isinstance(field.kind, Constant):
+                constant_texts.append(f"{in_hex(field.kind.value)} from bit {field.low.render()}")
+        constants_text = ", ".join(constant_texts)
         constants_by_frame[exchange.request] = constants_text
         # A reply to several requests is identified by the first one.
         constants_by_frame.setdefault(exchange.reply, constants_text)

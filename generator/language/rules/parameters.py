@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 from ...model.expressions import Expression, ExpressionError, Factor
 from ..problems import DocumentReport, Path, listed, quoted
@@ -93,8 +94,16 @@ def expressions(spec: WrittenSpec) -> _Expressions:
         yield from _of_words(interface)
 
 
-def parameter_uses(spec: WrittenSpec, as_read: WrittenSpec | None = None) -> Iterator[tuple[Path, str, int | str]]:
-    """Yield each use of an expression or parameter by an interface: the place, the interface, and the text.
+class ParameterUse(NamedTuple):
+    """An expression or a parameter, its place, and an interface that uses it."""
+
+    path: Path
+    interface: str
+    text: int | str
+
+
+def parameter_uses(spec: WrittenSpec, as_read: WrittenSpec | None = None) -> Iterator[ParameterUse]:
+    """Yield each use of an expression or parameter by an interface.
 
     A field of a group is yielded for each layout or register that uses the group.
     """
@@ -113,10 +122,10 @@ def parameter_uses(spec: WrittenSpec, as_read: WrittenSpec | None = None) -> Ite
         yield from _used_by(name, _of_words(interface))
 
 
-def _used_by(interface: str, expressions: _Expressions) -> Iterator[tuple[Path, str, int | str]]:
-    """Yield expressions with the interface that uses them: the place, the interface, and the text."""
+def _used_by(interface: str, expressions: _Expressions) -> Iterator[ParameterUse]:
+    """Yield expressions with the interface that uses them."""
     for path, text in expressions:
-        yield path, interface, text
+        yield ParameterUse(path=path, interface=interface, text=text)
 
 
 def _of_owner(fields: FieldList) -> _Expressions:
@@ -295,7 +304,7 @@ def check_alternative_use(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
     alternatives = by_name(as_read.alternatives)
     set_by_alternative = {name: parameter for name, parameter in as_read.parameters.items() if parameter.alternative}
     used_texts = list(expressions(spec))
-    used_texts += [(path, text) for path, _, text in parameter_uses(spec, as_read) if path[-1] == "when"]
+    used_texts += [(use.path, use.text) for use in parameter_uses(spec, as_read) if use.path[-1] == "when"]
     for path, text in used_texts:
         names = [factor.parameter for factor in _list_factors(text) if factor.parameter in set_by_alternative]
         if not names:

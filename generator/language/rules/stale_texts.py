@@ -62,17 +62,22 @@ def check_erratum_quantities(spec: WrittenSpec, as_read: WrittenSpec, report: Do
         stated_by_kind: dict[str, dict[Decimal, str]] = {}
         for kind, number, stated_text in _stated_quantities(facts):
             stated_by_kind.setdefault(kind, {})[number] = stated_text
-        for match in matches:
-            number_text, unit = match.group("number", "unit")
-            kind = _KIND_OF_UNIT[unit]
-            number = _in_smallest_unit(number_text, unit)
-            if kind in stated_by_kind and number not in stated_by_kind[kind]:
-                texts = listed(list(stated_by_kind[kind].values()), "or")
-                message = (
-                    f"the text says {quoted(match[0])}, but the facts affected have {texts}; correct one of the two"
-                )
-                report.add("left-behind", erratum.place_of(key), message)
-                break
+        messages = [message for match in matches if (message := _contradiction_of(match, stated_by_kind))]
+        if messages:
+            report.add("left-behind", erratum.place_of(key), messages[0])
+
+
+def _contradiction_of(quantity: re.Match[str], stated_by_kind: Mapping[str, Mapping[Decimal, str]]) -> str:
+    """Return the message about a quantity in a text that is none of its kind in the facts, or an empty string.
+
+    ``stated_by_kind`` has the quantities of the facts: their numbers in the smallest unit, with their texts.
+    """
+    number_text, unit = quantity.group("number", "unit")
+    text_by_number = stated_by_kind.get(_KIND_OF_UNIT[unit], {})
+    if not text_by_number or _in_smallest_unit(number_text, unit) in text_by_number:
+        return ""
+    texts = listed(list(text_by_number.values()), "or")
+    return f"the text says {quoted(quantity[0])}, but the facts affected have {texts}; correct one of the two"
 
 
 def _stated_quantities(facts: Iterable[object]) -> Iterator[tuple[str, Decimal, str]]:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import datetime
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import combinations, pairwise
 
-from ...model import INTERFACES, CableLength, Clock, Supply
+from ...model import INTERFACES, CableLength, Clock, Revision, Supply
 from ...say.plain_text import counted
 from ..document import Path, is_placeholder
 from ..problems import DocumentReport, missing, quoted, suggestion
@@ -15,7 +15,7 @@ from ..schema_files import is_second
 from ..written import Located
 from ..written_interfaces import WrittenRs485, WrittenSsi
 from ..written_layouts import WrittenField
-from ..written_parts import WrittenSpec
+from ..written_parts import WrittenManual, WrittenSpec
 from .parts import (
     MAX_FIELDS,
     by_name,
@@ -209,26 +209,40 @@ def _check_cable_order(
 
 def check_dates(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that dates exist, that revisions are in order, and that the transcribed one has the manual's date."""
-    manual = spec.manual
+    _check_that_dates_exist(spec.manual, report)
+    dated_history = [revision for revision in spec.manual.history if _parse_date(revision.part.date)]
+    _check_order_of_revisions(dated_history, report)
+    _check_date_of_transcribed(spec.manual, dated_history, report)
+
+
+def _check_that_dates_exist(manual: WrittenManual, report: DocumentReport) -> None:
+    """Check each date of the manual, its editions and its history. It may be empty or only a year."""
     dated_parts = [(manual.path, manual.date)]
     dated_parts += [(edition.path, edition.part.date) for edition in manual.editions]
     dated_parts += [(revision.path, revision.part.date) for revision in manual.history]
     for path, date in dated_parts:
-        # A date may be empty or only a year.
         is_only_a_year = len(date) <= len("2024")
         if not is_only_a_year and _parse_date(date) is None:
             report.add("date", (*path, "date"), f"{quoted(date)} is not a valid date")
-    dated_history = [revision for revision in manual.history if _parse_date(revision.part.date)]
+
+
+def _check_order_of_revisions(dated_history: Sequence[Located[Revision]], report: DocumentReport) -> None:
+    """Check that no revision of the history has an earlier date than the one before it."""
     for earlier, later in pairwise(dated_history):
         if later.part.date < earlier.part.date:
             problem = f"revision {later.part.revision} is dated {later.part.date}"
             problem += f", before revision {earlier.part.revision}, dated {earlier.part.date}"
             report.add("date", (*later.path, "date"), f"{problem}; list the oldest first")
-    dates_of_transcribed = [
-        revision.part.date for revision in dated_history if revision.part.revision == manual.revision
-    ]
-    if dates_of_transcribed and _parse_date(manual.date) and dates_of_transcribed[-1] != manual.date:
-        problem = f"revision {manual.revision} is dated {manual.date}, but {dates_of_transcribed[-1]} in 'history'"
+
+
+def _check_date_of_transcribed(
+    manual: WrittenManual, dated_history: Sequence[Located[Revision]], report: DocumentReport
+) -> None:
+    """Check that the history gives the revision of the manual the date of the manual, if it has both."""
+    date_by_revision = {release.part.revision: release.part.date for release in dated_history}
+    date_in_history = date_by_revision.get(manual.revision, manual.date)
+    if _parse_date(manual.date) and date_in_history != manual.date:
+        problem = f"revision {manual.revision} is dated {manual.date}, but {date_in_history} in 'history'"
         report.add("date", manual.place_of("date"), problem)
 
 
