@@ -284,6 +284,7 @@ def _quantity_text(value: Expression | Supply | Scale | CodedValue) -> str:
 
 
 def _shorten_text(text: str) -> str:
+    """Return a text of at most ``_LONGEST`` characters, cut with an ellipsis."""
     if len(text) <= _LONGEST:
         return text
     return f"{text[: _LONGEST - 1]}…"

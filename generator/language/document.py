@@ -221,6 +221,7 @@ def steps_of(path_text: str) -> tuple[str | int, ...]:
 
 
 def _step_of(match: re.Match[str]) -> str | int:
+    """Return a step of a path from its text: an index from 0 for a number in brackets, or else the word."""
     number, word = match.groups()
     return int(number) - 1 if number else str(word)
 

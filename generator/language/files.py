@@ -168,6 +168,7 @@ def _belongs_to_spec(file_name: str) -> bool:
 
 
 def _is_folder_entry(folder_entry: os.DirEntry[str]) -> bool:
+    """Return True if an entry is a folder, or a link to one."""
     try:
         return folder_entry.is_dir()
     except OSError:  # A link to itself. Reading it reports the error.

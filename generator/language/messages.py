@@ -347,6 +347,7 @@ def _explain_range(error: Any, subject: str) -> _RuleMessage:
 
 
 def _too_long(error: Any, subject: str) -> _RuleMessage:
+    """Return rule and message for a text that is longer than the schema allows."""
     return _RuleMessage(
         "too-long", f"{subject} has {len(error.instance)} characters; the limit is {error.validator_value}"
     )
@@ -367,6 +368,7 @@ def _explain_too_few(error: Any, subject: str) -> _RuleMessage:
 
 
 def _too_many(error: Any, subject: str) -> _RuleMessage:
+    """Return rule and message for a list or map with more entries than the schema allows."""
     return _RuleMessage(
         "too-long", f"{subject} has {len(error.instance)} entries; the limit is {error.validator_value}"
     )

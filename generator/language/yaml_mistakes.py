@@ -97,6 +97,7 @@ def _character_at(lines: list[str], mark: Any) -> str:
 
 
 def _missing_colon(character: str) -> str:
+    """Return the message about a key without a colon. ``character`` is the first one of the open value."""
     if character in ("'", '"'):
         return "the quote that opens here is not closed on this line; close it"
     return "a key has no colon, or the text of a value continues without indentation"

@@ -126,6 +126,7 @@ def _index_of_other_code(layouts: list[FoundLayout], layout: FoundLayout) -> int
 
 
 def _differ_only_in_code(first: FoundLayout, second: FoundLayout) -> bool:
+    """Return True if two layouts differ only in the code of the position: binary or Gray."""
     has_same_place = (first.split.start, first.split.end) == (second.split.start, second.split.end)
     has_same_checks = (first.crc, first.parity) == (second.crc, second.parity)
     return has_same_place and has_same_checks and first.split.is_gray != second.split.is_gray

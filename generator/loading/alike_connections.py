@@ -149,6 +149,7 @@ def _compare_connector(contacts_by_line: dict[_Line, _Contact], document: Docume
 
 
 def _report_contact(line: _Line, contact: _Contact, first_contact: _Contact, report: Report) -> None:
+    """Report a line that is on another contact here than on the first connector of its group."""
     line_number, _ = first_contact.document.position(first_contact.path)
     message = (
         f"{quoted(line[1])} is on contact {quoted(contact.name)} here, but on {quoted(first_contact.name)} in"

@@ -190,6 +190,7 @@ def code_grammar(raw_spec: Raw) -> OrderCode:
 
 
 def _build_code_part(raw_part: Raw) -> CodePart:
+    """Return a part of the order code with its values."""
     values = tuple(_build_code_value(text, value or {}, raw_part) for text, value in raw_part["values"].items())
     return record(CodePart, raw_part, values=values, open_only_with=_allowed_values(raw_part, "open_only_with"))
 
@@ -203,6 +204,7 @@ def _build_spelling(raw_spelling: Raw) -> Spelling:
 
 
 def _build_alternative(raw_alternative: Raw) -> Alternative:
+    """Return a question that the manual leaves open, with its answers."""
     answers = tuple(_build_answer(name, answer) for name, answer in raw_alternative["values"].items())
     return Alternative(
         name=raw_alternative["name"],
@@ -218,6 +220,7 @@ def _build_answer(name: str, raw_answer: Raw) -> Answer:
 
 
 def _build_code_value(text_in_code: str, raw_value: Raw, raw_part: Raw) -> CodeValue:
+    """Return a value of a part of the order code. ``text_in_code`` is its text in a label."""
     allowed_values = _allowed_values(raw_value, "only_with")
     return record(
         CodeValue, raw_value, text=text_in_code, only_with=allowed_values, supply=supply(raw_value, sources(raw_part))

@@ -197,6 +197,7 @@ def _build_channels(raw_interface: Raw, context: Context) -> DataChannels | None
 
 
 def _members_of_rs485(raw_interface: Raw, context: Context) -> Mapping[str, Any]:
+    """Return the members of an RS-485 interface that differ from the spec, by name."""
     return {
         "port": record(Port, {**_PORT, **raw_interface.get("port", {})}),
         "exchanges": _build_exchanges(raw_interface, context),
@@ -204,6 +205,7 @@ def _members_of_rs485(raw_interface: Raw, context: Context) -> Mapping[str, Any]
 
 
 def _members_of_spi(raw_interface: Raw, context: Context) -> Mapping[str, Any]:
+    """Return the members of an SPI interface that differ from the spec, by name."""
     bits = context.expression(raw_interface.get("word_bits", _WORD[0]))
     return {
         "clocks": _build_clocks(raw_interface),
@@ -220,6 +222,7 @@ def _build_exchanges(raw_interface: Raw, context: Context) -> tuple[Exchange, ..
 
 
 def _build_exchange(raw_exchange: Raw, source: str, context: Context) -> Exchange:
+    """Return an exchange. ``source`` is that of the interface, for an exchange without its own."""
     word_bits = context.expression(raw_exchange["word_bits"]) if "word_bits" in raw_exchange else None
     return record(Exchange, {"source": source, **raw_exchange}, word_bits=word_bits)
 

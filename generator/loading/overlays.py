@@ -190,6 +190,7 @@ def _apply_overlays(
 
 
 def _build_overlay(document: Document) -> Overlay:
+    """Return the name and the title of an overlay, and the special model that it applies to, if any."""
     special = document.data.get("applies_to", {}).get("special", "")
     return Overlay(document.data["overlay"], document.data["title"], special)
 

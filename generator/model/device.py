@@ -82,6 +82,7 @@ def narrower_range(
 
 
 def _is_narrower(position_range: PositionRange, parameters: Mapping[str, int]) -> bool:
+    """Return True if a range has fewer numbers than the width of its field allows."""
     width = position_range.field.width.value(parameters)
     highest = position_range.highest.value(parameters)
     return bool(width) and 0 <= highest - position_range.lowest.value(parameters) < (1 << width) - 1

@@ -66,6 +66,7 @@ def _spec_name(line_name: str) -> str:
 
 
 def _read_width(name: str, width_text: str, widest: int = WIDEST) -> int:
+    """Return a width in bits, or raise a ``FieldError`` if the text is not a number from 1 to ``widest``."""
     bits = number_in(width_text)
     if bits is None or not 0 < bits <= widest:
         raise FieldError(f"{quoted(width_text)} is not a width of '{name}'; write 1 to {widest}", len(name) + 1)
@@ -122,12 +123,14 @@ def _flag_of_interface(name: str, column: int, interface: str) -> Flag:
 
 
 def _read_filler(name: Literal["zero", "unused"], values: Sequence[str], column: int) -> Filler:
+    """Return bits without content from their only value, the width."""
     if len(values) != 1:
         raise FieldError(f"'{name}' takes only a width; write {name}=2 for two bits")
     return Filler(name, _read_width(name, values[0]), column)
 
 
 def _read_parity(values: Sequence[str], column: int) -> Parity:
+    """Return a parity bit from its only value: ``even`` or ``odd``."""
     if values == ["even"]:
         return Parity("parity", column, "even")
     if values == ["odd"]:

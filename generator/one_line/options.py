@@ -40,6 +40,7 @@ def _read_spi_mode(option_text: str) -> int | None:
 
 
 def _read_positive_number(option_text: str) -> int | None:
+    """Return the number in a text, or None if it is 0, too large, or not a number."""
     number = number_in(option_text)
     return number if number and number < 1 << 63 else None
 

@@ -220,5 +220,6 @@ def as_lines(sheet_data: Mapping[str, Any], spec_name: str) -> Iterator[str]:
 
 
 def _in_quotes(text: str) -> str:
+    """Return a text as a YAML scalar in double quotes."""
     escaped = text.replace("\\", "\\\\").replace('"', '\\"')
     return f'"{escaped}"'

@@ -114,6 +114,7 @@ def encode_digits(decimal: Decimal, values: Values) -> int:
 
 
 def checked_number(value: int | str | bool) -> int:
+    """Return a value as a number, or raise an ``EncodeError`` if it is a text."""
     if isinstance(value, str):
         raise EncodeError(f"'{value}' is not a number")
     return int(value)

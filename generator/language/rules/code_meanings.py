@@ -179,6 +179,7 @@ def check_labels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport
 
 
 def _parse_expression(formula: int | str | None) -> Expression | None:
+    """Return a formula as an expression, or None if there is none or it is not valid."""
     try:
         return None if formula is None else Expression.parse(formula)
     except ExpressionError:  # Reported by the rule on expressions.

@@ -108,6 +108,7 @@ def _request_with(data_id: Located[DataId], rs485: WrittenRs485) -> WrittenLayou
 
 
 def _fields_of(layout: WrittenLayout, groups: Groups) -> Iterator[WrittenField]:
+    """Yield the fields of a layout, with those of its groups."""
     for _, field in with_groups_expanded(FieldList(Has.LAYOUT, layout, ""), groups):
         yield field
 

@@ -250,6 +250,7 @@ def _address_space(register: WrittenRegister) -> tuple[str, int | None]:
 
 
 def _address_range(register: WrittenRegister) -> str:
+    """Return the addresses of a register as text, such as ``addresses 0x10 to 0x13``."""
     first = register.address
     last = last_address(register)
     return f"address {first:#04x}" if first == last else f"addresses {first:#04x} to {last:#04x}"

@@ -206,6 +206,7 @@ def is_whole(checked_data: dict[str, object], data_as_read: dict[str, object]) -
 
 
 def _without_prose(node: object) -> object:
+    """Return a copy of maps and lists without the keys that hold only prose."""
     if isinstance(node, dict):
         return {key: _without_prose(inner) for key, inner in node.items() if key not in WORDS_ONLY}
     if isinstance(node, list):

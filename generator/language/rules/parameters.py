@@ -397,6 +397,7 @@ def _find_cycle(start: str, definitions: Mapping[str, tuple[str, ...]], settled:
 
 
 def _parameters_in(expression_text: int | str) -> tuple[str, ...]:
+    """Return the parameters in an expression, or none if it is not valid."""
     try:
         return Expression.parse(expression_text).parameters
     except ExpressionError:  # Reported by the rule on expressions.

@@ -68,7 +68,7 @@ def check_erratum_quantities(spec: WrittenSpec, as_read: WrittenSpec, report: Do
 
 
 def _contradiction_of(quantity: re.Match[str], stated_by_kind: Mapping[str, Mapping[Decimal, str]]) -> str:
-    """Return the message about a quantity in a text that is none of its kind in the facts, or an empty string.
+    """Return the message about a quantity that differs from those of its kind in the facts, or an empty string.
 
     ``stated_by_kind`` has the quantities of the facts: their numbers in the smallest unit, with their texts.
     """
