@@ -19,7 +19,7 @@ from pathlib import Path
 from codewheel.commands.decode.frames import decode_text, why_text
 from codewheel.loading.library import load_library
 from codewheel.model import Device
-from codewheel.order_codes.labels import UnknownOrderCode, find
+from codewheel.order_codes.labels import UnknownOrderCode, find_code
 from codewheel.why.diagnosis import Diagnosis, Explanation
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "generator"))
@@ -115,7 +115,7 @@ AS_HEX = (planted.not_inverted, planted.status_left_out, planted.read_late, plan
 def _why(devices: Mapping[str, Device], plant: planted.Plant, count: Count) -> Diagnosis | None:
     for device in devices.values():
         try:
-            variant = find(device, plant.code).variant
+            variant = find_code(device, plant.code).variant
         except UnknownOrderCode:
             continue
         before = time.perf_counter()

@@ -18,7 +18,7 @@ from codewheel.masters.record import Record
 from codewheel.masters.sheet import Master, Sheet, sheet, shipped_masters
 from codewheel.masters.text import sheet_text
 from codewheel.model import Device, Interface
-from codewheel.order_codes.labels import find
+from codewheel.order_codes.labels import find_code
 from codewheel.targets.masters.files import file_text
 
 #: Placeholders in a line for the order code, and for the order code as an identifier.
@@ -103,7 +103,7 @@ def _texts_of(device: Device, record: Record, master_sheet: Sheet, texts: _Texts
     """Return the number of the text of a master, and its files, or an empty list if it lacks the interface."""
     if not master_sheet.is_described:
         return []
-    text = sheet_text(device, find(device, record.code), record, [master_sheet])
+    text = sheet_text(device, find_code(device, record.code), record, [master_sheet])
     files = []
     if not master_sheet.refusals:
         for rule in master_sheet.master.files:

@@ -159,7 +159,7 @@ def _difference_text(
 
 def compare_parts(
     family_pair: FamilyPair,
-    kind: str,
+    part_kind: str,
     old_parts: Sequence[_Item],
     new_parts: Sequence[_Item],
     section_subject: Subject,
@@ -169,7 +169,7 @@ def compare_parts(
 
     Args:
         family_pair: The two versions of the family.
-        kind: Kind of the things, with which the names of their rules begin.
+        part_kind: Kind of the things, with which the names of their rules begin.
         old_parts: The old things.
         new_parts: The new things.
         section_subject: The section that contains them. Its label has the words that precede the name of a thing.
@@ -177,11 +177,15 @@ def compare_parts(
     """
     for pair in pair_parts(family_pair, old_parts, new_parts, section_subject.interface, section_subject.scope):
         subject = _named_in_code(family_pair, pair, section_subject)
-        yield from compare_pair(family_pair, kind, subject, pair, compare_content)
+        yield from compare_pair(family_pair, part_kind, subject, pair, compare_content)
 
 
 def compare_pair(
-    family_pair: FamilyPair, kind: str, subject: Subject, pair: Pair[Any], compare_content: CompareContent | None = None
+    family_pair: FamilyPair,
+    part_kind: str,
+    subject: Subject,
+    pair: Pair[Any],
+    compare_content: CompareContent | None = None,
 ) -> Iterator[Change]:
     """Yield the changes of one thing: new, gone or renamed, and its members and content if both versions have it.
 
@@ -190,7 +194,7 @@ def compare_pair(
     """
     part = pair.new_or_old
     is_decision_with_default = isinstance(part, Alternative) and bool(part.default)
-    presence_kind = "choice" if is_decision_with_default else kind
+    presence_kind = "choice" if is_decision_with_default else part_kind
     yield from family_pair.compare_presence(presence_kind, subject, old=pair.old, new=pair.new)
     if pair.old is not None and pair.new is not None:
         yield from compare_members(family_pair, subject.unnamed, pair.old, pair.new)
@@ -199,24 +203,24 @@ def compare_pair(
 
 
 def compare_section(
-    family_pair: FamilyPair, kind: str, compare_content: CompareContent | None = None
+    family_pair: FamilyPair, part_kind: str, compare_content: CompareContent | None = None
 ) -> Iterator[Change]:
     """Yield the changes of all things in a section of the spec, such as ``"register"``, a key of ``_SECTIONS``.
 
     A thing concerns its interface in the new version. Things that are gone, CRCs and procedures concern that of the old
     version.
     """
-    section_path, label = _SECTIONS[kind]
+    section_path, label = _SECTIONS[part_kind]
     for pair in pair_section(family_pair, section_path):
         section_label = label if isinstance(label, str) else label(pair)
-        concerns_old_interface = kind in _KINDS_OF_OLD_INTERFACE and pair.old is not None
+        concerns_old_interface = part_kind in _KINDS_OF_OLD_INTERFACE and pair.old is not None
         if pair.new is None or concerns_old_interface:
             interface = _only_interface_of(family_pair.old, pair.old)
         else:
             interface = _only_interface_of(family_pair.new, pair.new)
         section_subject = Subject(path=section_path, label=section_label, interface=interface)
         subject = _named_in_code(family_pair, pair, section_subject)
-        yield from compare_pair(family_pair, kind, subject, pair, compare_content)
+        yield from compare_pair(family_pair, part_kind, subject, pair, compare_content)
 
 
 def _only_interface_of(device: Device, part: Any) -> str:

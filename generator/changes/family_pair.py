@@ -91,15 +91,15 @@ class FamilyPair:
         #: The new ones among them.
         self.common_new_codes = frozenset(self.new_code_by_old.values())
 
-    def remember_renamings(self, kind: str, pairs: Iterable[Pair[Any]]) -> None:
+    def remember_renamings(self, part_kind: str, pairs: Iterable[Pair[Any]]) -> None:
         """Remember the new names of renamed things, so that references to them do not count as changed.
 
-        ``kind`` is as in the table of members: ``register``, or ``field mode`` for the fields of a register or frame
-        ``mode``.
+        ``part_kind`` is as in the table of members: ``register``, or ``field mode`` for the fields of a register or
+        frame ``mode``.
         """
         for old, new in complete_pairs(pairs):
             if old.name != new.name:
-                new_names = self.new_names_by_kind.setdefault(kind, {})
+                new_names = self.new_names_by_kind.setdefault(part_kind, {})
                 new_names[old.name] = new.name
 
     def with_new_names(self, part: _Part, scope: str = "") -> _Part:
@@ -118,58 +118,59 @@ class FamilyPair:
                 renamed_references[attribute.name] = self.to_new_names(member.refers_to, old_reference, scope)
         return replace(part, **renamed_references) if renamed_references else part
 
-    def to_new_names(self, kind: str, value: Any, scope: str = "") -> Any:
+    def to_new_names(self, part_kind: str, old_names: Any, scope: str = "") -> Any:
         """Return an old value with the new names of the things of a kind in it.
 
-        The value is a name, a tuple of names, or a map of numbers by parameter names. ``kind`` is plural for a tuple.
+        The value is a name, a tuple of names, or a map of numbers by parameter names. ``part_kind`` is plural for a
+        tuple.
         """
-        if isinstance(value, str):
-            return self._text_to_new_names(kind, value, scope)
-        if isinstance(value, tuple):
-            kind_of_each = kind.removesuffix("s")
-            return tuple(self.to_new_names(kind_of_each, old_name, scope) for old_name in value)
-        if not value:
-            return value
-        return {self.to_new_names("parameter", parameter): number for parameter, number in value.items()}
+        if isinstance(old_names, str):
+            return self._text_to_new_names(part_kind, old_names, scope)
+        if isinstance(old_names, tuple):
+            kind_of_each = part_kind.removesuffix("s")
+            return tuple(self.to_new_names(kind_of_each, old_name, scope) for old_name in old_names)
+        if not old_names:
+            return old_names
+        return {self.to_new_names("parameter", parameter): number for parameter, number in old_names.items()}
 
-    def _text_to_new_names(self, kind: str, value: str, scope: str) -> str:
+    def _text_to_new_names(self, part_kind: str, old_text: str, scope: str) -> str:
         """Return a text that is or contains old names, with the new ones.
 
-        ``kind`` says what the text is: a pattern, a path, a condition, the subject of limits, or just the name of a
-        thing of this kind. A name without a new one stays.
+        ``part_kind`` says what the text is: a pattern, a path, a condition, the subject of limits, or just the name of
+        a thing of this kind. A name without a new one stays.
         """
-        match kind:
+        match part_kind:
             case "pattern":
                 # Order codes, such as ``TV62-{resolution}``.
                 for old_part, new_part in self.new_names_by_kind.get("part", {}).items():
-                    value = value.replace(f"{{{old_part}}}", f"{{{new_part}}}")
-                return value
+                    old_text = old_text.replace(f"{{{old_part}}}", f"{{{new_part}}}")
+                return old_text
             case "dotted":
                 # A register, or a field of it: ``status.error``.
-                old_register, dot, old_field = value.partition(".")
+                old_register, dot, old_field = old_text.partition(".")
                 new_register = self.to_new_names("register", old_register)
                 new_field = self.to_new_names("field", old_field, new_register)
                 return f"{new_register}{dot}{new_field}"
             case "condition":
                 # A field and its value: ``mode.fast``.
-                old_field, _, old_value = value.partition(".")
+                old_field, _, old_value = old_text.partition(".")
                 new_field = self.to_new_names("field", old_field, scope)
                 new_value = self.to_new_names("any-value", old_value)
                 return f"{new_field}.{new_value}"
             case "limits":
                 # The limits of a register apply to a field, or to the register itself.
-                new_name: str = self.to_new_names("field", value, scope)
+                new_name: str = self.to_new_names("field", old_text, scope)
                 return self._text_to_new_names("register", new_name, scope="")
             # A reference to a field of any frame, whose name some new frame still has.
-            case "any-field" if value in self.names_in_new_frames:
-                return value
+            case "any-field" if old_text in self.names_in_new_frames:
+                return old_text
             case "field":
-                return self.new_names_by_kind.get(f"field {scope}", {}).get(value, value)
+                return self.new_names_by_kind.get(f"field {scope}", {}).get(old_text, old_text)
             case _:
-                return self.new_names_by_kind.get(kind, {}).get(value, value)
+                return self.new_names_by_kind.get(part_kind, {}).get(old_text, old_text)
 
     @cached_property
-    def _points(self) -> dict[str, list[ComparisonPoint]]:
+    def _points_by_interface(self) -> dict[str, list[ComparisonPoint]]:
         """The points for comparing expressions, by new interface, and under an empty name those of all interfaces.
 
         There is one for each common order code and each setting of registers and answers.
@@ -212,14 +213,14 @@ class FamilyPair:
 
         The points are those of an interface, or of all if ``interface`` is empty.
         """
-        return compare_at_points(old, new, self._points.get(interface, ()))
+        return compare_at_points(old, new, self._points_by_interface.get(interface, ()))
 
     def low_bits_and_widths(self, field: Field, interface: str, *, is_old: bool) -> tuple[int | str, ...]:
         """Return low bit and width of a field in turn, for every point of an interface: ``(0, 17, 0, 19)`` for two.
 
         Without points, these are the two expressions as texts: ``("0", "resolution")``.
         """
-        if not self._points.get(interface):
+        if not self._points_by_interface.get(interface):
             return field.low.render(), field.width.render()
         low_bits = self.values_at_points(field.low, interface, is_old=is_old)
         widths = self.values_at_points(field.width, interface, is_old=is_old)
@@ -230,7 +231,7 @@ class FamilyPair:
 
         ``is_old`` selects the parameters of the old or the new family.
         """
-        points = self._points.get(interface, ())
+        points = self._points_by_interface.get(interface, ())
         if is_old:
             return tuple(expression.value(point.old_parameters) for point in points)
         return tuple(expression.value(point.new_parameters) for point in points)
@@ -307,7 +308,7 @@ class FamilyPair:
         return codes_text
 
     def compare_presence(
-        self, kind: str, subject: Subject, old: Any, new: Any, common_property: str = ""
+        self, part_kind: str, subject: Subject, old: Any, new: Any, common_property: str = ""
     ) -> Iterator[Change]:
         """Yield a change if a thing is gone, new or renamed. ``subject.label`` ends with its new or only name.
 
@@ -315,11 +316,11 @@ class FamilyPair:
         ``common_property``, or else that of its kind.
         """
         if new is None:
-            yield self.change(f"{kind}-gone", subject, description=" is gone", old=old, new=None)
+            yield self.change(f"{part_kind}-gone", subject, description=" is gone", old=old, new=None)
         elif old is None:
-            yield self.change(f"{kind}-new", subject, description=" is new", old=None, new=new)
+            yield self.change(f"{part_kind}-new", subject, description=" is new", old=None, new=new)
         elif old.name != new.name:
             words_before_name = subject.label.removesuffix(new.name)
-            label = f"{words_before_name}{old.name} → {new.name} ({common_property or SAME[kind]})"
+            label = f"{words_before_name}{old.name} → {new.name} ({common_property or SAME[part_kind]})"
             renamed_subject = replace(subject, label=label)
-            yield self.change(f"{kind}-renamed", renamed_subject, description="", old=old.name, new=new.name)
+            yield self.change(f"{part_kind}-renamed", renamed_subject, description="", old=old.name, new=new.name)

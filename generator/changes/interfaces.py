@@ -131,8 +131,8 @@ def _argument_texts(signature: list[tuple[str, str, str]]) -> list[str]:
     return argument_texts
 
 
-def _list_meanings(parts: Sequence[Argument | Step]) -> list[str]:
-    return [part.meaning for part in parts]
+def _list_meanings(arguments_or_steps: Sequence[Argument | Step]) -> list[str]:
+    return [part.meaning for part in arguments_or_steps]
 
 
 def _list_sources(steps: Sequence[Step]) -> list[Sources]:
@@ -337,9 +337,9 @@ def compare_displayed_facts(family_pair: FamilyPair) -> Iterator[Change]:
         yield from compare_members(family_pair, subject, old_group, new_group)
 
 
-def _by_member(parts: Iterable[_Part], name: str) -> dict[Any, _Part]:
-    """Return the parts by the value of their member ``name``, such as ``contact`` or ``key``."""
-    return {getattr(part, name): part for part in parts}
+def _by_member(parts: Iterable[_Part], member_name: str) -> dict[Any, _Part]:
+    """Return the parts by the value of their member ``member_name``, such as ``contact`` or ``key``."""
+    return {getattr(part, member_name): part for part in parts}
 
 
 def _describe_difference(old: Any, new: Any) -> str:

@@ -33,6 +33,7 @@ class NameChange:
 
 
 def _shorten_value(value: str) -> str:
+    """Return a value of at most ``_LONGEST_VALUE`` characters, cut with an ellipsis."""
     if len(value) <= _LONGEST_VALUE:
         return value
     return f"{value[: _LONGEST_VALUE - 1]}…"

@@ -364,6 +364,7 @@ def _release_of(family: Family, package: Package, findings: DiffResult) -> Relea
 
 
 def _released_change(change: Change) -> ReleasedChange:
+    """Return a change as the history of releases records it."""
     return ReleasedChange(
         rule=change.rule.name,
         impact=change.impact.word,

@@ -209,52 +209,52 @@ _FORMATS: Mapping[str, Callable[[int], str]] = {
 }
 
 
-def as_plain_data(value: Any) -> Any:
+def as_plain_data(model_value: Any) -> Any:
     """Return any part of the model as JSON data, without sources.
 
     Numbers and texts stay. Constant expressions become numbers, others texts, and bytes hexadecimal: ``"0A FF"``.
     """
-    if isinstance(value, Expression):
-        return value.constant if value.is_constant else value.render()
-    if isinstance(value, Enum):
-        return value.value
-    if isinstance(value, bytes):
-        return value.hex(" ").upper()
-    if isinstance(value, Mapping):
-        return {str(key): as_plain_data(member) for key, member in value.items()}
-    if isinstance(value, (tuple, list)):
-        return [as_plain_data(member) for member in value]
-    if is_dataclass(value) and not isinstance(value, type):
-        member_names = [member.name for member in fields(value) if member.name != "source"]
-        return {name: as_plain_data(getattr(value, name)) for name in member_names}
-    return value
+    if isinstance(model_value, Expression):
+        return model_value.constant if model_value.is_constant else model_value.render()
+    if isinstance(model_value, Enum):
+        return model_value.value
+    if isinstance(model_value, bytes):
+        return model_value.hex(" ").upper()
+    if isinstance(model_value, Mapping):
+        return {str(key): as_plain_data(member) for key, member in model_value.items()}
+    if isinstance(model_value, (tuple, list)):
+        return [as_plain_data(member) for member in model_value]
+    if is_dataclass(model_value) and not isinstance(model_value, type):
+        member_names = [member.name for member in fields(model_value) if member.name != "source"]
+        return {name: as_plain_data(getattr(model_value, name)) for name in member_names}
+    return model_value
 
 
-def short_value(value: Any, notation: str = "") -> str:
+def short_value(model_value: Any, notation: str = "") -> str:
     """Return a value as text of at most 60 letters, in the given notation of manuals: ``0Ah`` for "hex".
 
     Missing and empty values are "none". A part of the model is ``min = 1, max = 5``, without texts and empty members.
     If one member is left, only its value is shown.
     """
-    if value is None or value in ("", (), [], {}):
+    if model_value is None or model_value in ("", (), [], {}):
         return "none"
-    if isinstance(value, (bool, int)):
-        return _number_text(value, notation)
-    if isinstance(value, Enum):
-        return str(value.value).replace("_", " ")
-    if isinstance(value, (tuple, list)):
-        return _shorten_text(", ".join(short_value(member, notation) for member in value))
-    if isinstance(value, (Expression, Supply, Scale, CodedValue)):
-        return _quantity_text(value)
-    if is_dataclass(value):
-        members = without_texts(value).items()
-        value = {name: member for name, member in members if member not in (None, "", [], {})}
-        if len(value) == 1:
-            (only_member,) = value.values()
+    if isinstance(model_value, (bool, int)):
+        return _number_text(model_value, notation)
+    if isinstance(model_value, Enum):
+        return str(model_value.value).replace("_", " ")
+    if isinstance(model_value, (tuple, list)):
+        return _shorten_text(", ".join(short_value(member, notation) for member in model_value))
+    if isinstance(model_value, (Expression, Supply, Scale, CodedValue)):
+        return _quantity_text(model_value)
+    if is_dataclass(model_value):
+        members = without_texts(model_value).items()
+        model_value = {name: member for name, member in members if member not in (None, "", [], {})}
+        if len(model_value) == 1:
+            (only_member,) = model_value.values()
             return short_value(only_member, notation)
-    if isinstance(value, Mapping):
-        return _shorten_text(", ".join(f"{key} = {short_value(member)}" for key, member in value.items()))
-    value_text = str(value)
+    if isinstance(model_value, Mapping):
+        return _shorten_text(", ".join(f"{key} = {short_value(member)}" for key, member in model_value.items()))
+    value_text = str(model_value)
     if notation == "word":
         value_text = value_text.replace("_", " ")
     return _shorten_text(value_text)
@@ -284,6 +284,7 @@ def _quantity_text(value: Expression | Supply | Scale | CodedValue) -> str:
 
 
 def _shorten_text(text: str) -> str:
+    """Return a text of at most ``_LONGEST`` characters, cut with an ellipsis."""
     if len(text) <= _LONGEST:
         return text
     return f"{text[: _LONGEST - 1]}…"

@@ -10,7 +10,7 @@ from ..loading.editions import UnknownEdition, revision_for
 from ..loading.library import in_edition, load_families
 from ..loading.overlays import Family
 from ..model import Device
-from ..order_codes.labels import Match, UnknownOrderCode, edition_by_label, find
+from ..order_codes.labels import Match, UnknownOrderCode, edition_by_label, find_code
 from ..reference.findings import edition_by_registers, without_tests
 from .terminal import Stop, problems
 
@@ -47,7 +47,7 @@ def in_requested_edition(
         device_in_edition = _load_in_edition(specs, device, revision)
         if wanted_edition == BY_REGISTERS:
             remaining_bytes = without_tests(device, register_bytes)
-        match_in_edition = find(device_in_edition, text) if match is not None else None
+        match_in_edition = find_code(device_in_edition, text) if match is not None else None
         return device_in_edition, match_in_edition, remaining_bytes
     except UnknownOrderCode as error:
         raise Stop(f"in edition {revision} of the manual: {error}", 2) from None

@@ -35,7 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         Stop: There is no such family, or neither page nor section was given.
     """
-    from ..reread.facts import citing
+    from ..reread.facts import facts_with_citations
     from .read_specs import specs_to_judge
 
     paths = specs_to_judge(arguments.specs, "facts FAMILY").paths
@@ -43,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     section = arguments.section
     if page is None and section is None:
         raise Stop("give --page NUMBER or --section NUMBER, or both", 2)
-    facts = citing(family_named(arguments.family, paths).document)
+    facts = facts_with_citations(family_named(arguments.family, paths).document)
     if page is not None:
         facts = [fact for fact in facts if page in fact.pages]
     if section is not None:

@@ -56,7 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         Stop: A frame or a position is malformed (exit code 2), or all frames are equal (exit code 1).
     """
-    from ..layout_search.answers import answer
+    from ..layout_search.answers import answer_with_lines
     from ..layout_search.frames import NoLayout
     from ..layout_search.search import find_layouts
 
@@ -65,7 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
         layouts = find_layouts(recording)
     except NoLayout as error:
         raise Stop(str(error), 1) from None
-    proposals = [answer(recording, layout) for layout in layouts]
+    proposals = [answer_with_lines(recording, layout) for layout in layouts]
     if arguments.json:
         print_json(_json_data(recording, proposals))
     else:

@@ -341,7 +341,7 @@ def _tail_length(family_and_code: tuple[Device, Match | None]) -> int:
 def _all_matches(devices: Sequence[Device], text: str, *, accepts_family: bool) -> list[tuple[Device, Match | None]]:
     """Return the family with this name alone, if ``accepts_family`` allows names, or each one with the order code."""
     from ..order_codes.labels import UnknownOrderCode
-    from ..order_codes.labels import find as match_of
+    from ..order_codes.labels import find_code as match_of
 
     if accepts_family:
         family = _family_named(devices, text)

@@ -62,22 +62,22 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         Stop: A manual cannot be read, or the family is not known.
     """
-    from ..reread.facts import citing
-    from ..reread.passages import changed, numbers_changed, same_language
+    from ..reread.facts import facts_with_citations
+    from ..reread.passages import differing_passages, numbers_changed, same_language
     from ..reread.ranking import TouchedFacts
-    from ..reread.sections import NoText, read
+    from ..reread.sections import NoText, read_manual
     from .read_specs import specs_to_judge
 
     paths = specs_to_judge(arguments.specs, "reread OLD NEW").paths
     try:
-        old, new = read(arguments.old), read(arguments.new)
+        old, new = read_manual(arguments.old), read_manual(arguments.new)
     except NoText as error:
         raise Stop(str(error), 2) from None
     family = _family_of_manual(paths, arguments.family, old)
-    facts = citing(family.document)
+    facts = facts_with_citations(family.document)
     # In texts of different languages, only the numbers can be compared.
     compares_words = same_language(old, new)
-    passages = changed(old, new) if compares_words else numbers_changed(old, new)
+    passages = differing_passages(old, new) if compares_words else numbers_changed(old, new)
     titles_by_page = _unnumbered_sections(family)
     touched_facts = TouchedFacts(facts)
     with Progress("codewheel: comparing the texts"):

@@ -114,10 +114,10 @@ def _check_device(checked: SchemaResult, document: Document, report: Report) -> 
     completed_data = _with_prose(checked.data, checked.kind)
     recording_report = _RecordingReport(report, document)
     spec = WrittenSpec(completed_data)
-    raw = WrittenSpec(document.data)
+    as_read = WrittenSpec(document.data)
     for rule in RULES:
         recording_report.noted = []
-        rule(spec, raw, recording_report)
+        rule(spec, as_read, recording_report)
         reported_paths = recording_report.noted
         if rule in FOUNDATIONS and any(path[0] in _NO_CODES for path in reported_paths):
             are_codes_whole = False
@@ -129,21 +129,21 @@ def _check_device(checked: SchemaResult, document: Document, report: Report) -> 
     return _with_stand_ins(completed_data, are_codes_whole, document)
 
 
-def _with_prose(data: dict[str, Any], file_kind: FileKind) -> dict[str, Any]:
+def _with_prose(checked_data: dict[str, Any], file_kind: FileKind) -> dict[str, Any]:
     """Return the data with stand-ins for the prose that a second reading lacks."""
     if file_kind is not FileKind.SECOND:
-        return data
-    completed_data: dict[str, Any] = with_stand_ins(data, shape_of(FileKind.DEVICE.value))
+        return checked_data
+    completed_data: dict[str, Any] = with_stand_ins(checked_data, shape_of(FileKind.DEVICE.value))
     return completed_data
 
 
-def _with_stand_ins(data: dict[str, Any], are_codes_whole: bool, document: Document) -> dict[str, Any]:
+def _with_stand_ins(checked_data: dict[str, Any], are_codes_whole: bool, document: Document) -> dict[str, Any]:
     """Return the data with stand-ins for missing keys at the top level and at the top level of an interface.
 
     ``are_codes_whole`` is False if order codes and parameters are broken. Then they are empty.
     """
     family = document.family or family_of(document.file)
-    completed_data = {"device": family, **_STAND_INS, **data}
+    completed_data = {"device": family, **_STAND_INS, **checked_data}
     if not are_codes_whole:
         completed_data |= _NO_CODES
     interfaces = completed_data["interfaces"]

@@ -64,10 +64,10 @@ class Document:
         """Key that identifies the document, also among those derived from the same file."""
         return f"{self.file}\0{self.family}" if self.family else self.file
 
-    def line(self, number: int, file: str = "") -> str:
+    def line(self, line_number: int, file: str = "") -> str:
         """Return a line, counted from 1, of the document's file or of one of the others. Empty after the last line."""
         lines = self.other_files.get(file, ()) if file else self.lines
-        return lines[number - 1] if 0 < number <= len(lines) else ""
+        return lines[line_number - 1] if 0 < line_number <= len(lines) else ""
 
     def file_of(self, path: Path) -> str:
         """Return the file to which the line from ``position`` belongs, or an empty string for the document's file."""
@@ -181,16 +181,16 @@ def _child_at(node: Any, step: str | int) -> Any:
     return node.get(step) if isinstance(node, dict) else None
 
 
-def label_of(value: Any) -> str | None:
+def label_of(list_item: Any) -> str | None:
     """Return the label of a list item, such as its ``name``, or None if it has none.
 
     Only the first of ``_ITEM_KEYS`` that the item has counts.
     """
-    if not isinstance(value, dict):
+    if not isinstance(list_item, dict):
         return None
     for key in _ITEM_KEYS:
-        if key in value:
-            return None if isinstance(value[key], (dict, list)) else str(value[key])
+        if key in list_item:
+            return None if isinstance(list_item[key], (dict, list)) else str(list_item[key])
     return None
 
 
@@ -215,17 +215,18 @@ class MissingPath(LookupError):
         self.existing_path = existing_path
 
 
-def steps_of(text: str) -> tuple[str | int, ...]:
+def steps_of(path_text: str) -> tuple[str | int, ...]:
     """Split ``procedures.preset.steps[3]`` into keys, names and indices counted from 0."""
-    return tuple(_step_of(match) for match in _STEP.finditer(text))
+    return tuple(_step_of(match) for match in _STEP.finditer(path_text))
 
 
 def _step_of(match: re.Match[str]) -> str | int:
+    """Return a step of a path from its text: an index from 0 for a number in brackets, or else the word."""
     number, word = match.groups()
     return int(number) - 1 if number else str(word)
 
 
-def resolve(data: Any, text: str) -> Path:
+def resolve(root: Any, path_text: str) -> Path:
     """Return the path for a place given as text, with an index for each list item.
 
     ``procedures.preset.steps[3]`` may result in ``("procedures", 0, "steps", 2)``.
@@ -234,51 +235,51 @@ def resolve(data: Any, text: str) -> Path:
         MissingPath: A step does not exist.
     """
     path: Path = ()
-    for step in steps_of(text):
-        keys_by_step = _inner_steps(data)
+    for step in steps_of(path_text):
+        keys_by_step = _inner_steps(root)
         if step not in keys_by_step:
             step_text = f"[{step + 1}]" if isinstance(step, int) else step
             raise MissingPath(step_text, [str(key) for key in keys_by_step if isinstance(key, str)], path)
         key = keys_by_step[step]
         path = (*path, key)
-        data = data[key]
+        root = root[key]
     return path
 
 
-def _inner_steps(data: Any) -> dict[str | int, str | int]:
+def _inner_steps(node: Any) -> dict[str | int, str | int]:
     """Return the possible next steps of a path, each with its key or index: ``{0: 0, "preset": 0}`` for a list.
 
     An item of a list can be given by its index or by its label. The first item with a label counts.
     """
-    if isinstance(data, dict):
-        return {key: key for key in data}
-    if not isinstance(data, list):
+    if isinstance(node, dict):
+        return {key: key for key in node}
+    if not isinstance(node, list):
         return {}
-    steps: dict[str | int, str | int] = {index: index for index in range(len(data))}
-    for index, child in enumerate(data):
+    steps: dict[str | int, str | int] = {index: index for index in range(len(node))}
+    for index, child in enumerate(node):
         steps.setdefault(label_of(child) or index, index)
     return steps
 
 
-def named_path(data: Any, path: Path) -> Path:
+def named_path(root: Any, path: Path) -> Path:
     """Return the path with labels of items instead of indices. The last step need not exist yet.
 
     An item without a label keeps its index.
     """
     named_path: Path = ()
     for step in path:
-        child: Any = data[step] if isinstance(step, int) or step in data else None
+        child: Any = root[step] if isinstance(step, int) or step in root else None
         label = label_of(child) if isinstance(step, int) else None
         named_path += (label or step,)
-        data = child
+        root = child
     return named_path
 
 
-def value_at(data: Any, path: Path) -> Any:
+def value_at(root: Any, path: Path) -> Any:
     """Return the value at an existing path."""
     for step in path:
-        data = data[step]
-    return data
+        root = root[step]
+    return root
 
 
 def mark_at(mark: Mark, path: Path) -> Mark:
@@ -294,7 +295,7 @@ def from_file(mark: Mark, file: str) -> Mark:
     return replace(mark, children=children, file=file)
 
 
-def with_value(data: Any, marks: Mark, path: Path, value: Any, mark: Mark) -> tuple[Any, Mark]:
+def with_value(root: Any, marks: Mark, path: Path, value: Any, mark: Mark) -> tuple[Any, Mark]:
     """Return data and marks with a value at ``path``: replaced, at a new key, or at the end of a list."""
     key = path[-1]
 
@@ -306,10 +307,10 @@ def with_value(data: Any, marks: Mark, path: Path, value: Any, mark: Mark) -> tu
             new_parent[key] = value
         return new_parent, replace(parent_mark, children={**parent_mark.children, key: mark})
 
-    return _with_edited_parent(data, marks, path[:-1], put)
+    return _with_edited_parent(root, marks, path[:-1], put)
 
 
-def without_value(data: Any, marks: Mark, path: Path) -> tuple[Any, Mark]:
+def without_value(root: Any, marks: Mark, path: Path) -> tuple[Any, Mark]:
     """Return data and marks without the value at ``path``. Later items of its list move up."""
     key = path[-1]
 
@@ -318,7 +319,7 @@ def without_value(data: Any, marks: Mark, path: Path) -> tuple[Any, Mark]:
             return _without_key(parent, parent_mark, key)
         return _without_item(parent, parent_mark, key)
 
-    return _with_edited_parent(data, marks, path[:-1], remove)
+    return _with_edited_parent(root, marks, path[:-1], remove)
 
 
 def _without_key(mapping: dict[str, Any], mark: Mark, removed_key: str | int) -> tuple[dict[str, Any], Mark]:
@@ -341,18 +342,18 @@ def _without_item(items: list[Any], mark: Mark, removed_index: str | int) -> tup
     return remaining, replace(mark, children=remaining_marks)
 
 
-def _with_edited_parent(data: Any, mark: Mark, parent_path: Path, edit: _Edit) -> tuple[Any, Mark]:
+def _with_edited_parent(root: Any, mark: Mark, parent_path: Path, edit: _Edit) -> tuple[Any, Mark]:
     """Return copies of data and marks in which the map or list at ``parent_path`` is replaced by its edited form."""
     if not parent_path:
-        return edit(data, mark)
+        return edit(root, mark)
     key = parent_path[0]
-    new_child, new_child_mark = _with_edited_parent(data[key], mark.children[key], parent_path[1:], edit)
-    new_data = copy(data)
+    new_child, new_child_mark = _with_edited_parent(root[key], mark.children[key], parent_path[1:], edit)
+    new_data = copy(root)
     new_data[key] = new_child
     return new_data, replace(mark, children={**mark.children, key: new_child_mark})
 
 
-def as_affected(data: Any, path: Path) -> str:
+def as_affected(root: Any, path: Path) -> str:
     """Return a path in the form used by errata: ``registers.preset`` or ``interfaces.biss.word.crc``.
 
     List items are given by their labels, and keys of ``_LEFT_OUT`` are omitted. The path ends before the first step
@@ -360,9 +361,9 @@ def as_affected(data: Any, path: Path) -> str:
     """
     named_steps: list[str] = []
     for depth, step in enumerate(path):
-        data = data[step]
+        root = root[step]
         is_list_item = isinstance(step, int)
-        step_name = label_of(data) if is_list_item else str(step)
+        step_name = label_of(root) if is_list_item else str(step)
         if step_name is None or _UNNAMED.search(step_name):
             break
         is_omitted = step_name in _LEFT_OUT and not is_list_item and depth > 0
@@ -371,9 +372,9 @@ def as_affected(data: Any, path: Path) -> str:
     return ".".join(named_steps)
 
 
-def leads_somewhere(data: Any, affected: str) -> bool:
+def leads_somewhere(root: Any, affected: str) -> bool:
     """Return True if a path of an erratum refers to something in the data."""
-    return bool(Affected(data).at(affected))
+    return bool(Affected(root).at(affected))
 
 
 class Affected:
@@ -420,30 +421,30 @@ class Affected:
 _MARKER = re.compile(r"\bTODO\b")
 
 
-def is_placeholder(text: object) -> bool:
+def is_placeholder(source_text: object) -> bool:
     """Return True if a value is a text with the marker."""
-    return isinstance(text, str) and _MARKER.search(text) is not None
+    return isinstance(source_text, str) and _MARKER.search(source_text) is not None
 
 
-def placeholder_paths(data: Any, path: Path = ()) -> Iterator[Path]:
+def placeholder_paths(root: Any, path: Path = ()) -> Iterator[Path]:
     """Yield the path of each placeholder, a text with TODO, in the data of a spec, in its order."""
-    if isinstance(data, dict):
-        for key, value in data.items():
+    if isinstance(root, dict):
+        for key, value in root.items():
             yield from placeholder_paths(value, (*path, key))
-    elif isinstance(data, list):
-        for index, value in enumerate(data):
+    elif isinstance(root, list):
+        for index, value in enumerate(root):
             yield from placeholder_paths(value, (*path, index))
-    elif is_placeholder(data):
+    elif is_placeholder(root):
         yield path
 
 
-def placeholder_names(data: dict[str, Any]) -> list[str]:
+def placeholder_names(spec_data: dict[str, Any]) -> list[str]:
     """Return the names of all placeholders, each once. A source stands for the facts that cite it."""
-    names = (placeholder_name(data, path) for path in placeholder_paths(data))
+    names = (placeholder_name(spec_data, path) for path in placeholder_paths(spec_data))
     return list(dict.fromkeys(names))
 
 
-def placeholder_name(data: dict[str, Any], path: Path) -> str:
+def placeholder_name(spec_data: dict[str, Any], path: Path) -> str:
     """Return the name of the item whose source is a placeholder, such as ``registers.preset``, or of another text."""
     owner = path[:-1] if path[-1] == "source" and len(path) > 1 else path
-    return as_affected(data, owner) or str(path[0])
+    return as_affected(spec_data, owner) or str(path[0])

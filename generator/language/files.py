@@ -79,7 +79,12 @@ def find_files(
     specs = {path for path in search.files if is_spec(path)}
     other_files = (path for path in search.files if path not in specs and path.name != CONFIGURATION)
     not_entered = tuple(sorted(search.not_entered))
-    return FoundFiles(tuple(sorted(specs)), tuple(sorted(other_files)), not_entered, search.is_complete)
+    return FoundFiles(
+        specs=tuple(sorted(specs)),
+        passed_over=tuple(sorted(other_files)),
+        not_entered=not_entered,
+        is_complete=search.is_complete,
+    )
 
 
 def is_folder(path: Path) -> bool:
@@ -158,11 +163,12 @@ class _Search:
             self.files.append(path)
 
 
-def _belongs_to_spec(name: str) -> bool:
-    return is_second(name) or is_word_sheet(name)
+def _belongs_to_spec(file_name: str) -> bool:
+    return is_second(file_name) or is_word_sheet(file_name)
 
 
 def _is_folder_entry(folder_entry: os.DirEntry[str]) -> bool:
+    """Return True if an entry is a folder, or a link to one."""
     try:
         return folder_entry.is_dir()
     except OSError:  # A link to itself. Reading it reports the error.

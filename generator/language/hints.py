@@ -85,68 +85,72 @@ _MOST_COUNTS = 65_536
 _LONGEST = 100
 
 
-def number_hint(key: str, value: Any) -> str:
-    """Return what to write instead of ``value`` under ``key``, which takes a whole number. Empty if unclear.
+def number_hint(key: str, wrong_value: Any) -> str:
+    """Return what to write instead of ``wrong_value`` under ``key``, which takes a whole number. Empty if unclear.
 
     The hint for ``48h`` is ``; write 0x48``. All hints begin with a semicolon, as they follow a message.
     """
-    if isinstance(value, float):
-        return _float_hint(key, value)
-    if _is_list_of_bytes(value):
-        return _text_hint(key, bytes(value).hex(" "))
-    if isinstance(value, str) and len(value) <= _LONGEST:
-        return _text_hint(key, value.strip())
+    if isinstance(wrong_value, float):
+        return _float_hint(key, wrong_value)
+    if _is_list_of_bytes(wrong_value):
+        return _text_hint(key, bytes(wrong_value).hex(" "))
+    if isinstance(wrong_value, str) and len(wrong_value) <= _LONGEST:
+        return _text_hint(key, wrong_value.strip())
     return ""
 
 
-def _is_list_of_bytes(value: Any) -> bool:
+def _is_list_of_bytes(wrong_value: Any) -> bool:
     """Return True for a list of two or more numbers that each fit into a byte."""
-    return isinstance(value, list) and len(value) > 1 and all(type(byte) is int and 0 <= byte < 256 for byte in value)
+    return (
+        isinstance(wrong_value, list)
+        and len(wrong_value) > 1
+        and all(type(byte) is int and 0 <= byte < 256 for byte in wrong_value)
+    )
 
 
-def _float_hint(key: str, value: float) -> str:
+def _float_hint(key: str, wrong_number: float) -> str:
     """Return what to write instead of a number with a decimal point. Empty if unclear."""
-    if value.is_integer() and abs(value) < 2**64:
-        return f"; write {int(value)}"
-    return _fraction_hint(key, value) if math.isfinite(value) else ""
+    if wrong_number.is_integer() and abs(wrong_number) < 2**64:
+        return f"; write {int(wrong_number)}"
+    return _fraction_hint(key, wrong_number) if math.isfinite(wrong_number) else ""
 
 
-def _text_hint(key: str, text: str) -> str:
+def _text_hint(key: str, number_text: str) -> str:
     """Return what to write instead of a text that is meant as a number. Empty if unclear.
 
     The forms are bytes, quotes, ``48h``, ``0b11``, ``1,000``, ``10 MHz``, a polynomial, and hexadecimal without a
     prefix.
     """
-    if _BYTES.fullmatch(text) and " " in text:
-        return _bytes_hint(bytes.fromhex(text))
-    if _PLAIN.fullmatch(text):
-        return f"; write {text}, without the quotes"
-    if match := _HEX.fullmatch(text):
+    if _BYTES.fullmatch(number_text) and " " in number_text:
+        return _bytes_hint(bytes.fromhex(number_text))
+    if _PLAIN.fullmatch(number_text):
+        return f"; write {number_text}, without the quotes"
+    if match := _HEX.fullmatch(number_text):
         return f"; write {match['negative']}0x{(match['suffixed'] or match['prefixed']).upper()}"
-    if match := _BINARY.fullmatch(text):
+    if match := _BINARY.fullmatch(number_text):
         return f"; write {int(match[1], 2):#x}"
-    if match := _GROUPED.fullmatch(text):
-        return f"; write {text.replace(match[1], '')}"
-    if match := _WITH_UNIT.fullmatch(text):
+    if match := _GROUPED.fullmatch(number_text):
+        return f"; write {number_text.replace(match[1], '')}"
+    if match := _WITH_UNIT.fullmatch(number_text):
         converted = _convert_number(Fraction(match["number"]), match["unit"].lower(), _unit_of_key(key))
         return f"; write {converted}, in {_name_unit(_unit_of_key(key))}" if converted is not None else ""
-    if key == "poly" and POLYNOMIAL.fullmatch(text):
-        return _polynomial_hint(text)
-    return f"; write 0x{text.upper()}" if _DIGITS.fullmatch(text) else ""
+    if key == "poly" and POLYNOMIAL.fullmatch(number_text):
+        return _polynomial_hint(number_text)
+    return f"; write 0x{number_text.upper()}" if _DIGITS.fullmatch(number_text) else ""
 
 
-def expression_hint(text: str) -> str:
+def expression_hint(expression_text: str) -> str:
     """Return what to write instead of an expression with powers as in ``2**n`` or ``1 << n``. Empty if unclear."""
-    corrected = _SHIFTED.sub(r"2^\1", text.replace("**", "^"))
-    return f"; write {corrected}" if corrected != text else ""
+    corrected = _SHIFTED.sub(r"2^\1", expression_text.replace("**", "^"))
+    return f"; write {corrected}" if corrected != expression_text else ""
 
 
-def product_hint(text: str) -> str:
+def product_hint(expression_text: str) -> str:
     """Return what to write instead of a product with a number, such as ``2^bits * 256``. Empty if unclear."""
-    number = _FACTOR.search(text)
+    number = _FACTOR.search(expression_text)
     if number is None:
         return ""
-    corrected = f"{text[: number.start()]}factor{text[number.end() :]}"
+    corrected = f"{expression_text[: number.start()]}factor{expression_text[number.end() :]}"
     try:
         Expression.parse(corrected)
     except ExpressionError:
@@ -154,7 +158,7 @@ def product_hint(text: str) -> str:
     return f"; write {corrected} with the parameter 'factor: {{meaning: ..., equals: {number[0]}}}'"
 
 
-def value_hint(key: str, value: Any, schema: Mapping[str, Any]) -> str:
+def value_hint(key: str, wrong_value: Any, schema: Mapping[str, Any]) -> str:
     """Return what to write instead of a value of the wrong type. Empty if unclear.
 
     A boolean may be ``yes``. A map with one required key may be only the value of that key.
@@ -162,64 +166,66 @@ def value_hint(key: str, value: Any, schema: Mapping[str, Any]) -> str:
     required_type = schema.get("type")
     required_keys = schema.get("required", ())
     if required_type == "boolean":
-        text = str(value).lower()
+        text = str(wrong_value).lower()
         return f"; write {_YES_OR_NO[text]}" if text in _YES_OR_NO else ""
-    if required_type != "object" or len(required_keys) != 1 or isinstance(value, dict | list | type(None)):
+    if required_type != "object" or len(required_keys) != 1 or isinstance(wrong_value, dict | list | type(None)):
         return ""
-    if isinstance(value, bool):
+    if isinstance(wrong_value, bool):
         form = _FORMS.get(key, f"{{{required_keys[0]}: NAME}}")
     else:
-        form = f"{{{required_keys[0]}: {value}}}"
+        form = f"{{{required_keys[0]}: {wrong_value}}}"
     return f"; write '{key}: {form}'"
 
 
-def word_hint(key: str, value: Any) -> str:
+def word_hint(key: str, wrong_word: Any) -> str:
     """Return what to write instead of ``rw`` or ``big`` under a key that takes one of our words. Empty if unclear."""
-    word = _VALUES.get(key, {}).get(str(value).lower(), "")
+    word = _VALUES.get(key, {}).get(str(wrong_word).lower(), "")
     return f"; write '{word}'" if word else ""
 
 
-def foreign_key_hint(key: str, value: Any, allowed_keys: Collection[str], used_keys: Collection[str]) -> str:
+def foreign_key_hint(
+    unknown_key: str, value_of_key: Any, allowed_keys: Collection[str], used_keys: Collection[str]
+) -> str:
     """Return what to write instead of a key of other tools, such as ``description: ...`` for ``meaning: ...``.
 
     ``allowed_keys`` contains the keys that are allowed here, and ``used_keys`` those that are used.
     """
-    our_key = _our_key(key, value, allowed_keys)
+    our_key = _our_key(unknown_key, value_of_key, allowed_keys)
     if not our_key:
         return ""
     if our_key in used_keys:
         return f"; leave it out, because '{our_key}' says the same"
     if our_key == "active":
         # Both 'active_low: true' and 'active_high: false' mean low.
-        is_low = (key.lower() == "active_low") == (value is not False)
+        is_low = (unknown_key.lower() == "active_low") == (value_of_key is not False)
         return "; write 'active: low'" if is_low else "; write 'active: high'"
     if our_key in _VALUES:
-        word = _VALUES[our_key].get(str(value).lower().replace("-", "_"), "")
+        word = _VALUES[our_key].get(str(value_of_key).lower().replace("-", "_"), "")
         return f"; write '{our_key}: {word}'" if word else f"; it is called '{our_key}' here"
     # A type such as uint16_t gives the length or the number of bits.
-    type_bits = _TYPE_BITS.fullmatch(str(value).lower())
+    type_bits = _TYPE_BITS.fullmatch(str(value_of_key).lower())
     if type_bits is not None:
         bits = int(type_bits[1] or type_bits[2])
         return f"; write '{our_key}: {bits // 8 if our_key == 'length' else bits}'"
     return f"; it is called '{our_key}' here"
 
 
-def _our_key(key: str, value: Any, allowed_keys: Collection[str]) -> str:
+def _our_key(unknown_key: str, value_of_key: Any, allowed_keys: Collection[str]) -> str:
     """Return the key of our language for one of another tool, or an empty string.
 
     A key that takes words is preferred if the value is one of its words, so that ``mode: rw`` becomes ``access``.
     Otherwise it is the first one that is allowed.
     """
-    candidates = [our_key for our_key in _ELSEWHERE.get(key.lower(), ()) if our_key in allowed_keys]
+    candidates = [our_key for our_key in _ELSEWHERE.get(unknown_key.lower(), ()) if our_key in allowed_keys]
     for our_key in candidates:
-        if word_hint(our_key, value) or value in _VALUES.get(our_key, {}).values():
+        if word_hint(our_key, value_of_key) or value_of_key in _VALUES.get(our_key, {}).values():
             return our_key
     return candidates[0] if candidates else ""
 
 
-def _bytes_hint(data: bytes) -> str:
+def _bytes_hint(listed_bytes: bytes) -> str:
     """Return the hint for several bytes instead of a number, which they are in one of two orders."""
-    big_endian, little_endian = (int.from_bytes(data, order) for order in ("big", "little"))
+    big_endian, little_endian = (int.from_bytes(listed_bytes, order) for order in ("big", "little"))
     if big_endian == little_endian:
         return f"; write one number: {big_endian:#x}"
     return (
@@ -227,41 +233,41 @@ def _bytes_hint(data: bytes) -> str:
     )
 
 
-def _fraction_hint(key: str, value: float) -> str:
+def _fraction_hint(key: str, fraction: float) -> str:
     """Return the hint for ``at_least_us: 0.03``. Bounds are rounded to the safe side of the manual's value.
 
     A lower bound is rounded up and an upper one down, unless it would be 0. Others are not rounded.
     """
     unit = _unit_of_key(key)
-    if unit in _LARGER and value > 0:
-        return _larger_unit_hint(unit, value)
+    if unit in _LARGER and fraction > 0:
+        return _larger_unit_hint(unit, fraction)
     if key == "step_um":
-        return _step_hint(value)
+        return _step_hint(fraction)
     problem = f"; there are no fractions of {_name_unit(unit)}" if unit in _UNITS else "; there are no fractions"
     is_lower_bound = "at_least" in key or key.startswith("min_")
     is_upper_bound = "at_most" in key or key.startswith("max_")
     if is_lower_bound:
-        return f"{problem}: round up and write {math.ceil(value)}"
-    if is_upper_bound and value > 1:
-        return f"{problem}: round down and write {math.floor(value)}"
+        return f"{problem}: round up and write {math.ceil(fraction)}"
+    if is_upper_bound and fraction > 1:
+        return f"{problem}: round down and write {math.floor(fraction)}"
     return problem
 
 
-def _larger_unit_hint(unit: str, value: float) -> str:
+def _larger_unit_hint(unit: str, fraction: float) -> str:
     """Return the hint for ``max_hz: 2.5``, which is more likely in MHz than in kHz.
 
     ``unit`` is ``hz`` or ``baud``.
     """
-    prefix, power = ("k", 3) if value >= _LIKELY_KILO else ("M", 6)
-    converted = Fraction(str(value)) * 10**power
+    prefix, power = ("k", 3) if fraction >= _LIKELY_KILO else ("M", 6)
+    converted = Fraction(str(fraction)) * 10**power
     if converted.denominator != 1:
         return f"; there are no fractions of {_LARGER[unit]}"
     return f"; if it is in {prefix}{_LARGER[unit]}, write {converted}"
 
 
-def _step_hint(value: float) -> str:
+def _step_hint(micrometres: float) -> str:
     """Return the hint for ``step_um: 0.5``: the same length in nanometres, or that of several steps."""
-    nanometres = Fraction(str(value)) * 1000
+    nanometres = Fraction(str(micrometres)) * 1000
     if nanometres.denominator == 1:
         return f"; write 'step_nm: {nanometres}'"
     length = nanometres.limit_denominator(_MOST_COUNTS)
@@ -269,9 +275,9 @@ def _step_hint(value: float) -> str:
     return f"; write the length of several steps in nanometres, and their number in 'per_counts', {several}"
 
 
-def _polynomial_hint(text: str) -> str:
+def _polynomial_hint(polynomial_text: str) -> str:
     """Return the hint for ``x^6 + x + 1``: the number whose bits are the powers below the highest, and the width."""
-    powers = polynomial_powers(text)
+    powers = polynomial_powers(polynomial_text)
     width = max(powers)
     if width > 64:
         return ""
@@ -279,9 +285,9 @@ def _polynomial_hint(text: str) -> str:
     return f"; write {poly:#x}, which omits x^{width}, and 'width: {width}'"
 
 
-def polynomial_powers(text: str) -> set[int]:
+def polynomial_powers(polynomial_text: str) -> set[int]:
     """Return the powers of a polynomial such as ``x^6 + x + 1``."""
-    terms = re.sub(r"\s", "", text.lower()).split("+")
+    terms = re.sub(r"\s", "", polynomial_text.lower()).split("+")
     return set(map(_parse_power, terms))
 
 
@@ -290,27 +296,27 @@ def _parse_power(term: str) -> int:
     return int(term.partition("^")[2] or 1) if term.startswith("x") else 0
 
 
-def key_hint(key: str, value: Any, known_keys: Iterable[str]) -> str:
+def key_hint(unknown_key: str, value_of_key: Any, known_keys: Iterable[str]) -> str:
     """Return what to write instead of a key with the wrong unit, such as ``min_khz: 200`` for ``min_hz: 200000``.
 
     The result is empty if no known key differs only in the unit.
     """
-    stem, _, unit = key.rpartition("_")
+    stem, _, unit = unknown_key.rpartition("_")
     unit = unit.lower()
     if not stem or unit not in _UNITS:
         return ""
     fitting_keys = _keys_of_same_kind(stem, unit, known_keys)
-    if not fitting_keys or key in fitting_keys:
+    if not fitting_keys or unknown_key in fitting_keys:
         return ""
-    best_key = _best_unit(fitting_keys, value, unit)
+    best_key = _best_unit(fitting_keys, value_of_key, unit)
     best_unit = _unit_of_key(best_key)
-    if not _is_finite_number(value):
+    if not _is_finite_number(value_of_key):
         or_else = f". If that is not a whole number{_INSTEAD[best_key]}" if best_key in _INSTEAD else ""
         return f"; the unit is {_name_unit(best_unit)}: write '{best_key}'{or_else}"
     # From the shortest decimal form: 0.05 means five hundredths, not the nearest binary fraction.
-    converted = _convert_number(Fraction(str(value)), unit, best_unit)
+    converted = _convert_number(Fraction(str(value_of_key)), unit, best_unit)
     if converted is None:
-        problem = f"{value} {_name_unit(unit)} is not a whole number of {_name_unit(best_unit)}"
+        problem = f"{value_of_key} {_name_unit(unit)} is not a whole number of {_name_unit(best_unit)}"
         return f"; there is only '{best_key}', and {problem}{_INSTEAD.get(best_key, '')}"
     return f"; write '{best_key}: {converted}', in {_name_unit(best_unit)}"
 
@@ -331,25 +337,27 @@ def _keys_of_same_kind(stem: str, unit: str, known_keys: Iterable[str]) -> list[
     return [known_key for known_key in keys_of_kind if meant_stem and _remove_unit(known_key) == meant_stem]
 
 
-def _best_unit(keys: list[str], value: Any, unit: str) -> str:
+def _best_unit(keys: list[str], value_of_key: Any, unit: str) -> str:
     """Return the key with the largest unit in which the value is a whole number, or else with the smallest one.
 
     ``unit`` is the one in which the value was given.
     """
     largest_first = sorted(keys, key=lambda known_key: -_UNITS[_unit_of_key(known_key)][1])
     for known_key in largest_first:
-        if _is_whole_in(value, unit, _unit_of_key(known_key)):
+        if _is_whole_in(value_of_key, unit, _unit_of_key(known_key)):
             return known_key
     return largest_first[-1]
 
 
-def _is_finite_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+def _is_finite_number(value_of_key: Any) -> bool:
+    return isinstance(value_of_key, int | float) and not isinstance(value_of_key, bool) and math.isfinite(value_of_key)
 
 
-def _is_whole_in(value: Any, unit: str, target_unit: str) -> bool:
+def _is_whole_in(value_of_key: Any, unit: str, target_unit: str) -> bool:
     """Return True if a value is a whole number in another unit."""
-    return _is_finite_number(value) and _convert_number(Fraction(str(value)), unit, target_unit) is not None
+    return (
+        _is_finite_number(value_of_key) and _convert_number(Fraction(str(value_of_key)), unit, target_unit) is not None
+    )
 
 
 def _remove_unit(key: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from .hints import TO_ADD, foreign_key_hint, key_hint, number_hint, value_hint, word_hint
 from .problems import WORDS_ONLY, Path, listed, missing, nearest_choice, quoted, suggestion
@@ -196,9 +196,9 @@ def _key_hint(error: Any, path: Path, key: str) -> str:
     return key_hint(key, error.instance[key], known_keys)
 
 
-def _suggest_key(error: Any, key: str) -> str:
+def _suggest_key(error: Any, unknown_key: str) -> str:
     """Return the known keys, or the most similar one, as a hint after an unknown key."""
-    return suggestion(key, error.schema["properties"], "known keys")
+    return suggestion(unknown_key, error.schema["properties"], "known keys")
 
 
 def _missing_keys(error: Any, path: Path, file_kind: str) -> Iterator[Finding]:
@@ -266,7 +266,14 @@ def _name_subject(path: Path) -> str:
     return f"'{path[-1]}'" if path else "the file"
 
 
-def _explain_type(error: Any, subject: str) -> tuple[str, str]:
+class _RuleMessage(NamedTuple):
+    """A message about an error of the schema, and the rule under which it is reported."""
+
+    rule: str
+    message: str
+
+
+def _explain_type(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a value of the wrong type, with the likely correction.
 
     ``subject`` is its key in quotes, or ``an item of`` its list. The other functions in ``_MESSAGES`` are alike.
@@ -277,7 +284,7 @@ def _explain_type(error: Any, subject: str) -> tuple[str, str]:
     number_or_text = _NUMBER_OR_TEXT.get(key) if len(types) > 1 else None
     accepted = number_or_text or listed([_TYPES[name] for name in types], "or")
     if value is None:
-        return "wrong-type", f"{subject} has no value; it must be {accepted}"
+        return _RuleMessage("wrong-type", f"{subject} has no value; it must be {accepted}")
     hint = ""
     if number_or_text or types == ["integer"]:
         hint = number_hint(key, value)
@@ -285,7 +292,7 @@ def _explain_type(error: Any, subject: str) -> tuple[str, str]:
         hint = _text_hint(error)
     if not hint:
         hint = value_hint(key, value, error.schema)
-    return "wrong-type", f"{subject} must be {accepted}, not {quoted(value)}{hint}"
+    return _RuleMessage("wrong-type", f"{subject} must be {accepted}, not {quoted(value)}{hint}")
 
 
 def _text_hint(error: Any) -> str:
@@ -301,7 +308,7 @@ def _text_hint(error: Any) -> str:
     return "; put it in quotes" if re.search(pattern, str(error.instance).lower()) else ""
 
 
-def _explain_enum(error: Any, subject: str) -> tuple[str, str]:
+def _explain_enum(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a value that is not one of the allowed ones, with the likely or all allowed ones."""
     hint = word_hint(str(error.absolute_path[-1]), error.instance)
     if not hint and not isinstance(error.instance, (dict, list)):
@@ -310,24 +317,24 @@ def _explain_enum(error: Any, subject: str) -> tuple[str, str]:
         hint = f"; use one of {', '.join(map(str, error.validator_value))}"
     if "use one of" in hint and "fields" in error.absolute_path and error.absolute_path[-1] in _WIDTH_DECIDES:
         hint += ". If it depends on the order code, write two fields, each with a parameter in 'bits' that is 0 or 1"
-    return "not-allowed", f"{subject} cannot be {quoted(error.instance)}{hint}"
+    return _RuleMessage("not-allowed", f"{subject} cannot be {quoted(error.instance)}{hint}")
 
 
-def _explain_const(error: Any, subject: str) -> tuple[str, str]:
+def _explain_const(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a value that must be another one, such as the version of the language."""
     value, required_value = error.instance, error.validator_value
     is_later_version = type(value) is int and subject == "'codewheel'" and value > required_value
     hint = "; a later version of codewheel can read this file" if is_later_version else ""
-    return "not-allowed", f"{subject} must be {quoted(required_value)}, not {quoted(value)}{hint}"
+    return _RuleMessage("not-allowed", f"{subject} must be {quoted(required_value)}, not {quoted(value)}{hint}")
 
 
-def _explain_pattern(error: Any, subject: str) -> tuple[str, str]:
+def _explain_pattern(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a text that does not match a pattern of the schema, with the pattern in words."""
     pattern_in_words = PATTERNS.get(error.validator_value, f"it must match {error.validator_value}")
-    return "bad-pattern", f"{subject} cannot be {quoted(error.instance)}: {pattern_in_words}"
+    return _RuleMessage("bad-pattern", f"{subject} cannot be {quoted(error.instance)}: {pattern_in_words}")
 
 
-def _explain_range(error: Any, subject: str) -> tuple[str, str]:
+def _explain_range(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a number outside its bounds, of which one may be missing."""
     low, high = error.schema.get("minimum"), error.schema.get("maximum")
     if low is None:
@@ -336,32 +343,38 @@ def _explain_range(error: Any, subject: str) -> tuple[str, str]:
         bounds = f"at least {low}"
     else:
         bounds = f"from {low} to {high}"
-    return "out-of-range", f"{subject} is {quoted(error.instance)}; it must be {bounds}"
+    return _RuleMessage("out-of-range", f"{subject} is {quoted(error.instance)}; it must be {bounds}")
 
 
-def _too_long(error: Any, subject: str) -> tuple[str, str]:
-    return "too-long", f"{subject} has {len(error.instance)} characters; the limit is {error.validator_value}"
+def _too_long(error: Any, subject: str) -> _RuleMessage:
+    """Return rule and message for a text that is longer than the schema allows."""
+    return _RuleMessage(
+        "too-long", f"{subject} has {len(error.instance)} characters; the limit is {error.validator_value}"
+    )
 
 
-def _explain_empty(error: Any, subject: str) -> tuple[str, str]:
-    return "too-short", f"{subject} is empty; fill it in or leave it out"
+def _explain_empty(error: Any, subject: str) -> _RuleMessage:
+    return _RuleMessage("too-short", f"{subject} is empty; fill it in or leave it out")
 
 
-def _explain_too_few(error: Any, subject: str) -> tuple[str, str]:
+def _explain_too_few(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a list or map with too few entries."""
     count = len(error.instance)
     min_count = error.validator_value
     if min_count > 1:
         noun = "entry" if count == 1 else "entries"
-        return "too-short", f"{subject} has {count or 'no'} {noun}; it needs at least {min_count}"
-    return "too-short", f"{subject} is empty; it needs at least one entry"
+        return _RuleMessage("too-short", f"{subject} has {count or 'no'} {noun}; it needs at least {min_count}")
+    return _RuleMessage("too-short", f"{subject} is empty; it needs at least one entry")
 
 
-def _too_many(error: Any, subject: str) -> tuple[str, str]:
-    return "too-long", f"{subject} has {len(error.instance)} entries; the limit is {error.validator_value}"
+def _too_many(error: Any, subject: str) -> _RuleMessage:
+    """Return rule and message for a list or map with more entries than the schema allows."""
+    return _RuleMessage(
+        "too-long", f"{subject} has {len(error.instance)} entries; the limit is {error.validator_value}"
+    )
 
 
-_MESSAGES: dict[str, Callable[[Any, str], tuple[str, str]]] = {
+_MESSAGES: dict[str, Callable[[Any, str], _RuleMessage]] = {
     "type": _explain_type,
     "enum": _explain_enum,
     "const": _explain_const,

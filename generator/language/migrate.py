@@ -31,7 +31,7 @@ def migrate(document: Document) -> tuple[Edit, ...]:
         line, column = document.position(path, at_key=True)
         if old_key not in mapping:
             continue  # An alias repeats a map that has been migrated.
-        edits.append(Edit(line, column, str(old_key), new_key))
+        edits.append(Edit(line=line, column=column, old=str(old_key), new=new_key))
         _rename_key(mapping, old_key, new_key)
         _rename_key(document.mark(parent_path).children, old_key, new_key)
     return tuple(edits)
@@ -44,13 +44,13 @@ def _rename_key(mapping: dict[Any, Any], old_key: str | int, new_key: str) -> No
     mapping.update(renamed)
 
 
-def edited(text: str, edits: Iterable[Edit]) -> str:
+def edited(spec_text: str, edits: Iterable[Edit]) -> str:
     """Return the text of a file after these edits, made from its end so that places before them stay right.
 
     A key may be in quotes, so it is searched from its place on.
     """
-    line_starts = [0, *(line_break.end() for line_break in LINE_BREAK.finditer(text))]
+    line_starts = [0, *(line_break.end() for line_break in LINE_BREAK.finditer(spec_text))]
     for edit in sorted(edits, key=lambda edit: (edit.line, edit.column), reverse=True):
-        key_start = text.index(edit.old, line_starts[edit.line - 1] + edit.column - 1)
-        text = text[:key_start] + edit.new + text[key_start + len(edit.old) :]
-    return text
+        key_start = spec_text.index(edit.old, line_starts[edit.line - 1] + edit.column - 1)
+        spec_text = spec_text[:key_start] + edit.new + spec_text[key_start + len(edit.old) :]
+    return spec_text

@@ -36,7 +36,7 @@ from .written_parts import WrittenSpec
 #: Suffix of overlays found next to their spec: ``FAMILY.overlay.yaml``, ``FAMILY.x.overlay.yaml``.
 SUFFIX = ".overlay"
 #: Kinds of changes. Each change has exactly one.
-KINDS = ("set", "add", "remove", "unknown", "also")
+CHANGE_KINDS = ("set", "add", "remove", "unknown", "also")
 _VALUE_OF = {"set": "to", "add": "value"}
 #: Keys that no change may touch: they identify the family, or do not state a fact of the manual.
 _FIXED = frozenset("codewheel device manufacturer editions".split())
@@ -135,29 +135,29 @@ class LayeredSpec:
                 if kind is not None and self._has_value(layer, number, kind):
                     self._apply_change(layer, number, kind, change)
 
-    def _kind_of_change(self, layer: Layer, number: int, change: Mapping[str, Any]) -> str | None:
+    def _kind_of_change(self, layer: Layer, change_number: int, change: Mapping[str, Any]) -> str | None:
         """Return the kind of a change. If it has none or several, report it and return None."""
-        kinds = [kind for kind in KINDS if kind in change]
+        kinds = [kind for kind in CHANGE_KINDS if kind in change]
         if len(kinds) == 1:
             return kinds[0]
         fault = "has " + " and ".join(map(quoted, kinds)) if kinds else "does nothing"
         message = f"this change {fault}; use 'set', 'add', 'remove', 'unknown' or 'also'"
-        self._report_problem("overlay-change", layer, (number,), message)
+        self._report_problem("overlay-change", layer, (change_number,), message)
         return None
 
-    def _has_value(self, layer: Layer, number: int, kind: str) -> bool:
+    def _has_value(self, layer: Layer, change_number: int, change_kind: str) -> bool:
         """Return True if a change has the key for its new value, and no other. Report it otherwise.
 
         ``set`` needs ``to``, and ``add`` needs ``value``. Other kinds have no new value.
         """
-        change = layer.changes[number]
-        needed_key = _VALUE_OF.get(kind)
+        change = layer.changes[change_number]
+        needed_key = _VALUE_OF.get(change_kind)
         for key in _VALUE_OF.values():
             is_needed = key == needed_key
             if (key in change) != is_needed:
                 verb = "needs" if is_needed else "cannot have"
-                message = f"a change with {quoted(kind)} {verb} {quoted(key)}"
-                self._report_problem("overlay-change", layer, (number,), message)
+                message = f"a change with {quoted(change_kind)} {verb} {quoted(key)}"
+                self._report_problem("overlay-change", layer, (change_number,), message)
                 return False
         return True
 
@@ -180,71 +180,79 @@ class LayeredSpec:
             self._data, self._marks = with_value(self._data, self._marks, path, cited_document, mark)
         check_source_format(WrittenSpec(overlay.data), WrittenSpec(self._data), self._report.for_document(overlay))
 
-    def _apply_change(self, layer: Layer, number: int, kind: str, change: Mapping[str, Any]) -> None:
+    def _apply_change(self, layer: Layer, change_number: int, change_kind: str, change: Mapping[str, Any]) -> None:
         """Apply a change of a kind to each place that it lists. ``also`` only records a text.
 
         In this class, ``change_path`` leads from the layer to the text of the place, and ``text`` is that place in the
         spec.
         """
-        if kind == "also":
-            self._record_change(layer, (number, kind), was=change[kind], now="", affects="", is_known=False)
+        if change_kind == "also":
+            self._record_change(
+                layer, (change_number, change_kind), was=change[change_kind], now="", affects="", is_known=False
+            )
             return
-        places_in_spec = change[kind] if isinstance(change[kind], list) else [change[kind]]
+        places_in_spec = change[change_kind] if isinstance(change[change_kind], list) else [change[change_kind]]
         for index, text in enumerate(places_in_spec):
-            change_path: Path = (number, kind, index) if isinstance(change[kind], list) else (number, kind)
+            change_path: Path = (
+                (change_number, change_kind, index)
+                if isinstance(change[change_kind], list)
+                else (change_number, change_kind)
+            )
             if text.partition(".")[0] in _FIXED:
                 message = f"an overlay cannot change {quoted(text)}, only facts about the encoder"
                 self._report_problem("overlay-change", layer, change_path, message)
-            elif kind == "add":
+            elif change_kind == "add":
                 self._add_value(layer, change_path, text, change)
             else:
-                self._set_or_remove(layer, change_path, text, kind)
+                self._set_or_remove(layer, change_path, text, change_kind)
 
-    def _add_value(self, layer: Layer, change_path: Path, text: str, change: Mapping[str, Any]) -> None:
+    def _add_value(self, layer: Layer, change_path: Path, path_text: str, change: Mapping[str, Any]) -> None:
         """Add the value of a change at a new key, or at the end of a list that has no item with its label."""
         try:
-            path = resolve(self._data, text)
+            path = resolve(self._data, path_text)
         except MissingPath as missing_path:
-            self._add_key(layer, change_path, text, missing_path)
+            self._add_key(layer, change_path, path_text, missing_path)
             return
         current_value = value_at(self._data, path)
         label = label_of(change["value"])
         if not isinstance(current_value, list):
             self._report_problem(
-                "overlay-unused", layer, change_path, f"{quoted(text)} already exists; change it with 'set'"
+                "overlay-unused", layer, change_path, f"{quoted(path_text)} already exists; change it with 'set'"
             )
         elif label is not None and label in map(label_of, current_value):
-            message = f"{quoted(text)} already has {quoted(label)}; change it with 'set'"
+            message = f"{quoted(path_text)} already has {quoted(label)}; change it with 'set'"
             self._report_problem("overlay-unused", layer, change_path, message)
         else:
-            self._put_value(layer, change_path, (*path, len(current_value)), f"{_shorten_path(text)} without this item")
+            self._put_value(
+                layer, change_path, (*path, len(current_value)), f"{_shorten_path(path_text)} without this item"
+            )
 
-    def _add_key(self, layer: Layer, change_path: Path, text: str, missing_path: MissingPath) -> None:
+    def _add_key(self, layer: Layer, change_path: Path, path_text: str, missing_path: MissingPath) -> None:
         """Add the value of a change at a new key of an existing map. Only that key, the last step, may be missing."""
-        last_step = text.rpartition(".")[2]
+        last_step = path_text.rpartition(".")[2]
         parent = value_at(self._data, missing_path.existing_path)
         if missing_path.step != last_step or not isinstance(parent, dict):
-            self._report_missing_place(layer, change_path, text, missing_path)
+            self._report_missing_place(layer, change_path, path_text, missing_path)
             return
         path = (*missing_path.existing_path, missing_path.step)
         if self._is_free(layer, change_path, path):
-            self._put_value(layer, change_path, path, f"no {_shorten_path(text)}")
+            self._put_value(layer, change_path, path, f"no {_shorten_path(path_text)}")
 
-    def _set_or_remove(self, layer: Layer, change_path: Path, text: str, kind: str) -> None:
+    def _set_or_remove(self, layer: Layer, change_path: Path, path_text: str, change_kind: str) -> None:
         """Replace the value at an existing place by that of a change, or remove it if it is wrong or unknown."""
         try:
-            path = resolve(self._data, text)
+            path = resolve(self._data, path_text)
         except MissingPath as missing_path:
-            self._report_missing_place(layer, change_path, text, missing_path)
+            self._report_missing_place(layer, change_path, path_text, missing_path)
             return
         if not self._is_free(layer, change_path, path):
             return
-        if kind == "set":
-            self._replace_value(layer, change_path, text, path)
+        if change_kind == "set":
+            self._replace_value(layer, change_path, path_text, path)
         else:
-            self._remove_value(layer, change_path, text, path, is_known=kind != "unknown")
+            self._remove_value(layer, change_path, path_text, path, is_known=change_kind != "unknown")
 
-    def _replace_value(self, layer: Layer, change_path: Path, text: str, path: Path) -> None:
+    def _replace_value(self, layer: Layer, change_path: Path, path_text: str, path: Path) -> None:
         """Replace the value at ``path`` by that of a change. Report a change to the same value."""
         current_value = value_at(self._data, path)
         current_text = _value_text(current_value, self._text_from(path))
@@ -252,16 +260,18 @@ class LayeredSpec:
             message = f"the spec already has {current_text} here; leave the change out"
             self._report_problem("overlay-unused", layer, change_path, message)
         else:
-            self._put_value(layer, change_path, path, f"{_shorten_path(text)}: {current_text}")
+            self._put_value(layer, change_path, path, f"{_shorten_path(path_text)}: {current_text}")
 
-    def _remove_value(self, layer: Layer, change_path: Path, text: str, path: Path, *, is_known: bool) -> None:
+    def _remove_value(self, layer: Layer, change_path: Path, path_text: str, path: Path, *, is_known: bool) -> None:
         """Remove the value at ``path``, and record the removed place or, if it has no name any more, its parent."""
         affected = as_affected(self._data, path)
         parent_affected = as_affected(self._data, path[:-1])
         self._data, self._marks = without_value(self._data, self._marks, path)
         # Without its name, only the parent of the removed item can still be referred to.
         affects = affected if leads_somewhere(self._data, affected) else parent_affected
-        self._record_change(layer, change_path, was=_shorten_path(text), now="", affects=affects, is_known=is_known)
+        self._record_change(
+            layer, change_path, was=_shorten_path(path_text), now="", affects=affects, is_known=is_known
+        )
 
     def _put_value(self, layer: Layer, change_path: Path, path: Path, was: str) -> None:
         """Put the value of a change at a path, and record it. ``was`` is the text for the value before."""
@@ -304,12 +314,12 @@ class LayeredSpec:
         lines = self._other_files[mark.file] if mark.file else self._base.lines
         return lines[mark.line - 1][mark.column - 1 :]
 
-    def _report_missing_place(self, layer: Layer, change_path: Path, text: str, missing_path: MissingPath) -> None:
+    def _report_missing_place(self, layer: Layer, change_path: Path, path_text: str, missing_path: MissingPath) -> None:
         """Report a place of a change whose path ends at an existing value, with the steps that are possible there."""
         existing_name = self._base.name_path(missing_path.existing_path)
         parent = quoted(existing_name) if existing_name else "the spec"
         hint = suggestion(missing_path.step, missing_path.known_steps, "known")
-        message = f"there is nothing at {quoted(text)}: {parent} has no {quoted(missing_path.step)}{hint}"
+        message = f"there is nothing at {quoted(path_text)}: {parent} has no {quoted(missing_path.step)}{hint}"
         self._report_problem("overlay-unused", layer, change_path, message)
 
     def _report_problem(self, rule: str, layer: Layer, change_path: Path, message: str) -> None:
@@ -325,37 +335,37 @@ def place_number(change_path: Path) -> int:
     return int(change_path[0])
 
 
-def _shorten_path(text: str) -> str:
-    return text.removeprefix("registers.")
+def _shorten_path(path_text: str) -> str:
+    return path_text.removeprefix("registers.")
 
 
-def _value_text(value: Any, text_from_value: str) -> str:
+def _value_text(changed_value: Any, text_from_value: str) -> str:
     """Return a value as text, shortened if it is long: maps and lists in braces and brackets.
 
     A number is written in hexadecimal if the file has it so. ``text_from_value`` is the line of the file, starting at
     the value.
     """
-    if isinstance(value, int) and not isinstance(value, bool):
+    if isinstance(changed_value, int) and not isinstance(changed_value, bool):
         words_of_line = text_from_value.split(maxsplit=1)
         number = words_of_line[0].rstrip(",}]") if words_of_line else ""
-        return number if number.startswith("0x") else str(value)
-    text = _format_value(value)
+        return number if number.startswith("0x") else str(changed_value)
+    text = _format_value(changed_value)
     return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
 
 
-def _format_value(value: Any) -> str:
+def _format_value(changed_value: Any) -> str:
     """Return a value as text: ``{key: [1, 2]}``, ``true``, or the text itself."""
-    if isinstance(value, dict):
-        entries = ", ".join(f"{key}: {_format_value(inner)}" for key, inner in value.items())
+    if isinstance(changed_value, dict):
+        entries = ", ".join(f"{key}: {_format_value(inner)}" for key, inner in changed_value.items())
         return f"{{{entries}}}"
-    if isinstance(value, list):
-        return f"[{', '.join(map(_format_value, value))}]"
-    return str(value).lower() if isinstance(value, bool) else str(value)
+    if isinstance(changed_value, list):
+        return f"[{', '.join(map(_format_value, changed_value))}]"
+    return str(changed_value).lower() if isinstance(changed_value, bool) else str(changed_value)
 
 
-def _collect_characteristics(data: Mapping[str, Any]) -> set[str]:
+def _collect_characteristics(spec_data: Mapping[str, Any]) -> set[str]:
     """Return the names of the characteristics in data of any shape."""
-    characteristics = data.get("characteristics")
+    characteristics = spec_data.get("characteristics")
     if not isinstance(characteristics, list):
         return set()
     names = [characteristic.get("name") for characteristic in characteristics if isinstance(characteristic, dict)]
@@ -384,14 +394,14 @@ def _without_steps(node: Any, removed_names: Collection[str]) -> Any:
     return cleaned
 
 
-def _with_existing_affects(data: dict[str, Any], before: dict[str, Any]) -> dict[str, Any]:
+def _with_existing_affects(erratum_data: dict[str, Any], before: dict[str, Any]) -> dict[str, Any]:
     """Return the data with errata that refer only to existing places, not to those removed by a layer."""
-    errata = data.get("errata")
+    errata = erratum_data.get("errata")
     if not isinstance(errata, list):
-        return data
-    places = Affected(data)
+        return erratum_data
+    places = Affected(erratum_data)
     places_before = Affected(before)
-    return {**data, "errata": [_affects_existing(erratum, places, places_before) for erratum in errata]}
+    return {**erratum_data, "errata": [_affects_existing(erratum, places, places_before) for erratum in errata]}
 
 
 def _affects_existing(erratum: Any, places: Affected, places_before: Affected) -> Any:

@@ -186,13 +186,17 @@ def _on_one_line(words: JsonSchema) -> list[str]:
     return [json.dumps(words, ensure_ascii=False)[1:-1]] if words else []
 
 
-def _value_text(word: str, value: Any, indent: int) -> str:
+def _value_text(word: str, schema_value: Any, indent: int) -> str:
     """Return the text of a value in a schema. Each of the ``properties`` is on a line of its own."""
     if word == "properties":
         return _in_braces(
-            [f"{json.dumps(name)}: {_format_schema(inner, indent + 2)}" for name, inner in value.items()], indent
+            [f"{json.dumps(name)}: {_format_schema(inner, indent + 2)}" for name, inner in schema_value.items()], indent
         )
-    return _format_schema(value, indent) if isinstance(value, dict) else json.dumps(value, ensure_ascii=False)
+    return (
+        _format_schema(schema_value, indent)
+        if isinstance(schema_value, dict)
+        else json.dumps(schema_value, ensure_ascii=False)
+    )
 
 
 def _in_braces(lines: Sequence[str], indent: int) -> str:

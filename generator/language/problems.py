@@ -130,10 +130,10 @@ class Report:
         """Add a problem at a place of a file, for errors before a document exists."""
         self._problems.add(Problem(file, line, column, rule, path, message, text, cause))
 
-    def include(self, other: Report) -> None:
+    def include(self, other_report: Report) -> None:
         """Add the problems of another report, and the places that it marks as faulty."""
-        self._problems |= other._problems
-        for key, paths in other._faults.items():
+        self._problems |= other_report._problems
+        for key, paths in other_report._faults.items():
             self._faults.setdefault(key, set()).update(paths)
 
     def mark(self, document: Document, paths: Iterable[Path]) -> None:
@@ -247,25 +247,25 @@ class DocumentReport:
         return len(self._report)
 
 
-def excerpt(text: str, column: int, width: int = 80) -> list[str]:
+def excerpt(line_text: str, column: int, width: int = 80) -> list[str]:
     """Return the part of a line around a column, and below it a line with a caret. Nothing for an empty line."""
-    if not text.strip():
+    if not line_text.strip():
         return []
-    window, caret = _cut_window(text, column, max(width, 20) - 4)
+    window, caret = _cut_window(line_text, column, max(width, 20) - 4)
     return [f"    {window}", f"    {' ' * caret}^"]
 
 
-def quoted(value: Any) -> str:
+def quoted(shown_value: Any) -> str:
     """Return a value as shown in messages: text in quotes and shortened, a container by its kind, None as nothing."""
-    if isinstance(value, str):
-        return f"'{value}'" if len(value) <= LONGEST_QUOTE else f"'{value[: LONGEST_QUOTE - 3]}...'"
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if value is None:
+    if isinstance(shown_value, str):
+        return f"'{shown_value}'" if len(shown_value) <= LONGEST_QUOTE else f"'{shown_value[: LONGEST_QUOTE - 3]}...'"
+    if isinstance(shown_value, bool):
+        return "true" if shown_value else "false"
+    if shown_value is None:
         return "nothing"
-    if isinstance(value, dict):
+    if isinstance(shown_value, dict):
         return "a map"
-    return "a list" if isinstance(value, list) else str(value)
+    return "a list" if isinstance(shown_value, list) else str(shown_value)
 
 
 def listed(words: Iterable[str], last: str = "and") -> str:
@@ -372,9 +372,9 @@ def _is_abbreviation(word: str, known_word: str) -> bool:
     return len(word) >= 4 and known_word.startswith(word) and _has_same_meaning(word, known_word)
 
 
-def visible(text: str) -> str:
+def visible(any_text: str) -> str:
     """Return the text with every character that controls a terminal written as an escape."""
-    return "".join(map(_visible_character, text))
+    return "".join(map(_visible_character, any_text))
 
 
 def _visible_character(character: str) -> str:
@@ -396,13 +396,13 @@ def _measure_columns(text: str) -> int:
     return len(text) + wide - combining
 
 
-def _cut_window(text: str, column: int, width: int) -> tuple[str, int]:
+def _cut_window(line_text: str, column: int, width: int) -> tuple[str, int]:
     """Return the part of a line to show, without its indentation, and the offset of the caret in it, in columns.
 
     A line with more than ``width`` columns is cut so that the caret is visible, with more text before it than after.
     """
-    indent = len(text) - len(text.lstrip(" "))
-    stripped = text.strip(" ")
+    indent = len(line_text) - len(line_text.lstrip(" "))
+    stripped = line_text.strip(" ")
     caret_index = max(0, min(column - 1 - indent, len(stripped)))
     # Each character takes at least one column, so nothing farther away can be shown. A line may have millions.
     first = max(0, caret_index - width)

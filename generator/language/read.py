@@ -81,12 +81,12 @@ class _Value:
 
 
 def parse(
-    text: str, complain: Callable[[Unreadable], None], stand_in: Callable[[Path], None]
+    yaml_text: str, complain: Callable[[Unreadable], None], stand_in: Callable[[Path], None]
 ) -> tuple[dict[str, Any], Mark]:
     """Parse a YAML text and return its data and marks.
 
     Args:
-        text: The text, without characters that YAML forbids.
+        yaml_text: The text, without characters that YAML forbids.
         complain: Called with each error that does not prevent reading the rest, such as a duplicate key.
         stand_in: Called with the path of each value that could not be read and was replaced by None.
 
@@ -94,9 +94,9 @@ def parse(
         Unreadable: Nothing can be read: broken syntax, too deep, too many values, several documents, not a map.
     """
     try:
-        return _Parser(text, complain, stand_in).document()
+        return _Parser(yaml_text, complain, stand_in).document()
     except yaml.MarkedYAMLError as error:
-        raise Unreadable(*explain(error, text)) from None
+        raise Unreadable(rule="yaml-syntax", **explain(error, yaml_text)._asdict()) from None
     except yaml.YAMLError as error:
         raise Unreadable(1, 1, "yaml-syntax", f"not valid YAML: {str(error).splitlines()[0]}") from None
 
@@ -106,12 +106,12 @@ class _Parser:
         self._complain = complain
         self._stand_in = stand_in
         parser_events = iter(yaml.parse(text, Loader=_LOADER))
-        self._events = iter(CorrectedEvents(parser_events, LINE_BREAK.split(text), _is_text, self._refuse))
+        self._events = iter(CorrectedEvents(parser_events, LINE_BREAK.split(text), _is_text, self._report))
         #: Values by anchor. None while the value is being read.
         self._anchors: dict[str, _Value | None] = {}
         self._count = 0
 
-    def _refuse(self, event: Any, rule: str, message: str, path: Path = ()) -> None:
+    def _report(self, event: Any, rule: str, message: str, path: Path = ()) -> None:
         self._complain(_build_error(event, rule, message, path))
 
     def document(self) -> tuple[dict[str, Any], Mark]:
@@ -217,7 +217,7 @@ class _Parser:
             if key in map_data:
                 first_line = mark.children[key].key_line
                 message = f"duplicate key {quoted(key)}, already on line {first_line}; keep one of them"
-                self._refuse(key_event, "duplicate-key", message, (*path, key))
+                self._report(key_event, "duplicate-key", message, (*path, key))
                 continue
             value.mark.key_line = key_event.start_mark.line + 1
             value.mark.key_column = key_event.start_mark.column + 1
@@ -228,13 +228,13 @@ class _Parser:
         """Return the key as written, so that ``01`` stays a text, or None after a report if it is not usable."""
         if not isinstance(event, yaml.ScalarEvent):
             self._read_value(event, (), depth + 1)  # Discarded, but its events must be read.
-            self._refuse(event, "bad-key", "a key is one word, not a list, a map or an alias", path)
+            self._report(event, "bad-key", "a key is one word, not a list, a map or an alias", path)
             return None
         if event.value == "<<" and not event.style:
-            self._refuse(event, "merge-key", "merge keys are not part of YAML 1.2; write out the entries", path)
+            self._report(event, "merge-key", "merge keys are not part of YAML 1.2; write out the entries", path)
             return None
         if event.value == "" or FORBIDDEN.search(event.value) or event.tag not in (None, "!", f"{_CORE}str"):
-            self._refuse(event, "bad-key", "a key is one word, without a tag and without control characters", path)
+            self._report(event, "bad-key", "a key is one word, without a tag and without control characters", path)
             return None
         return str(event.value)
 
@@ -246,43 +246,43 @@ class _Parser:
         forbidden = FORBIDDEN.search(text) if event.style == '"' else None
         if forbidden is not None:
             message = f"the character U+{ord(forbidden[0]):04X} is not allowed in text; remove its escape"
-            return self._unusable(event, path, "not-text", message)
+            return self._replace(event, path, "not-text", message)
         if tag in ("!", f"{_CORE}str") or (tag is None and is_quoted):
             return text
         if tag is not None and tag not in _TAGGED_TYPES:
-            return self._unusable(event, path, "tag", f"the tag {quoted(_short(tag))} is not supported; remove it")
+            return self._replace(event, path, "tag", f"the tag {quoted(_short_tag(tag))} is not supported; remove it")
         if len(text) > MAX_DIGITS and _INTEGER.fullmatch(text):
             message = f"a number of {len(text)} digits is too long; put it in quotes if it is text"
-            return self._unusable(event, path, "number-too-long", message)
+            return self._replace(event, path, "number-too-long", message)
         value = _resolve_scalar(text)
         if tag is not None and not isinstance(value, _TAGGED_TYPES[tag]):
-            return self._unusable(event, path, "tag", f"{quoted(text)} is not of type {_short(tag)}")
+            return self._replace(event, path, "tag", f"{quoted(text)} is not of type {_short_tag(tag)}")
         return value
 
-    def _unusable(self, event: Any, path: Path, rule: str, message: str) -> None:
-        self._refuse(event, rule, message)
+    def _replace(self, event: Any, path: Path, rule: str, message: str) -> None:
+        self._report(event, rule, message)
         self._stand_in(path)
 
     def _check_container_tag(self, event: Any) -> None:
         container_tag = "map" if isinstance(event, yaml.MappingStartEvent) else "seq"
         if event.tag not in (None, "!", f"{_CORE}{container_tag}"):
-            self._refuse(event, "tag", f"the tag {quoted(_short(event.tag))} is not supported; remove it")
+            self._report(event, "tag", f"the tag {quoted(_short_tag(event.tag))} is not supported; remove it")
 
 
-def _resolve_scalar(text: str) -> str | int | float | bool | None:
+def _resolve_scalar(scalar_text: str) -> str | int | float | bool | None:
     """Return the value of an unquoted scalar by the core schema of YAML 1.2."""
-    if text in _NULL:
+    if scalar_text in _NULL:
         return None
-    if text in _BOOLEAN:
-        return _BOOLEAN[text]
-    if _INTEGER.fullmatch(text):
-        if text.startswith(("0x", "0o")):
-            return int(text[2:], 16 if text[1] == "x" else 8)
-        return int(text)
-    if _FLOAT.fullmatch(text):
-        return float(text)
+    if scalar_text in _BOOLEAN:
+        return _BOOLEAN[scalar_text]
+    if _INTEGER.fullmatch(scalar_text):
+        if scalar_text.startswith(("0x", "0o")):
+            return int(scalar_text[2:], 16 if scalar_text[1] == "x" else 8)
+        return int(scalar_text)
+    if _FLOAT.fullmatch(scalar_text):
+        return float(scalar_text)
     # Python writes infinities and NaN without the point.
-    return float(text.replace(".", "")) if _SPECIAL_FLOAT.fullmatch(text) else text
+    return float(scalar_text.replace(".", "")) if _SPECIAL_FLOAT.fullmatch(scalar_text) else scalar_text
 
 
 def _is_text(scalar: str) -> bool:
@@ -290,7 +290,7 @@ def _is_text(scalar: str) -> bool:
     return isinstance(_resolve_scalar(scalar), str)
 
 
-def _short(tag: str) -> str:
+def _short_tag(tag: str) -> str:
     return tag.replace(_CORE, "!!")
 
 
@@ -329,19 +329,19 @@ def read_document(path: pathlib.Path, report: Report, shown_as: str | None = Non
     return None
 
 
-def document_of_text(file: str, text: str, report: Report) -> Document | None:
+def document_of_text(file: str, yaml_text: str, report: Report) -> Document | None:
     """Parse a text without forbidden characters as if a file with that name contained it, like ``read_document``."""
     report.files.append(file)
-    return _parsed_document(file, text, tuple(LINE_BREAK.split(text)), report)
+    return _parsed_document(file, yaml_text, tuple(LINE_BREAK.split(yaml_text)), report)
 
 
-def _parsed_document(file: str, text: str, lines: tuple[str, ...], report: Report) -> Document | None:
+def _parsed_document(file: str, yaml_text: str, lines: tuple[str, ...], report: Report) -> Document | None:
     """Return the document of a text, with the places of errors, or None if nothing can be used. Report its errors."""
     errors: list[Unreadable] = []
     broken_places: list[Path] = []
     data_and_marks = None
     try:
-        data_and_marks = parse(text, errors.append, broken_places.append)
+        data_and_marks = parse(yaml_text, errors.append, broken_places.append)
     except Unreadable as last_error:
         errors.append(last_error)
     for error in errors:

@@ -37,45 +37,47 @@ _TYPES: Mapping[str, tuple[type, ...]] = {
 }
 
 
-def follows_schema(value: Any, schema: Mapping[str, Any]) -> bool:
+def follows_schema(checked_value: Any, schema: Mapping[str, Any]) -> bool:
     """Return True if a value follows a schema without references, and False if it may not.
 
     Each keyword of the schema has a test in ``_TESTS``. A keyword without one may not be fulfilled.
     """
-    return all(key in _TESTS and _TESTS[key](value, expected, schema) for key, expected in schema.items())
+    return all(key in _TESTS and _TESTS[key](checked_value, expected, schema) for key, expected in schema.items())
 
 
-def matches(pattern: str, text: str) -> bool:
+def matches(pattern: str, checked_text: str) -> bool:
     """Return True if a pattern of a schema matches the whole text.
 
     JSON Schema searches for the pattern, so that a name could end in a line break.
     """
-    return re.fullmatch(pattern, text.replace("\n", "\0")) is not None
+    return re.fullmatch(pattern, checked_text.replace("\n", "\0")) is not None
 
 
-def _is_of_type(value: Any, expected: str | list[str], _: object) -> bool:
+def _is_of_type(checked_value: Any, expected: str | list[str], _: object) -> bool:
     """Return True if a value has one of the expected types. True is a boolean, not an integer."""
     names = [expected] if isinstance(expected, str) else expected
-    return any(type(value) in _TYPES.get(name, ()) for name in names)
+    return any(type(checked_value) in _TYPES.get(name, ()) for name in names)
 
 
-def _is_one_of(value: Any, expected: list[Any], _: object) -> bool:
+def _is_one_of(checked_value: Any, expected: list[Any], _: object) -> bool:
     """Return True if a value is one of the expected values, and of the same type."""
-    return any(type(value) is type(allowed_value) and value == allowed_value for allowed_value in expected)
+    return any(
+        type(checked_value) is type(allowed_value) and checked_value == allowed_value for allowed_value in expected
+    )
 
 
-def _has_properties(value: Any, expected: Mapping[str, Any], _: object) -> bool:
+def _has_properties(checked_value: Any, expected: Mapping[str, Any], _: object) -> bool:
     """Return True if the values under known keys follow the schemas of these keys."""
-    if not isinstance(value, dict):
+    if not isinstance(checked_value, dict):
         return True
-    return all(follows_schema(value[key], expected[key]) for key in value if key in expected)
+    return all(follows_schema(checked_value[key], expected[key]) for key in checked_value if key in expected)
 
 
-def _has_additional(value: Any, expected: Any, schema: Mapping[str, Any]) -> bool:
+def _has_additional(checked_value: Any, expected: Any, schema: Mapping[str, Any]) -> bool:
     """Return True if the keys without a schema of their own are allowed. ``expected`` is False or their schema."""
-    if not isinstance(value, dict):
+    if not isinstance(checked_value, dict):
         return True
-    values_of_other_keys = [inner for key, inner in value.items() if key not in schema.get("properties", ())]
+    values_of_other_keys = [inner for key, inner in checked_value.items() if key not in schema.get("properties", ())]
     if not values_of_other_keys:
         return True
     return isinstance(expected, dict) and all(follows_schema(inner, expected) for inner in values_of_other_keys)
@@ -224,19 +226,19 @@ def renamed_keys(document: Document) -> list[tuple[Path, str]]:
     return sorted(new_names.items(), key=position_of)
 
 
-def _kind_of(data: dict[str, Any]) -> FileKind | None:
+def _kind_of(file_data: dict[str, Any]) -> FileKind | None:
     """Return the kind of a file by its keys, or None if no key decides it.
 
     A key that only device files have makes it a device file, even without ``device``.
     """
-    if "master" in data or "takes" in data:
+    if "master" in file_data or "takes" in file_data:
         return FileKind.MASTER
-    if "overlay" in data or "changes" in data:
+    if "overlay" in file_data or "changes" in file_data:
         return FileKind.OVERLAY
     only_in_devices = load_schema("device")["properties"].keys() - load_schema("manufacturer")["properties"].keys()
-    if "device" in data or not only_in_devices.isdisjoint(data):
+    if "device" in file_data or not only_in_devices.isdisjoint(file_data):
         return FileKind.DEVICE
-    return FileKind.MANUFACTURER if "manufacturer" in data else None
+    return FileKind.MANUFACTURER if "manufacturer" in file_data else None
 
 
 def without_places(
@@ -325,36 +327,36 @@ def place_to_remove(path: Path) -> Path:
     return path
 
 
-def _copy_without(value: Any, cut: Collection[Path], path: Path, kept_indices: dict[Path, tuple[int, ...]]) -> Any:
+def _copy_without(node: Any, cut: Collection[Path], path: Path, kept_indices: dict[Path, tuple[int, ...]]) -> Any:
     """Return a copy of the value at ``path`` without the places in ``cut``.
 
     ``kept_indices`` records the original indices of the remaining items of each list that loses some.
     """
-    if isinstance(value, dict):
-        remaining_keys = [key for key in value if (*path, key) not in cut]
-        return {key: _copy_without(value[key], cut, (*path, key), kept_indices) for key in remaining_keys}
-    if isinstance(value, list):
-        remaining_indices = tuple(index for index in range(len(value)) if (*path, index) not in cut)
-        if len(remaining_indices) < len(value):
+    if isinstance(node, dict):
+        remaining_keys = [key for key in node if (*path, key) not in cut]
+        return {key: _copy_without(node[key], cut, (*path, key), kept_indices) for key in remaining_keys}
+    if isinstance(node, list):
+        remaining_indices = tuple(index for index in range(len(node)) if (*path, index) not in cut)
+        if len(remaining_indices) < len(node):
             kept_indices[path] = remaining_indices
-        return [_copy_without(value[index], cut, (*path, index), kept_indices) for index in remaining_indices]
-    return value
+        return [_copy_without(node[index], cut, (*path, index), kept_indices) for index in remaining_indices]
+    return node
 
 
-def value_at(data: Any, path: Path, kept_indices: Mapping[Path, Sequence[int]] = MappingProxyType({})) -> Any:
+def value_at(root: Any, path: Path, kept_indices: Mapping[Path, Sequence[int]] = MappingProxyType({})) -> Any:
     """Return the value in pruned data at a path into the data as read, or None if it was removed.
 
     ``kept_indices`` has the original indices of the remaining items, by the path of their list.
     """
     for depth, step in enumerate(path):
-        if isinstance(data, list) and isinstance(step, int):
-            original_indices = kept_indices.get(path[:depth], range(len(data)))
-            data = data[original_indices.index(step)] if step in original_indices else None
-        elif isinstance(data, dict):
-            data = data.get(step)
+        if isinstance(root, list) and isinstance(step, int):
+            original_indices = kept_indices.get(path[:depth], range(len(root)))
+            root = root[original_indices.index(step)] if step in original_indices else None
+        elif isinstance(root, dict):
+            root = root.get(step)
         else:
             return None
-    return data
+    return root
 
 
 def _find_original_path(path: Path, kept_indices: dict[Path, tuple[int, ...]]) -> Path:
@@ -368,13 +370,15 @@ def _find_original_path(path: Path, kept_indices: dict[Path, tuple[int, ...]]) -
     return original_path
 
 
-def _collect_findings(validator: Any, data: dict[str, Any], unread_places: set[Path], file_kind: str) -> list[Finding]:
+def _collect_findings(
+    validator: Any, file_data: dict[str, Any], unread_places: set[Path], file_kind: str
+) -> list[Finding]:
     """Return the first finding for each place, except at and below places that the reader reported.
 
     Their number ends one above ``MAX_PROBLEMS``, so that the caller notices that there are more.
     """
     findings: dict[tuple[Path, bool], Finding] = {}
-    for error in validator.iter_errors(data):
+    for error in validator.iter_errors(file_data):
         for finding in explain(error, file_kind):
             enclosing_paths = [finding.path[:length] for length in range(len(finding.path))]
             if finding.path not in unread_places and unread_places.isdisjoint(enclosing_paths):
@@ -384,7 +388,7 @@ def _collect_findings(validator: Any, data: dict[str, Any], unread_places: set[P
     return list(findings.values())
 
 
-def _is_explained(finding: Finding, findings: Sequence[Finding], data: dict[str, Any]) -> bool:
+def _is_explained(finding: Finding, findings: Sequence[Finding], file_data: dict[str, Any]) -> bool:
     """Return True if another finding explains this one.
 
     That is a value under a wrong key, or the name of an interface whose key under ``interfaces`` is wrong.
@@ -395,7 +399,7 @@ def _is_explained(finding: Finding, findings: Sequence[Finding], data: dict[str,
     names_interface = "interface" in finding.path[-2:] or "interfaces" in finding.path[-2:]
     if finding.rule != "not-allowed" or not names_interface:
         return False
-    interface = value_at(data, finding.path)
+    interface = value_at(file_data, finding.path)
     return isinstance(interface, str) and ("interfaces", interface) in wrong_key_paths
 
 

@@ -116,21 +116,21 @@ def _prose_optional(schema: Any) -> Any:
     return derived
 
 
-def with_stand_ins(data: Any, schema: Mapping[str, Any]) -> Any:
+def with_stand_ins(file_data: Any, schema: Mapping[str, Any]) -> Any:
     """Return checked data of a second reading, with a stand-in for each key for prose that device files must have.
 
     ``schema`` is that of the data in device files, without references.
     """
-    if isinstance(data, list):
-        return [with_stand_ins(inner, schema.get("items", {})) for inner in data]
-    if not isinstance(data, dict):
-        return data
+    if isinstance(file_data, list):
+        return [with_stand_ins(inner, schema.get("items", {})) for inner in file_data]
+    if not isinstance(file_data, dict):
+        return file_data
     shapes_by_key = schema.get("properties", {})
     other_shape = schema.get("additionalProperties")
     if not isinstance(other_shape, dict):  # False: no other keys are allowed.
         other_shape = {}
     completed = {}
-    for key, value in data.items():
+    for key, value in file_data.items():
         completed[key] = with_stand_ins(value, shapes_by_key.get(key) or other_shape)
     for key in schema.get("required", ()):
         if key not in completed and key in PROSE:

@@ -183,10 +183,10 @@ def _is_of(*types: type) -> Reader:
     return lambda value, _: value if type(value) in types else None
 
 
-def _parse_expression(value: Any, _: Path) -> Expression | None:
+def _parse_expression(written_value: Any, _: Path) -> Expression | None:
     """Return the expression in a whole number or text, or None if it is not valid."""
     try:
-        return Expression.parse(value) if type(value) in (int, str) else None
+        return Expression.parse(written_value) if type(written_value) in (int, str) else None
     except ExpressionError:  # Reported by the rule on expressions.
         return None
 
@@ -227,17 +227,17 @@ def _one_or_more_parts(read: Reader) -> Reader:
     return read_parts
 
 
-def _one_or_more(value: Any, path: Path) -> Any:
+def _one_or_more(one_or_list: Any, path: Path) -> Any:
     """Return a tuple of texts for a list of texts or a single text, or None."""
-    return (value,) if isinstance(value, str) else _list_reader(_text)(value, path)
+    return (one_or_list,) if isinstance(one_or_list, str) else _list_reader(_text)(one_or_list, path)
 
 
-def _one_or_more_numbers(value: Any, path: Path) -> Any:
-    return (value,) if type(value) is int else _list_reader(_number)(value, path)
+def _one_or_more_numbers(one_or_list: Any, path: Path) -> Any:
+    return (one_or_list,) if type(one_or_list) is int else _list_reader(_number)(one_or_list, path)
 
 
-def _read_cells(value: Any, _: Path) -> Any:
-    return tuple(map(str, value)) if isinstance(value, list) else None
+def _read_cells(rows: Any, _: Path) -> Any:
+    return tuple(map(str, rows)) if isinstance(rows, list) else None
 
 
 _text = _is_of(str)
@@ -272,7 +272,7 @@ def _located_reader(model_class: Any) -> Reader:
     return read_part
 
 
-def located(model_class: type[T], data: Mapping[str, Any], path: Path) -> Located[T]:
+def located(model_class: type[T], part_data: Mapping[str, Any], path: Path) -> Located[T]:
     """Return a part of the model as it is written in a spec, with its path and data.
 
     A missing key has its default or, if it is required, is empty. Parts in it have no place, and sources are left out.
@@ -284,14 +284,14 @@ def located(model_class: type[T], data: Mapping[str, Any], path: Path) -> Locate
             values_by_key[described.name] = ()
             continue
         value = None
-        if described.name in data:
-            value = _find_reader(value_type, model_class.__module__)(data[described.name], (*path, described.name))
+        if described.name in part_data:
+            value = _find_reader(value_type, model_class.__module__)(part_data[described.name], (*path, described.name))
             value = value.part if isinstance(value, Located) else value
         if value is None and described.default is MISSING:
             value = _empty_value(value_type, model_class.__module__, path)
         if value is not None:
             values_by_key[described.name] = value
-    return Located(model_class(**values_by_key), path, data)
+    return Located(model_class(**values_by_key), path, part_data)
 
 
 def _empty_value(value_type: KeyType, module: str, path: Path) -> Any:

@@ -203,6 +203,10 @@ class WrittenField(WrittenPart):
     source: SourceText = key("", default="")
 
 
+#: Keys that define the kind of a field, in the order in which they apply. A field without any is a number.
+KIND_KEYS = ("constant", "unused", "active", "values", "values_of", "crc", "parity_of", "digits", "text")
+
+
 @written("Fields that several layouts share.")
 class WrittenFieldGroup(WrittenPart):
     name: Name = key("Name that 'use' refers to.")

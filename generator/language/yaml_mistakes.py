@@ -11,13 +11,12 @@ import re
 from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import yaml
 
 from .problems import quoted
 
-_RULE = "yaml-syntax"
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _LINE_BREAK = re.compile(r"\r\n|\r|\n")
 _NO_COMMA = "a comma or closing bracket is missing before this"
@@ -26,12 +25,20 @@ _ODD_SPACE = re.compile(r"(?:^|(?<=[:, -]))[\u00a0\u2000-\u200b\u202f\u3000\ufef
 _COMMENT = re.compile(r"\s#")
 
 
-def explain(error: yaml.MarkedYAMLError, text: str) -> tuple[int, int, str, str]:
-    """Return line, column, rule and message for an error of the parser.
+class YamlMistake(NamedTuple):
+    """The mistake that made a text invalid. Line and column count from 1."""
+
+    line: int
+    column: int
+    message: str
+
+
+def explain(error: yaml.MarkedYAMLError, yaml_text: str) -> YamlMistake:
+    """Return the likely mistake behind an error of the parser.
 
     The parser's ``problem_mark`` is where it stopped, and its ``context_mark`` where the open value begins.
     """
-    lines = _LINE_BREAK.split(text)
+    lines = _LINE_BREAK.split(yaml_text)
     problem = error.problem or "not understood"
     context = error.context or ""
     opened: Any = error.context_mark
@@ -41,25 +48,26 @@ def explain(error: yaml.MarkedYAMLError, text: str) -> tuple[int, int, str, str]
         return odd_space
     # Here the parser stopped only at the end of its search for the colon.
     if opened is not None and problem == "could not find expected ':'":
-        return *_place_of_mark(opened), _RULE, _missing_colon(_character_at(lines, opened))
+        return _mistake_at(opened, _missing_colon(_character_at(lines, opened)))
     if opened is not None and "quoted scalar" in context and "end of stream" in problem:
-        return *_place_of_mark(opened), _RULE, "the quote that opens here is never closed; close it on this line"
+        return _mistake_at(opened, "the quote that opens here is never closed; close it on this line")
     # An earlier quote may have closed too late, so that the error is only a consequence.
-    quote = _last_quoted(text, stopped)
+    quote = _last_quoted(yaml_text, stopped)
     if quote is not None:
-        return *_place_of_mark(quote.start_mark), _RULE, _about_quote(quote)
+        return _mistake_at(quote.start_mark, _about_quote(quote))
     if opened is not None and "flow" in context and "expected ','" in problem:
         is_on_one_line = stopped.line == opened.line
         if is_on_one_line and not _COMMENT.search(lines[opened.line], opened.column):
-            return *_place_of_mark(stopped), _RULE, _NO_COMMA
-        return *_place_of_mark(opened), _RULE, _about_bracket(lines, opened, stopped)
-    line, column = (1, 1) if stopped is None else _place_of_mark(stopped)
+            return _mistake_at(stopped, _NO_COMMA)
+        return _mistake_at(opened, _about_bracket(lines, opened, stopped))
     character = _character_at(lines, stopped)
+    line = 1 if stopped is None else stopped.line + 1
     is_at_end = line >= len(lines) and not character
-    return line, column, _RULE, _describe_problem(problem, character, is_at_end)
+    message = _describe_problem(problem, character, is_at_end)
+    return YamlMistake(line=1, column=1, message=message) if stopped is None else _mistake_at(stopped, message)
 
 
-def _odd_space(lines: list[str], positions: list[int]) -> tuple[int, int, str, str] | None:
+def _odd_space(lines: list[str], positions: list[int]) -> YamlMistake | None:
     """Return the error for an unusual space in one of these lines, counted from 0, or in the one before, or None."""
     for position in positions:
         for line in (position, position - 1):
@@ -71,13 +79,13 @@ def _odd_space(lines: list[str], positions: list[int]) -> tuple[int, int, str, s
                 message = (
                     f"the space {character} is not an ordinary space, so YAML reads it as text; replace it with one"
                 )
-                return line + 1, odd_space.start() + 1, _RULE, message
+                return YamlMistake(line=line + 1, column=odd_space.start() + 1, message=message)
     return None
 
 
-def _place_of_mark(mark: Any) -> tuple[int, int]:
-    """Return line and column of a mark, counted from 1."""
-    return mark.line + 1, mark.column + 1
+def _mistake_at(mark: Any, message: str) -> YamlMistake:
+    """Return a mistake at a mark of the parser, which counts lines and columns from 0."""
+    return YamlMistake(line=mark.line + 1, column=mark.column + 1, message=message)
 
 
 def _character_at(lines: list[str], mark: Any) -> str:
@@ -89,12 +97,13 @@ def _character_at(lines: list[str], mark: Any) -> str:
 
 
 def _missing_colon(character: str) -> str:
+    """Return the message about a key without a colon. ``character`` is the first one of the open value."""
     if character in ("'", '"'):
         return "the quote that opens here is not closed on this line; close it"
     return "a key has no colon, or the text of a value continues without indentation"
 
 
-def _last_quoted(text: str, stopped: Any) -> Any:
+def _last_quoted(yaml_text: str, stopped: Any) -> Any:
     """Return the token of the quoted text before the error if it may be the cause, otherwise None.
 
     It must end on the line where the parser stopped, and span several lines or end exactly there. ``stopped`` is the
@@ -102,7 +111,7 @@ def _last_quoted(text: str, stopped: Any) -> Any:
     """
     last = None
     try:
-        for token in yaml.scan(text, Loader=_LOADER):
+        for token in yaml.scan(yaml_text, Loader=_LOADER):
             if stopped is None or (token.start_mark.line, token.start_mark.column) >= (stopped.line, stopped.column):
                 break
             is_quoted = isinstance(token, yaml.ScalarToken) and token.style in ("'", '"')
@@ -245,7 +254,7 @@ class CorrectedEvents:
             self._ahead.append(next(self._events, None))
         return self._ahead[index]
 
-    def _insert_item_end(self, key: Any, container: _Container) -> Iterator[Any]:
+    def _insert_item_end(self, key_event: Any, container: _Container) -> Iterator[Any]:
         """Yield the end of the item and the start of the next if its keys repeat, beginning with the first one.
 
         Two keys in a row must repeat: then a dash is missing. A single duplicate key is reported elsewhere.
@@ -253,16 +262,17 @@ class CorrectedEvents:
         if not container.in_list or container.flow or len(container.keys) < 2:
             return
         first_key = next(iter(container.keys))
-        if key.value != first_key or self._key_after_next() not in container.keys:
+        if key_event.value != first_key or self._key_after_next() not in container.keys:
             return
+        first_line = container.keys[key_event.value]
         message = (
-            f"this item has a key twice: {quoted(key.value)} is already on line {container.keys[key.value]}; "
+            f"this item has a key twice: {quoted(key_event.value)} is already on line {first_line}; "
             "put '-' before it if a new item begins here"
         )
-        self._complain(key, "duplicate-key", message)
+        self._complain(key_event, "duplicate-key", message)
         container.keys.clear()
-        yield yaml.MappingEndEvent(key.start_mark, key.start_mark)
-        yield yaml.MappingStartEvent(None, None, True, key.start_mark, key.start_mark, flow_style=False)
+        yield yaml.MappingEndEvent(key_event.start_mark, key_event.start_mark)
+        yield yaml.MappingStartEvent(None, None, True, key_event.start_mark, key_event.start_mark, flow_style=False)
 
     def _key_after_next(self) -> str | None:
         """Return the key after the next value, or None if the map ends there or the value is too long."""
@@ -282,38 +292,38 @@ class CorrectedEvents:
                 return key.value if isinstance(key, yaml.ScalarEvent) else None
         return None
 
-    def _skip_text_after_comma(self, value: Any) -> None:
+    def _skip_text_after_comma(self, value_event: Any) -> None:
         """Skip the text after a comma in an unquoted text or number in {...}, which would be a key without a value.
 
         ``{meaning: low, or off}`` becomes ``low``. Groups of three digits, as in ``1,000``, are appended to a number.
         """
-        if value.style or value.tag or value.anchor:
+        if value_event.style or value_event.tag or value_event.anchor:
             return
         first_skipped = None
-        is_number = _DIGITS.fullmatch(value.value) is not None
+        is_number = _DIGITS.fullmatch(value_event.value) is not None
         while self._is_key_without_colon(self._peek_event(0), self._peek_event(1)):
             text_after_comma = self._peek_event(0)
             if is_number and _THOUSANDS.fullmatch(text_after_comma.value):
-                value.value += text_after_comma.value
-            elif is_number or not self._is_text(value.value):
+                value_event.value += text_after_comma.value
+            elif is_number or not self._is_text(value_event.value):
                 break  # As in {12: , 16}, where keys may come alone.
             if first_skipped is None:
                 first_skipped = text_after_comma
             self._take_event()  # The key without a colon.
             self._take_event()  # Its empty value.
         if first_skipped is not None:
-            number = value.value if is_number else None
+            number = value_event.value if is_number else None
             self._complain(first_skipped, "yaml-syntax", _about_comma(first_skipped, number))
 
-    def _is_key_without_colon(self, key: Any, value: Any) -> bool:
+    def _is_key_without_colon(self, key_event: Any, value_event: Any) -> bool:
         """Return True if two events are an unquoted key, after which there is no colon, and its empty value."""
-        if not isinstance(key, yaml.ScalarEvent) or not isinstance(value, yaml.ScalarEvent):
+        if not isinstance(key_event, yaml.ScalarEvent) or not isinstance(value_event, yaml.ScalarEvent):
             return False
-        if key.style or value.style or value.value:
+        if key_event.style or value_event.style or value_event.value:
             return False
-        key_end: Any = key.end_mark
+        key_end: Any = key_event.end_mark
         text_after = self._lines[key_end.line][key_end.column :]
-        return key.value != "" and not text_after.lstrip().startswith(":")
+        return key_event.value != "" and not text_after.lstrip().startswith(":")
 
 
 def _line_of_event(event: Any) -> int:

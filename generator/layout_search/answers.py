@@ -48,13 +48,13 @@ class _Parts:
         return f"{head}:{','.join(field for field in fields if field)}"
 
 
-def answer(recording: Recording, layout: FoundLayout) -> Answer:
+def answer_with_lines(recording: Recording, layout: FoundLayout) -> Answer:
     """Return a layout as a line, with the lines that are equal to it for these frames and with notes."""
     parts = _parts_of_line(recording, layout)
     return Answer(
         line=parts.line(recording.interface),
         equal_lines=tuple(_equal_lines(recording, layout, parts)),
-        notes=tuple(_notes(recording, layout)),
+        notes=tuple(_describe_certainty(recording, layout)),
     )
 
 
@@ -116,28 +116,28 @@ def _crc_text(interface: str, crc: FoundCrc, form: CrcForm) -> str:
     return f"{text}:inverted" if form.is_inverted else f"{text}:plain"
 
 
-def _equal_lines(recording: Recording, layout: FoundLayout, parts: _Parts) -> Iterator[EqualLine]:
+def _equal_lines(recording: Recording, layout: FoundLayout, line_parts: _Parts) -> Iterator[EqualLine]:
     """Yield the lines that differ from the first one only in what the frames cannot show."""
     interface = recording.interface
     if layout.crc is not None:
         reason = "start value and inversion of a CRC cannot be told apart with frames of one length"
         for form in layout.crc.forms[1:]:
             crc = _crc_text(interface, layout.crc, form)
-            yield EqualLine(replace(parts, crc=crc).line(interface), reason)
+            yield EqualLine(replace(line_parts, crc=crc).line(interface), reason)
     if layout.other_code and layout.parity is None:
-        options = [option for option in parts.options if option != "gray"]
+        options = [option for option in line_parts.options if option != "gray"]
         if not layout.split.is_gray:
             options.insert(0, "gray")
         reason = "these positions fit Gray code and binary"
-        yield EqualLine(replace(parts, options=options).line(interface), reason)
+        yield EqualLine(replace(line_parts, options=options).line(interface), reason)
     constant_bits = _constant_bits_in_position(recording, layout)
     if constant_bits:
         position = f"position={layout.split.width - constant_bits}"
-        front = [*parts.front, f"unused={constant_bits}"]
+        front = [*line_parts.front, f"unused={constant_bits}"]
         reason = f"the first {counted(constant_bits, 'bit')} of the position did not change"
-        yield EqualLine(replace(parts, front=front, position=position).line(interface), reason)
-    yield from _line_with_wider_position(recording, layout, parts)
-    yield from _line_with_flags(recording, layout, parts)
+        yield EqualLine(replace(line_parts, front=front, position=position).line(interface), reason)
+    yield from _line_with_wider_position(recording, layout, line_parts)
+    yield from _line_with_flags(recording, layout, line_parts)
 
 
 def _constant_bits_in_position(recording: Recording, layout: FoundLayout) -> int:
@@ -149,17 +149,17 @@ def _constant_bits_in_position(recording: Recording, layout: FoundLayout) -> int
     return whole_bytes_of_bits if recording.interface == "rs485" else constant_bits
 
 
-def _line_with_wider_position(recording: Recording, layout: FoundLayout, parts: _Parts) -> Iterator[EqualLine]:
+def _line_with_wider_position(recording: Recording, layout: FoundLayout, line_parts: _Parts) -> Iterator[EqualLine]:
     """Yield the line in which constant bits in front of the position are its highest bits, if there are any."""
     front = layout.split.front
     if front and not front[-1].changes:
         width = layout.split.width + front[-1].width
-        wider_parts = replace(parts, front=parts.front[:-1], position=f"position={width}")
+        wider_parts = replace(line_parts, front=line_parts.front[:-1], position=f"position={width}")
         reason = "constant bits in front of the position may be its highest bits"
         yield EqualLine(wider_parts.line(recording.interface), reason)
 
 
-def _line_with_flags(recording: Recording, layout: FoundLayout, parts: _Parts) -> Iterator[EqualLine]:
+def _line_with_flags(recording: Recording, layout: FoundLayout, line_parts: _Parts) -> Iterator[EqualLine]:
     """Yield the line with the flags of BiSS in place of one or two ones behind the position, if there are any.
 
     They are the last bits before the CRC. With a parity bit, there is no such line.
@@ -168,12 +168,12 @@ def _line_with_flags(recording: Recording, layout: FoundLayout, parts: _Parts) -
     if recording.interface != "biss" or last_field is None or last_field.changes:
         return
     if last_field.width in _FLAG_NAMES and is_all_ones(recording, last_field) and layout.parity is None:
-        behind = [*parts.behind[:-1], _FLAG_NAMES[last_field.width]]
+        behind = [*line_parts.behind[:-1], _FLAG_NAMES[last_field.width]]
         reason = "BiSS usually sends its inactive flags as 1, but any constant fits"
-        yield EqualLine(replace(parts, behind=behind).line("biss"), reason)
+        yield EqualLine(replace(line_parts, behind=behind).line("biss"), reason)
 
 
-def _notes(recording: Recording, layout: FoundLayout) -> Iterator[str]:
+def _describe_certainty(recording: Recording, layout: FoundLayout) -> Iterator[str]:
     """Yield how certain the CRC, the constant bits and the position are."""
     split = layout.split
     crc = layout.crc

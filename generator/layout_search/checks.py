@@ -142,13 +142,13 @@ def _unlisted_crcs(recording: Recording) -> Iterator[FoundCrc]:
         yield FoundCrc(polynomial, forms=crc.forms, cost=crc.cost + deciding_bits, evidence=evidence, is_known=False)
 
 
-def remainder(number: int, polynomial: int) -> int:
+def remainder(dividend: int, polynomial: int) -> int:
     """Return the remainder of a division of polynomials over GF(2)."""
-    excess_bits = number.bit_length() - polynomial.bit_length()
+    excess_bits = dividend.bit_length() - polynomial.bit_length()
     while excess_bits >= 0:
-        number ^= polynomial << excess_bits
-        excess_bits = number.bit_length() - polynomial.bit_length()
-    return number
+        dividend ^= polynomial << excess_bits
+        excess_bits = dividend.bit_length() - polynomial.bit_length()
+    return dividend
 
 
 def _common_divisor(dividend: int, divisor: int) -> int:

@@ -67,7 +67,7 @@ def splits_of(recording: Recording, first: int, end: int) -> Iterator[Split]:
     @cache
     def fields_and_cost(fields_start: int, fields_end: int) -> tuple[tuple[Field, ...], float]:
         is_in_front = fields_start == first
-        fields = tuple(_fields(recording, fields_start, fields_end, step))
+        fields = tuple(_divide_by_change(recording, fields_start, fields_end, step))
         return fields, sum(_field_cost(recording, field, is_in_front=is_in_front) for field in fields)
 
     for position_start, position_end in _places_of_position(recording, first, end, step):
@@ -76,7 +76,7 @@ def splits_of(recording: Recording, first: int, end: int) -> Iterator[Split]:
         behind, behind_cost = fields_and_cost(position_end, end)
         sent_values = recording.values(position_start, position_end)
         constant_bits = _constant_bits(recording, position_start)
-        for reading in _readings(recording, sent_values, width):
+        for reading in _read_in_each_code(recording, sent_values, width):
             cost, is_smooth = _position_cost(recording, reading.values, width, constant_bits)
             gray_cost = _GRAY_BITS.get(recording.interface, 1.0) if reading.is_gray else 0.0
             # Of several numbers, the widest one is rather the position.
@@ -120,7 +120,7 @@ class _Reading(NamedTuple):
     byte_order: str = ""
 
 
-def _readings(recording: Recording, sent_values: Sequence[int], width: int) -> Iterator[_Reading]:
+def _read_in_each_code(recording: Recording, sent_values: Sequence[int], width: int) -> Iterator[_Reading]:
     """Yield the values read as binary and as Gray code or, over RS-485, in both byte orders.
 
     One bit is the same in both codes, and one byte in both orders.
@@ -137,8 +137,8 @@ def _readings(recording: Recording, sent_values: Sequence[int], width: int) -> I
         yield _Reading(swapped_values, byte_order="low_byte_first")
 
 
-def _with_bytes_swapped(value: int, byte_count: int) -> int:
-    return int.from_bytes(value.to_bytes(byte_count, "big"), "little")
+def _with_bytes_swapped(two_bytes: int, byte_count: int) -> int:
+    return int.from_bytes(two_bytes.to_bytes(byte_count, "big"), "little")
 
 
 def _constant_bits(recording: Recording, start: int) -> int:
@@ -166,7 +166,7 @@ def _position_cost(recording: Recording, values: Sequence[int], width: int, cons
     return min(random_cost, moving_cost), moving_cost < random_cost
 
 
-def _fields(recording: Recording, start: int, end: int, step: int) -> Iterator[Field]:
+def _divide_by_change(recording: Recording, start: int, end: int, step: int) -> Iterator[Field]:
     """Yield a field for each run of bits, or of bytes, that all change or that are all constant."""
 
     def does_change(place: int) -> bool:

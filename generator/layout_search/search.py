@@ -63,7 +63,7 @@ def _possible_layouts(recording: Recording) -> Iterator[FoundLayout]:
         body_bits = recording.bits - (crc.width if crc is not None else 0)
         crc_cost = crc.cost if crc is not None else 0.0
         for parity in (*parities_of(recording, body_bits), None):
-            first, end = _bits_without(parity, body_bits)
+            first, end = _bits_between_checks(parity, body_bits)
             parity_cost = _parity_cost(recording, parity, crc) if parity is not None else 0.0
             for split in splits_of(recording, first, end):
                 # A line has no parity over Gray code.
@@ -73,7 +73,7 @@ def _possible_layouts(recording: Recording) -> Iterator[FoundLayout]:
                 yield FoundLayout(crc=crc, parity=parity, split=split, cost=total_cost)
 
 
-def _bits_without(parity: FoundParity | None, body_bits: int) -> tuple[int, int]:
+def _bits_between_checks(parity: FoundParity | None, body_bits: int) -> tuple[int, int]:
     """Return the first bit and the end of the bits between a CRC and a parity bit."""
     if parity is None:
         return 0, body_bits
@@ -126,6 +126,7 @@ def _index_of_other_code(layouts: list[FoundLayout], layout: FoundLayout) -> int
 
 
 def _differ_only_in_code(first: FoundLayout, second: FoundLayout) -> bool:
+    """Return True if two layouts differ only in the code of the position: binary or Gray."""
     has_same_place = (first.split.start, first.split.end) == (second.split.start, second.split.end)
     has_same_checks = (first.crc, first.parity) == (second.crc, second.parity)
     return has_same_place and has_same_checks and first.split.is_gray != second.split.is_gray

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from ..language.document import Document, Path
 from ..language.problems import Report, quoted
 from ..language.rules.connectors import signal_names
-from ..language.rules.parts import explained
+from ..language.rules.parts import has_erratum_at
 from ..language.rules.walk import items, mapping
 
 _PORT_KEYS = ("baud", "data_bits", "parity", "stop_bits", "flow_control")
@@ -38,7 +38,7 @@ def _compare_setting(first: Document, document: Document, path: Path, report: Re
     first_setting, setting = (mapping(either.data, *place[:-1]).get(place[-1]) for either in (first, document))
     if first_setting is None or setting is None or first_setting == setting:
         return
-    if explained(document, *place) or explained(first, *place):
+    if has_erratum_at(document, *place) or has_erratum_at(first, *place):
         return
     line, _ = first.position(path)
     message = (
@@ -79,7 +79,7 @@ def compare_connectors(maker_document: Document, documents: Sequence[Document], 
             place = next((path for path, part in items(document.data, "connectors") if part.get("name") == name), None)
             if place is not None:
                 _compare_connector(contacts_by_line, document, place, report)
-                cables += _cables(document, place)
+                cables += _cable_at(document, place)
                 continue
             message = f"{quoted(device)} has no connector or cable {quoted(name)}"
             reference_path: Path = ("alike", "connectors", group_index, index)
@@ -95,35 +95,42 @@ class _Cable(NamedTuple):
     wires: frozenset[str]
 
 
-def _cables(document: Document, path: Path) -> Iterator[_Cable]:
+def _cable_at(document: Document, path: Path) -> Iterator[_Cable]:
     """Yield the cable at a place, or nothing for a connector. A shield is not a wire."""
     connector = document.data["connectors"][path[-1]]
     if connector["kind"] == "cable":
-        wires = {
-            str(contact["contact"]).casefold()
-            for _, contact in items(connector, "contacts")
-            if not _SHIELDS.intersection(signal_names(str(contact["signal"])))
-        }
+        wires: set[str] = set()
+        for _, contact in items(connector, "contacts"):
+            is_shield = not _SHIELDS.isdisjoint(signal_names(str(contact["signal"])))
+            if not is_shield:
+                wires.add(str(contact["contact"]).casefold())
         yield _Cable(document, path, frozenset(wires))
 
 
 def _compare_wires(cables: Sequence[_Cable], report: Report) -> None:
     """Report each cable with other wires than the first one of its group, unless an erratum affects its contacts."""
-    for cable in cables[1:]:
-        names = [str(either.document.data["connectors"][either.path[-1]]["name"]) for either in (cables[0], cable)]
-        is_explained = any(
-            explained(either.document, "connectors", name, "contacts")
-            for either, name in zip((cables[0], cable), names, strict=True)
-        )
-        different_wires = sorted(cable.wires ^ cables[0].wires)
-        if different_wires and not is_explained:
-            line_number, _ = cables[0].document.position(cables[0].path)
+    if not cables:
+        return
+    first_cable, *other_cables = cables
+    for cable in other_cables:
+        different_wires = sorted(cable.wires ^ first_cable.wires)
+        if different_wires and not _has_erratum(first_cable) and not _has_erratum(cable):
+            line_number, _ = first_cable.document.position(first_cable.path)
             message = (
-                f"only one of this cable and that in {PurePath(cables[0].document.file).name}:{line_number} has"
+                f"only one of this cable and that in {PurePath(first_cable.document.file).name}:{line_number} has"
                 f" {quoted(different_wires[0])}; according to the manufacturer's file, the two are alike. If they are"
-                f" not, add an erratum that affects connectors.{names[1]}.contacts"
+                f" not, add an erratum that affects connectors.{_name_of_cable(cable)}.contacts"
             )
             report.add("not-alike", cable.document, (*cable.path, "contacts"), message)
+
+
+def _has_erratum(cable: _Cable) -> bool:
+    """Return True if an erratum affects the contacts of a cable."""
+    return has_erratum_at(cable.document, "connectors", _name_of_cable(cable), "contacts")
+
+
+def _name_of_cable(cable: _Cable) -> str:
+    return str(cable.document.data["connectors"][cable.path[-1]]["name"])
 
 
 def _compare_connector(contacts_by_line: dict[_Line, _Contact], document: Document, path: Path, report: Report) -> None:
@@ -133,7 +140,7 @@ def _compare_connector(contacts_by_line: dict[_Line, _Contact], document: Docume
     for line, contact in _contacts_by_line(connector, path, document).items():
         first_contact = contacts_by_line.setdefault(line, contact)
         is_explained = any(
-            explained(either.document, "connectors", either.connector, "contacts", either.name)
+            has_erratum_at(either.document, "connectors", either.connector, "contacts", either.name)
             for either in (contact, first_contact)
         )
         if first_contact.name != contact.name and contact.path not in reported_paths and not is_explained:
@@ -142,6 +149,7 @@ def _compare_connector(contacts_by_line: dict[_Line, _Contact], document: Docume
 
 
 def _report_contact(line: _Line, contact: _Contact, first_contact: _Contact, report: Report) -> None:
+    """Report a line that is on another contact here than on the first connector of its group."""
     line_number, _ = first_contact.document.position(first_contact.path)
     message = (
         f"{quoted(line[1])} is on contact {quoted(contact.name)} here, but on {quoted(first_contact.name)} in"
@@ -158,12 +166,12 @@ def _contacts_by_line(connector: Any, path: Path, document: Document) -> dict[_L
     contacts: list[tuple[_Line, _Contact]] = []
     for contact_path, contact in items(connector, "contacts"):
         place = _Contact(str(contact["contact"]), str(connector["name"]), document, (*path, *contact_path))
-        contacts += [(line, place) for line in _lines(str(contact["signal"]), interfaces)]
+        contacts += [(line, place) for line in _lines_of_signal(str(contact["signal"]), interfaces)]
     counts = Counter(line for line, _ in contacts)
     return {line: contact for line, contact in contacts if counts[line] == 1}
 
 
-def _lines(signal: str, interfaces: Sequence[str]) -> Iterator[_Line]:
+def _lines_of_signal(signal: str, interfaces: Sequence[str]) -> Iterator[_Line]:
     """Yield the lines that a signal names, for each interface: ``("biss", "ma+")``, ``("", "0 V")``."""
     for name in signal_names(signal):
         if name in _SHIELDS:  # It is on the case, whose name differs between manuals.

@@ -80,5 +80,6 @@ def _place_name(place: str) -> str:
 
 
 def _in_words(*steps: str) -> str:
+    """Return the steps of a path as words, with abbreviations in their usual spelling."""
     words = " ".join(steps).replace("_", " ").split()
     return " ".join(_SPELLINGS.get(word, word) for word in words)

@@ -35,13 +35,14 @@ def check_channels(device: Device, report: DocumentReport) -> None:
             report.add("undefined-reference", (*place, "order"), message)
         return
     ordered_layouts = [layouts[name] for name in biss.channels.order]
-    problems = (
+    problems: tuple[_Problem, ...] = (
         *_order_problems(biss, ordered_layouts),
         *_question_problems(device, ordered_layouts),
         *_position_problems(device, ordered_layouts),
         *_comparison_problems(device, biss.channels, layouts),
     )
-    for keys, message in problems[:1]:
+    if problems:
+        keys, message = problems[0]
         report.add(_RULE, (*place, *keys), message)
 
 
@@ -81,7 +82,7 @@ def _question_problems(device: Device, layouts: Sequence[Layout]) -> Iterator[_P
 
 def _position_problems(device: Device, layouts: Sequence[Layout]) -> Iterator[_Problem]:
     """Yield the reason that not exactly one channel contains the position."""
-    names = [quoted(layout.name) for layout in layouts if device.tells_position(Biss.name, layout)]
+    names = [quoted(layout.name) for layout in layouts if device.sends_position(Biss.name, layout)]
     if not names:
         yield ("order",), "no channel of the frame contains the position; list the one that does"
     if len(names) > 1:
@@ -108,17 +109,17 @@ def _comparison_problems(device: Device, channels: DataChannels, layouts: Mappin
             yield from _width_problems(device, channels, layouts[layout_name], field_name)
 
 
-def _width_problems(device: Device, channels: DataChannels, layout: Layout, name: str) -> Iterator[_Problem]:
+def _width_problems(device: Device, channels: DataChannels, layout: Layout, field_name: str) -> Iterator[_Problem]:
     """Yield the first order code whose field lacks compared bits, or whose tolerance allows any two numbers."""
     if channels.compared_bits is None:
         return
-    width = member_named(layout.fields, name, "field").width
+    width = member_named(layout.fields, field_name, "field").width
     for variant in device.variants_over(Biss.name):
         bits = channels.compared_bits.value(variant.parameters)
         condition = values_text(variant.parameters, width, channels.compared_bits)
         if not 1 <= bits <= width.value(variant.parameters):
             field_bits = width.value(variant.parameters)
-            message = f"{bits} bits cannot be compared, since {quoted(name)} has {field_bits}{condition}"
+            message = f"{bits} bits cannot be compared, since {quoted(field_name)} has {field_bits}{condition}"
             yield ("compared_bits",), message
             return
         if 2 * channels.tolerance >= (1 << bits) - 1:

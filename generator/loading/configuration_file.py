@@ -29,12 +29,12 @@ _TOKEN = re.compile(
 _VALUE_ENDS = ("\n", ",", "]", "}")
 
 
-def places_in(text: str) -> Mark:
+def places_in(toml_text: str) -> Mark:
     """Return the places of all keys and values in a text that is valid TOML.
 
     A table has the place of its name in the header that begins it. Keys with escapes are not found by their name.
     """
-    return _PlaceFinder(text).document()
+    return _PlaceFinder(toml_text).document()
 
 
 class _PlaceFinder:
@@ -50,98 +50,98 @@ class _PlaceFinder:
 
         ``table`` is the mark of the table in the header above the current line.
         """
-        root = Mark(1, 1, 1, 1)
+        root = Mark(line=1, column=1, key_line=1, key_column=1)
         table = root
-        while self._token():
-            if self._token() == "\n":
+        while self._next_token():
+            if self._next_token() == "\n":
                 self._index += 1
-            elif self._token() == "[":
-                table = self._header(root)
+            elif self._next_token() == "[":
+                table = self._read_table_header(root)
             else:
-                self._setting(table)
+                self._read_setting(table)
         return root
 
-    def _token(self) -> str:
+    def _next_token(self) -> str:
         """Return the text of the next token without reading it, or an empty string at the end."""
         return self._tokens[self._index][0] if self._index < len(self._tokens) else ""
 
-    def _place(self) -> tuple[int, int]:
+    def _place_of_token(self) -> tuple[int, int]:
         """Return line and column of the next token, both from 1."""
         offset = self._tokens[self._index].start()
         line = bisect_right(self._line_starts, offset)
         return line, offset - self._line_starts[line - 1] + 1
 
     def _skip_newlines(self) -> None:
-        while self._token() == "\n":
+        while self._next_token() == "\n":
             self._index += 1
 
-    def _header(self, root: Mark) -> Mark:
+    def _read_table_header(self, root: Mark) -> Mark:
         """Read the header of a table, such as ``[tool.codewheel]``, and return the mark of the table."""
-        while self._token() == "[":
+        while self._next_token() == "[":
             self._index += 1
-        table = self._key(root)
-        while self._token() == "]":
+        table = self._read_dotted_key(root)
+        while self._next_token() == "]":
             self._index += 1
         return table
 
-    def _key(self, table: Mark) -> Mark:
+    def _read_dotted_key(self, table: Mark) -> Mark:
         """Read a key, which can be dotted such as ``tool.codewheel``, and return the mark of its last name.
 
         Each name has a mark below that of the name before it, and the first one below ``table``. A mark that exists
         keeps its place.
         """
         mark = table
-        while self._token() not in ("", "=", "]", "\n"):
-            name = self._token()
+        while self._next_token() not in ("", "=", "]", "\n"):
+            name = self._next_token()
             if name != ".":
-                place = self._place()
+                place = self._place_of_token()
                 bare_name = name[1:-1] if name[0] in "\"'" else name
                 mark = mark.children.setdefault(bare_name, Mark(*place, *place))
             self._index += 1
         return mark
 
-    def _setting(self, table: Mark) -> None:
+    def _read_setting(self, table: Mark) -> None:
         """Read a key, the equals sign and the value. The mark of the key then has the place of the value."""
-        mark = self._key(table)
+        mark = self._read_dotted_key(table)
         self._index += 1  # The equals sign.
-        if self._token():
-            mark.line, mark.column = self._place()
-            self._value(mark)
+        if self._next_token():
+            mark.line, mark.column = self._place_of_token()
+            self._read_value(mark)
 
-    def _value(self, mark: Mark) -> None:
+    def _read_value(self, mark: Mark) -> None:
         """Read a value. ``mark`` is the mark of its key, and gets children for the members of an array or a table."""
-        if self._token() == "[":
-            self._array(mark)
-        elif self._token() == "{":
-            self._inline_table(mark)
+        if self._next_token() == "[":
+            self._read_array(mark)
+        elif self._next_token() == "{":
+            self._read_inline_table(mark)
         else:
-            while self._token() and self._token() not in _VALUE_ENDS:
+            while self._next_token() and self._next_token() not in _VALUE_ENDS:
                 self._index += 1
 
-    def _array(self, mark: Mark) -> None:
+    def _read_array(self, mark: Mark) -> None:
         """Read an array. Each value in it has a mark below ``mark``, by its index."""
         self._index += 1
         self._skip_newlines()
-        while self._token() not in ("", "]"):
-            place = self._place()
+        while self._next_token() not in ("", "]"):
+            place = self._place_of_token()
             value_mark = mark.children.setdefault(len(mark.children), Mark(*place, *place))
-            self._value(value_mark)
+            self._read_value(value_mark)
             self._skip_separator()
         self._index += 1
 
-    def _inline_table(self, mark: Mark) -> None:
+    def _read_inline_table(self, mark: Mark) -> None:
         """Read a table such as ``{docs = "a"}``. Each key in it has a mark below ``mark``."""
         self._index += 1
         self._skip_newlines()
-        while self._token() not in ("", "}"):
-            self._setting(mark)
+        while self._next_token() not in ("", "}"):
+            self._read_setting(mark)
             self._skip_separator()
         self._index += 1
 
     def _skip_separator(self) -> None:
         """Skip a comma, and newlines before and after it."""
         self._skip_newlines()
-        if self._token() == ",":
+        if self._next_token() == ",":
             self._index += 1
         self._skip_newlines()
 
@@ -177,8 +177,8 @@ def read_configuration(file: Path) -> Configuration | None:
     """
     report = Report()
     # If there is an error, errors_in reads the file again, with places.
-    document = _read(file, report, has_places=False)
-    configuration = None if document is None else _configuration(file, document, report)
+    document = _read_settings(file, report, has_places=False)
+    configuration = None if document is None else _build_configuration(file, document, report)
     if report:
         raise Faulty(file)
     return configuration
@@ -191,10 +191,10 @@ def errors_in(files: tuple[Path, ...]) -> Report:
     """
     report = Report()
     for file in files:
-        document = _read(file, report)
+        document = _read_settings(file, report)
         if document is not None:
             # Called only for the errors that it reports.
-            _configuration(file, document, report)
+            _build_configuration(file, document, report)
     if len(files) > 1 and not report:
         message = f"{PYPROJECT} next to it also has [tool.codewheel]; keep the settings in one of them"
         report.add_at(str(files[1]), 1, 1, "duplicate-name", message)
@@ -206,17 +206,19 @@ def add_error(report: Report, file: Path, place: Place, rule: str, message: str,
 
     The file is read again for the place of the setting. If that fails now, nothing is added.
     """
-    document = _read(file, Report())
+    document = _read_settings(file, Report())
     if document is not None:
         report.add(rule, document, place, message, at_key=at_key)
 
 
-def _read(file: Path, report: Report, *, has_places: bool = True) -> Document | None:
+def _read_settings(file: Path, report: Report, *, has_places: bool = True) -> Document | None:
     """Return the settings in a file as a document, or None if there are none or they cannot be read.
 
     Without ``has_places``, a ``pyproject.toml`` is read in half the time, and all its keys have the place 1:1.
     """
-    return _yaml_document(file, report) if file.name == CONFIGURATION else _section(file, report, has_places)
+    return (
+        _yaml_document(file, report) if file.name == CONFIGURATION else _read_pyproject_table(file, report, has_places)
+    )
 
 
 def _yaml_document(file: Path, report: Report) -> Document | None:
@@ -232,7 +234,7 @@ def _yaml_document(file: Path, report: Report) -> Document | None:
     return document
 
 
-def _section(file: Path, report: Report, has_places: bool) -> Document | None:
+def _read_pyproject_table(file: Path, report: Report, has_places: bool) -> Document | None:
     """Return the table ``[tool.codewheel]`` of a pyproject.toml as a document, or None if there is none.
 
     Return None also if the file cannot be read, which is reported. If ``tool.codewheel`` is not a table, the document
@@ -250,22 +252,22 @@ def _section(file: Path, report: Report, has_places: bool) -> Document | None:
         message = f"byte 0x{content[error.start]:02X} is not UTF-8; save the file as UTF-8"
         report.add_at(str(file), line, 1, "not-text", message)
         return None
-    toml_data = _parsed_toml(file, toml_text, report)
+    toml_data = _parse_toml(file, toml_text, report)
     tool_table = toml_data.get("tool")
     section = tool_table.get("codewheel") if isinstance(tool_table, dict) else None
     if section is None:
         return None
     toml_lines = tuple(toml_text.split("\n"))
     if not isinstance(section, dict):
-        return Document(str(file), toml_lines, {"codewheel": section}, Mark(1, 1, 1, 1))
-    marks = places_in(toml_text) if has_places else Mark(1, 1, 1, 1)
+        return Document(str(file), toml_lines, {"codewheel": section}, Mark(line=1, column=1, key_line=1, key_column=1))
+    marks = places_in(toml_text) if has_places else Mark(line=1, column=1, key_line=1, key_column=1)
     # The marks of the section are below those of its two names.
     for name in ("tool", "codewheel"):
-        marks = marks.children.get(name, Mark(1, 1, 1, 1))
+        marks = marks.children.get(name, Mark(line=1, column=1, key_line=1, key_column=1))
     return Document(str(file), toml_lines, section, marks)
 
 
-def _parsed_toml(file: Path, text: str, report: Report) -> dict[str, Any]:
+def _parse_toml(file: Path, toml_text: str, report: Report) -> dict[str, Any]:
     """Return the data of a TOML file, or an empty map if it is not valid, which is reported."""
     if sys.version_info >= (3, 11):
         import tomllib
@@ -273,21 +275,21 @@ def _parsed_toml(file: Path, text: str, report: Report) -> dict[str, Any]:
         import tomli as tomllib
 
     try:
-        toml_data: dict[str, Any] = tomllib.loads(text)
+        toml_data: dict[str, Any] = tomllib.loads(toml_text)
     except tomllib.TOMLDecodeError as error:
-        line, column, message = _place_of(str(error), text)
-        error_line = "".join(text.splitlines()[line - 1 : line])
+        line, column, message = _split_off_place(str(error), toml_text)
+        error_line = "".join(toml_text.splitlines()[line - 1 : line])
         report.add_at(str(file), line, column, "toml-syntax", f"not valid TOML: {message}", text=error_line)
         return {}
     return toml_data
 
 
-def _place_of(message: str, text: str) -> tuple[int, int, str]:
+def _split_off_place(message: str, toml_text: str) -> tuple[int, int, str]:
     """Split a message of the TOML parser into line, column and the message without its place.
 
     A message without a place, or one that gives the end of the document, is about the end of the text.
     """
-    lines = text.splitlines() or [""]
+    lines = toml_text.splitlines() or [""]
     # The end of the text.
     line = len(lines)
     column = max(len(lines[-1]), 1)
@@ -300,7 +302,7 @@ def _place_of(message: str, text: str) -> tuple[int, int, str]:
     return line, column, message[: place_in_message.start()]
 
 
-def _configuration(file: Path, document: Document, report: Report) -> Configuration:
+def _build_configuration(file: Path, document: Document, report: Report) -> Configuration:
     """Return the settings in a document. Settings with errors are reported and left out.
 
     Paths are relative to the folder of the file. Specs that do not exist are reported but stay in the result.
@@ -313,7 +315,7 @@ def _configuration(file: Path, document: Document, report: Report) -> Configurat
         specs=tuple(file.parent / text for text in _texts_at(document, settings, ("specs",), report)),
         output=file.parent / output if output else None,
         targets=_texts_at(document, settings, ("targets",), report),
-        only=_filters(document, report),
+        only=_family_filters(document, report),
     )
     for index, path in enumerate(configuration.specs):
         if not exists(path):
@@ -336,7 +338,7 @@ def _text_at(document: Document, key: str, report: Report) -> str:
     """Return a text of the settings, or an empty string if it is missing. Report a value that is not a text."""
     value = document.data.get(key, "")
     if key in document.data and not _is_text(value):
-        _report_type(document, (key,), "a text", _EXAMPLES[key], report)
+        _report_wrong_type(document, (key,), "a text", _EXAMPLES[key], report)
     return value if _is_text(value) else ""
 
 
@@ -351,16 +353,16 @@ def _texts_at(document: Document, table: Mapping[Any, Any], place: Place, report
     setting = table[key]
     if isinstance(setting, list) and setting and all(map(_is_text, setting)):
         return tuple(setting)
-    _report_type(document, place, "a list of texts", _EXAMPLES[key], report)
+    _report_wrong_type(document, place, "a list of texts", _EXAMPLES[key], report)
     return ()
 
 
-def _is_text(value: Any) -> bool:
+def _is_text(setting: Any) -> bool:
     """Return True if a value is a text that is not empty."""
-    return isinstance(value, str) and bool(value)
+    return isinstance(setting, str) and bool(setting)
 
 
-def _filters(document: Document, report: Report) -> dict[str, FamilyFilter]:
+def _family_filters(document: Document, report: Report) -> dict[str, FamilyFilter]:
     """Return the families to which targets are restricted, by the name of the target: the setting ``only``.
 
     The result is empty if there is no such setting, or if it is not a map, which is reported.
@@ -369,19 +371,19 @@ def _filters(document: Document, report: Report) -> dict[str, FamilyFilter]:
         return {}
     filters = document.data["only"]
     if not isinstance(filters, dict) or not filters:
-        _report_type(document, ("only",), "a map of targets", _EXAMPLES["only"], report)
+        _report_wrong_type(document, ("only",), "a map of targets", _EXAMPLES["only"], report)
         return {}
-    return {str(target): _filter(document, target, conditions, report) for target, conditions in filters.items()}
+    return {str(target): _family_filter(document, target, conditions, report) for target, conditions in filters.items()}
 
 
-def _filter(document: Document, target: str, conditions: Any, report: Report) -> FamilyFilter:
+def _family_filter(document: Document, target: str, conditions: Any, report: Report) -> FamilyFilter:
     """Return the condition of a target: the families and the grades for which it is generated.
 
     ``conditions`` is the value in the file. Without a map, or with errors, the condition lacks the values concerned.
     """
     place = ("only", target)
     if not isinstance(conditions, dict) or not conditions:
-        _report_type(document, place, "a map with 'families' or 'grades'", _EXAMPLE_OF_A_FILTER, report)
+        _report_wrong_type(document, place, "a map with 'families' or 'grades'", _EXAMPLE_OF_A_FILTER, report)
         return FamilyFilter()
     _report_unknown_keys(document, place, conditions, _FILTER_KEYS, report)
     families = _texts_at(document, conditions, (*place, "families"), report)
@@ -405,11 +407,11 @@ def _report_unknown_grades(document: Document, place: Place, grades: Iterable[st
             report.add("not-allowed", document, (*place, index), message)
 
 
-def _report_type(document: Document, place: Place, kind: str, example: str, report: Report) -> None:
+def _report_wrong_type(document: Document, place: Place, expected_type: str, example: str, report: Report) -> None:
     """Report a value of the wrong type, with an example in the language of the file.
 
-    ``kind`` is the correct type in words. ``example`` is a correct value in TOML, such as ``["specs"]``. In YAML it has
-    no quotes.
+    ``expected_type`` is the correct type in words. ``example`` is a correct value in TOML, such as ``["specs"]``. In
+    YAML it has no quotes.
     """
     if Path(document.file).name == PYPROJECT:
         setting = f"{place[-1]} = {example}"
@@ -417,4 +419,4 @@ def _report_type(document: Document, place: Place, kind: str, example: str, repo
         # In YAML: without quotes, and with colons.
         setting = f"{place[-1]} = {example}".replace(" = ", ": ").replace('"', "")
     name = ".".join(map(str, place))
-    report.add("wrong-type", document, place, f"'{name}' must be {kind}, such as {setting}")
+    report.add("wrong-type", document, place, f"'{name}' must be {expected_type}, such as {setting}")

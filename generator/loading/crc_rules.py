@@ -42,24 +42,26 @@ def check_settings_of_crcs(device: Device, report: DocumentReport) -> None:
                 report.add("width-mismatch", path, f"{problem}; {remedy}")
 
 
-def check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None:
+def check_crc(layout: Layout, field: Field, crc_value: CrcValue, site: Site) -> None:
     """Check the width of a CRC, that it ends the frame, and the fields that it covers.
 
     Only other CRCs may follow it, because each order code has at most one. A frame of bits in bytes may have zeros
     before it, and its CRC may not be whole bytes. It must then be one that these zeros do not change, with bits in
     sending order.
     """
-    crc = site.context.crcs.get(kind.crc)
+    crc = site.context.crcs.get(crc_value.crc)
     if crc is None:
         return
     _check_width(field, crc, site)
     place_of_crc = layout.fields.index(field)
     if any(not isinstance(later_field.kind, CrcValue) for later_field in layout.fields[place_of_crc:]):
         problem = f"'{field.name}' covers everything sent before it, so it must be the last field of '{layout.name}'"
-        if kind.of:
+        if crc_value.of:
             problem = f"'{field.name}' must be the last field of '{layout.name}', even with 'crc_of'"
         site.report("crc-not-last", problem)
-    problem = next(chain(_no_run(layout, kind, site), _left_out(layout, field, kind)), "")
+    problem = next(
+        chain(_yield_gap_in_fields(layout, crc_value, site), _yield_fields_left_out(layout, field, crc_value)), ""
+    )
     if problem:
         site.report("crc-of", problem, "crc_of")
     is_sent_as_bits = INTERFACES[site.interface].carried_as == "bits" and layout.byte_order == "high_byte_first"
@@ -99,15 +101,15 @@ def _is_plain(crc: Crc) -> bool:
     return not crc.init and not crc.refin and not crc.refout
 
 
-def _left_out(layout: Layout, crc: Field, kind: CrcValue) -> Iterator[str]:
+def _yield_fields_left_out(layout: Layout, crc: Field, crc_value: CrcValue) -> Iterator[str]:
     """Yield at most one problem: fields that a CRC with ``crc_of`` does not list, unless a note names them.
 
     Constants and unused bits need no mention. The note can be that of the layout or of the CRC.
     """
-    if not kind.of:
+    if not crc_value.of:
         return
     words_in_notes = re.findall(r"\w+", f"{layout.note} {crc.note}")
-    mentioned_names = {crc.name, *kind.of, *words_in_notes}
+    mentioned_names = {crc.name, *crc_value.of, *words_in_notes}
     data_names = [field.name for field in layout.fields if not isinstance(field.kind, (Constant, Unused))]
     names_left_out = listed(name for name in data_names if name not in mentioned_names)
     if names_left_out:
@@ -117,15 +119,15 @@ def _left_out(layout: Layout, crc: Field, kind: CrcValue) -> Iterator[str]:
         yield f"'{crc.name}' leaves out {names_left_out}; {remedy}"
 
 
-def _no_run(layout: Layout, kind: CrcValue, site: Site) -> Iterator[str]:
+def _yield_gap_in_fields(layout: Layout, crc_value: CrcValue, site: Site) -> Iterator[str]:
     """Yield at most one problem: the reason why the fields in ``crc_of`` are not adjacent bits at a fixed place."""
-    if kind.of and layout.in_bytes:
+    if crc_value.of and layout.in_bytes:
         interface = INTERFACES[site.interface]
         interface_text = f"over {interface.title}" if interface.carried_as == "bytes" else "with 'carried_as: bytes'"
         yield f"{interface_text}, a CRC covers everything before it; leave 'crc_of' out"
         return
     fields_by_name = {field.name: field for field in layout.fields}
-    covered_fields = [fields_by_name[name] for name in kind.of if name in fields_by_name]
+    covered_fields = [fields_by_name[name] for name in crc_value.of if name in fields_by_name]
     for field in covered_fields:
         if not field.is_fixed:
             yield f"'{field.name}' differs in place or width between order codes, so 'crc_of' cannot list it"

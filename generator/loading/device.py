@@ -36,13 +36,13 @@ from ..model import (
     Variant,
 )
 from ..model.expressions import Expression, ExpressionError, resolve_parameters
-from ..model.registers import bounded, bounded_width, bounds, representable
-from ..order_codes.labels import combinations
+from ..model.registers import bounded_width, bounds, name_with_limits, numbers_that_fit
+from ..order_codes.labels import listed_codes
 from ..reference.bits import join_value
 from .crc_rules import check_settings_of_crcs
 from .editions import editions
 from .evidence import with_placeholders
-from .examples import build_examples, check_examples, samples
+from .examples import build_examples, check_examples, sample_frames
 from .facts_by_code import check_facts_by_code
 from .fields import Context, Site
 from .frame_kinds import check_errata, check_frame_kinds
@@ -68,51 +68,51 @@ from .request_rules import check_control_bytes, check_requests
 from .unused_parameters import check_unused_parameters
 
 
-def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -> Device | None:
+def build_device(raw_spec: Raw, manufacturer: Manufacturer, report: DocumentReport) -> Device | None:
     """Return the family described by a checked device file, or None if an expression has no value or too many.
 
     Parts that could not be built are missing from the result. It can be used only if nothing was reported.
     """
-    definitions = _definitions(raw)
-    order_code = code_grammar(raw["order_code"])
-    alternatives = tuple(_alternative(raw_alternative) for raw_alternative in raw.get("alternatives", ()))
+    definitions = _derived_expressions(raw_spec)
+    order_code = code_grammar(raw_spec["order_code"])
+    alternatives = tuple(_build_alternative(raw_alternative) for raw_alternative in raw_spec.get("alternatives", ()))
     default_answers = {
         name: value for alternative in alternatives for name, value in alternative.answers[0].sets.items()
     }
-    variants = _variants(order_code, definitions, {**held_in_registers(raw, report), **default_answers})
-    context = _context(raw, report, definitions, variants, alternatives)
-    if too_much_work(raw, context) or (variants and not check_reach(raw, context, variants)):
+    variants = _list_variants(order_code, definitions, {**held_in_registers(raw_spec, report), **default_answers})
+    context = _build_context(raw_spec, report, definitions, variants, alternatives)
+    if too_much_work(raw_spec, context) or (variants and not check_reach(raw_spec, context, variants)):
         return None
-    check_only(raw, variants, report)
-    check_alarms(raw, report)
-    device = _device(raw, manufacturer, order_code, variants, alternatives, context)
+    check_only(raw_spec, variants, report)
+    check_alarms(raw_spec, report)
+    device = _build_device_without_procedures(raw_spec, manufacturer, order_code, variants, alternatives, context)
     check_control_bytes(device, report)
     check_requests(device, report)
-    check_facts_by_code(raw, device, report)
+    check_facts_by_code(raw_spec, device, report)
     check_spi_registers(device, report)
     check_frame_kinds(device, report)
     check_settings_of_crcs(device, report)
-    device = replace(device, procedures=build_procedures(raw, device))
+    device = replace(device, procedures=build_procedures(raw_spec, device))
     check_measurements(device, report)
     check_position_widths(device, report)
-    check_named_widths(raw, device, report)
-    check_unused_parameters(raw, variants, report)
-    device = replace(device, editions=editions(raw), content_hash=_content_hash(raw))
-    device = with_placeholders(raw, device, report)
-    check_agreement(raw, device, report)
+    check_named_widths(raw_spec, device, report)
+    check_unused_parameters(raw_spec, variants, report)
+    device = replace(device, editions=editions(raw_spec), content_hash=_content_hash(raw_spec))
+    device = with_placeholders(raw_spec, device, report)
+    check_agreement(raw_spec, device, report)
     check_errata(device, report)
     check_examples(device, report)
-    return replace(device, samples=samples(device)) if variants and not report.faults() else device
+    return replace(device, samples=sample_frames(device)) if variants and not report.faults() else device
 
 
-def _content_hash(raw: Raw) -> str:
+def _content_hash(raw_spec: Raw) -> str:
     """Return the start of the hash of a spec as loaded, without its comments and its spelling of values."""
-    content = json.dumps(raw, ensure_ascii=True, separators=(",", ":"))
+    content = json.dumps(raw_spec, ensure_ascii=True, separators=(",", ":"))
     return hashlib.sha256(content.encode("ascii")).hexdigest()[:8]
 
 
-def _context(
-    raw: Raw,
+def _build_context(
+    raw_spec: Raw,
     report: DocumentReport,
     definitions: Mapping[str, Expression],
     variants: Sequence[Variant],
@@ -120,23 +120,23 @@ def _context(
 ) -> Context:
     """Return the definitions that layouts may refer to, such as groups with their paths in the spec."""
     groups = {}
-    for index, group in enumerate(raw.get("field_groups", ())):
+    for index, group in enumerate(raw_spec.get("field_groups", ())):
         groups[group["name"]] = (group, ("field_groups", index))
-    crcs = {crc["name"]: record(Crc, crc) for crc in raw.get("crcs", ())}
-    data_ids = {kind: records(DataId, interface, "data_ids") for kind, interface in raw["interfaces"].items()}
+    crcs = {crc["name"]: record(Crc, crc) for crc in raw_spec.get("crcs", ())}
+    data_ids = {kind: records(DataId, interface, "data_ids") for kind, interface in raw_spec["interfaces"].items()}
     return Context(
         report=report,
         groups=MappingProxyType(groups),
         definitions=definitions,
-        parameter_sets=parameter_sets(raw, definitions, variants, alternatives),
+        parameter_sets=parameter_sets(raw_spec, definitions, variants, alternatives),
         crcs=MappingProxyType(crcs),
         data_ids=MappingProxyType(data_ids),
-        only_while=lambda only: only_while(only, variants, set_parameters(raw)),
+        only_while=lambda only: only_while(only, variants, set_parameters(raw_spec)),
     )
 
 
-def _device(
-    raw: Raw,
+def _build_device_without_procedures(
+    raw_spec: Raw,
     manufacturer: Manufacturer,
     order_code: OrderCode,
     variants: tuple[Variant, ...],
@@ -145,34 +145,34 @@ def _device(
 ) -> Device:
     """Return the family without its procedures, which need the built device."""
     # Interfaces come before registers, which determines the order of the reported problems.
-    interfaces, registers = build_interfaces(raw, context), _registers(raw, context)
-    parameters = raw["parameters"].items()
+    interfaces, registers = build_interfaces(raw_spec, context), _build_registers(raw_spec, context)
+    parameters = raw_spec["parameters"].items()
     return record(
         Device,
-        raw,
-        name=raw["device"],
+        raw_spec,
+        name=raw_spec["device"],
         manufacturer=manufacturer,
-        documents=tuple(record(Document, document, key=key) for key, document in raw.get("documents", {}).items()),
-        parameters=tuple(_parameter(name, parameter, context) for name, parameter in parameters),
+        documents=tuple(record(Document, document, key=key) for key, document in raw_spec.get("documents", {}).items()),
+        parameters=tuple(_build_parameter(name, parameter, context) for name, parameter in parameters),
         order_code=order_code,
         variants=variants,
         crcs=tuple(context.crcs.values()),
         interfaces=interfaces,
         registers=registers,
-        alarms=tuple(record(Alarm, {"implemented": True, **alarm}) for alarm in raw.get("alarms", ())),
+        alarms=tuple(record(Alarm, {"implemented": True, **alarm}) for alarm in raw_spec.get("alarms", ())),
         procedures=(),
-        examples=build_examples(raw),
-        measurement=build_measurement(raw, context),
-        tables=tuple(map(table, raw.get("tables", ()))),
-        supply=supply(raw),
+        examples=build_examples(raw_spec),
+        measurement=build_measurement(raw_spec, context),
+        tables=tuple(map(table, raw_spec.get("tables", ()))),
+        supply=supply(raw_spec),
         alternatives=alternatives,
     )
 
 
-def _definitions(raw: Raw) -> Mapping[str, Expression]:
+def _derived_expressions(raw_spec: Raw) -> Mapping[str, Expression]:
     """Return the expressions of the parameters that follow from others, by name, without invalid ones."""
     definitions = {}
-    for name, parameter in raw["parameters"].items():
+    for name, parameter in raw_spec["parameters"].items():
         if "equals" not in parameter:
             continue
         try:
@@ -182,45 +182,56 @@ def _definitions(raw: Raw) -> Mapping[str, Expression]:
     return MappingProxyType(definitions)
 
 
-def code_grammar(raw: Raw) -> OrderCode:
+def code_grammar(raw_spec: Raw) -> OrderCode:
     """Return the grammar of order codes from its checked data."""
-    parts = tuple(_code_part(part) for part in raw["parts"])
-    spellings = tuple(_spelling(spelling) for spelling in raw.get("also_written", ()))
-    return record(OrderCode, raw, parts=parts, also_written=spellings)
+    parts = tuple(_build_code_part(part) for part in raw_spec["parts"])
+    spellings = tuple(_build_spelling(spelling) for spelling in raw_spec.get("also_written", ()))
+    return record(OrderCode, raw_spec, parts=parts, also_written=spellings)
 
 
-def _code_part(raw: Raw) -> CodePart:
-    values = tuple(_code_value(text, value or {}, raw) for text, value in raw["values"].items())
-    return record(CodePart, raw, values=values, open_only_with=_allowed_values(raw, "open_only_with"))
+def _build_code_part(raw_part: Raw) -> CodePart:
+    """Return a part of the order code with its values."""
+    values = tuple(_build_code_value(text, value or {}, raw_part) for text, value in raw_part["values"].items())
+    return record(CodePart, raw_part, values=values, open_only_with=_allowed_values(raw_part, "open_only_with"))
 
 
-def _spelling(raw: Raw) -> Spelling:
+def _build_spelling(raw_spelling: Raw) -> Spelling:
     """Return an alternative spelling of order codes, with the texts that represent values of a part."""
     spelled_values: list[SpelledValue] = []
-    for part, values_by_text in raw.get("values", {}).items():
+    for part, values_by_text in raw_spelling.get("values", {}).items():
         spelled_values += [SpelledValue(part, text, value) for text, value in values_by_text.items()]
-    return record(Spelling, raw, values=tuple(spelled_values))
+    return record(Spelling, raw_spelling, values=tuple(spelled_values))
 
 
-def _alternative(raw: Raw) -> Alternative:
-    answers = tuple(_answer(name, answer) for name, answer in raw["values"].items())
-    return Alternative(raw["name"], raw["meaning"], answers, sources(raw), raw.get("default", ""))
+def _build_alternative(raw_alternative: Raw) -> Alternative:
+    """Return a question that the manual leaves open, with its answers."""
+    answers = tuple(_build_answer(name, answer) for name, answer in raw_alternative["values"].items())
+    return Alternative(
+        name=raw_alternative["name"],
+        meaning=raw_alternative["meaning"],
+        answers=answers,
+        source=sources(raw_alternative),
+        default=raw_alternative.get("default", ""),
+    )
 
 
-def _answer(name: str, raw: Raw) -> Answer:
-    return Answer(name, raw["meaning"], MappingProxyType(dict(raw["sets"])), sources(raw))
+def _build_answer(name: str, raw_answer: Raw) -> Answer:
+    return Answer(name, raw_answer["meaning"], MappingProxyType(dict(raw_answer["sets"])), sources(raw_answer))
 
 
-def _code_value(text: str, raw: Raw, part: Raw) -> CodeValue:
-    allowed_values = _allowed_values(raw, "only_with")
-    return record(CodeValue, raw, text=text, only_with=allowed_values, supply=supply(raw, sources(part)))
+def _build_code_value(text_in_code: str, raw_value: Raw, raw_part: Raw) -> CodeValue:
+    """Return a value of a part of the order code. ``text_in_code`` is its text in a label."""
+    allowed_values = _allowed_values(raw_value, "only_with")
+    return record(
+        CodeValue, raw_value, text=text_in_code, only_with=allowed_values, supply=supply(raw_value, sources(raw_part))
+    )
 
 
-def _allowed_values(raw: Raw, key: str) -> Mapping[str, tuple[str, ...]]:
-    return MappingProxyType({name: tuple(values) for name, values in raw.get(key, {}).items()})
+def _allowed_values(raw_value: Raw, key_of_values: str) -> Mapping[str, tuple[str, ...]]:
+    return MappingProxyType({name: tuple(values) for name, values in raw_value.get(key_of_values, {}).items()})
 
 
-def _variants(
+def _list_variants(
     order_code: OrderCode, definitions: Mapping[str, Expression], default_values: Mapping[str, int]
 ) -> tuple[Variant, ...]:
     """Return every listed order code with its parameters.
@@ -230,60 +241,68 @@ def _variants(
     if not order_code.parts:
         return ()
     variants = []
-    for code, values_by_part, interface, set_values in combinations(order_code):
+    for code, values_by_part, interface, set_values in listed_codes(order_code):
         parameters = resolve_parameters({**default_values, **set_values}, definitions)
-        variants.append(Variant(code, MappingProxyType(dict(values_by_part)), interface, parameters))
+        variants.append(
+            Variant(code=code, parts=MappingProxyType(dict(values_by_part)), interface=interface, parameters=parameters)
+        )
     return tuple(variants)
 
 
-def _parameter(name: str, raw: Raw, context: Context) -> Parameter:
+def _build_parameter(name: str, raw_parameter: Raw, context: Context) -> Parameter:
     """Return a parameter with its limits, from its codes if it has any, and its largest value over all order codes."""
-    codes = coded_values(raw)
+    codes = coded_values(raw_parameter)
     if codes:
-        coded_numbers = raw["by_code"].values()
-        raw = {**raw, "min": min(coded_numbers), "max": max(coded_numbers)}
+        coded_numbers = raw_parameter["by_code"].values()
+        raw_parameter = {**raw_parameter, "min": min(coded_numbers), "max": max(coded_numbers)}
     all_values: list[int] = []
     for sets_of_interface in context.parameter_sets.values():
         all_values += [parameters.get(name, 0) for parameters in sets_of_interface]
     equals = context.definitions.get(name)
-    return record(Parameter, raw, name=name, equals=equals, largest=max(all_values, default=0), by_code=codes)
+    return record(Parameter, raw_parameter, name=name, equals=equals, largest=max(all_values, default=0), by_code=codes)
 
 
-def _registers(raw: Raw, context: Context) -> tuple[Register, ...]:
+def _build_registers(raw_spec: Raw, context: Context) -> tuple[Register, ...]:
     """Return the registers whose layouts are valid."""
-    definitions = enumerate(raw.get("registers", ()))
-    registers = (_register(definition, ("registers", index), context) for index, definition in definitions)
+    definitions = enumerate(raw_spec.get("registers", ()))
+    registers = (_build_register(definition, ("registers", index), context) for index, definition in definitions)
     return tuple(register for register in registers if register is not None)
 
 
-def _register(raw: Raw, path: Path, context: Context) -> Register | None:
+def _build_register(raw_register: Raw, path: Path, context: Context) -> Register | None:
     """Return a register, or None if its layout is not valid. A register without fields is one number."""
-    interface = raw.get("interface", Biss.name)
-    register_bits = 8 * raw["length"]
-    raw_with_fields = raw if "fields" in raw else {**raw, "fields": [{"name": raw["name"], "bits": register_bits}]}
+    interface = raw_register.get("interface", Biss.name)
+    register_bits = 8 * raw_register["length"]
+    raw_with_fields = (
+        raw_register
+        if "fields" in raw_register
+        else {**raw_register, "fields": [{"name": raw_register["name"], "bits": register_bits}]}
+    )
     layout = build_layout(raw_with_fields, Site(path, context, interface), register_bits)
     if layout is None:
         return None
-    opener = raw.get("opened_by", {})
+    opener = raw_register.get("opened_by", {})
     register = record(
         Register,
-        raw,
+        raw_register,
         interface=interface,
-        byte_order=raw.get("byte_order", "high_byte_first"),
-        limits_of=raw.get("limits_of", raw["name"]),
+        byte_order=raw_register.get("byte_order", "high_byte_first"),
+        limits_of=raw_register.get("limits_of", raw_register["name"]),
         opened_by=opener.get("register", ""),
         opened_by_field=opener.get("field", ""),
         opened_by_value=opener.get("value", ""),
         layout=layout,
-        meanings=tuple(_register_meaning(meaning, context) for meaning in raw.get("meanings", ())),
-        **context.expressions(raw, ("min", "max")),
+        meanings=tuple(_build_register_meaning(meaning, context) for meaning in raw_register.get("meanings", ())),
+        **context.expressions(raw_register, ("min", "max")),
     )
     _check_limits(register, path, context)
     return register
 
 
-def _register_meaning(raw: Raw, context: Context) -> RegisterMeaning:
-    return record(RegisterMeaning, raw, value=raw["is"], **context.expressions(raw, ("min", "max")))
+def _build_register_meaning(raw_meaning: Raw, context: Context) -> RegisterMeaning:
+    return record(
+        RegisterMeaning, raw_meaning, value=raw_meaning["is"], **context.expressions(raw_meaning, ("min", "max"))
+    )
 
 
 def _check_limits(register: Register, path: Path, context: Context) -> None:
@@ -299,7 +318,7 @@ def _check_limits(register: Register, path: Path, context: Context) -> None:
     # Without such a dependency, the first order code stands for all.
     for parameters in sets if depends_on_order_code else sets[:1]:
         placed = register.layout.place(parameters)
-        problem = _wrong_limits(register, placed, parameters) or _wrong_default(register, placed, parameters)
+        problem = _problem_of_limits(register, placed, parameters) or _problem_of_default(register, placed, parameters)
         if problem is not None:
             rule, key, message = problem
             context.report.add(rule, (*path, key), message)
@@ -318,9 +337,9 @@ class _Limits(NamedTuple):
     zero_means: int
 
 
-def _limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Limits:
+def _limits_for_code(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Limits:
     """Return the limits of a register for one order code. If the highest number is stored as 0, it is not ``high``."""
-    bounded_field = placed.find_field(bounded(register))
+    bounded_field = placed.find_field(name_with_limits(register))
     zero_means = bounded_field.field.number.zero_means if bounded_field is not None else 0
     low, high = bounds(register, placed, (register.min, register.max), parameters)
     if zero_means and high == zero_means:
@@ -328,10 +347,10 @@ def _limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, i
     return _Limits(low, high, zero_means)
 
 
-def _wrong_limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Wrong | None:
+def _problem_of_limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Wrong | None:
     """Return the first problem of the limits for an order code, or None."""
-    lowest, highest = representable(register, placed)
-    limits = _limits(register, placed, parameters)
+    lowest, highest = numbers_that_fit(register, placed)
+    limits = _limits_for_code(register, placed, parameters)
     width_text = f"the {bounded_width(register, placed)} bits of '{register.limits_of}'"
     if limits.high > highest:
         return "limit-does-not-fit", "max", f"the maximum {limits.high} does not fit into {width_text}"
@@ -342,13 +361,13 @@ def _wrong_limits(register: Register, placed: PlacedLayout, parameters: Mapping[
     return None
 
 
-def _wrong_default(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Wrong | None:
+def _problem_of_default(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Wrong | None:
     """Return the first problem of the default for an order code, or None."""
     default = register.default
     if default is None:
         return None
-    limits = _limits(register, placed, parameters)
-    value = _bounded_part(register, placed, default)
+    limits = _limits_for_code(register, placed, parameters)
+    value = _number_within_limits(register, placed, default)
     # A stored zero can stand for another number.
     meant_value = value or limits.zero_means
     named_numbers = [named_value.value for named_value in register.values]
@@ -364,9 +383,9 @@ def _wrong_default(register: Register, placed: PlacedLayout, parameters: Mapping
     return "default-does-not-fit", "default", f"the default {problem}"
 
 
-def _bounded_part(register: Register, placed: PlacedLayout, default: int) -> int:
+def _number_within_limits(register: Register, placed: PlacedLayout, default: int) -> int:
     """Return the number in the default to which the limits apply, with its sign: a field, a join or the register."""
-    bounded_name, width = bounded(register), bounded_width(register, placed)
+    bounded_name, width = name_with_limits(register), bounded_width(register, placed)
     bounded_joins = [join for join in register.layout.joins if join.name == bounded_name]
     if bounded_joins:
         number_without_sign = join_value(placed, bounded_joins[0], default)
@@ -374,7 +393,7 @@ def _bounded_part(register: Register, placed: PlacedLayout, default: int) -> int
         bounded_field = placed.find_field(bounded_name)
         low_bit = bounded_field.low if bounded_field is not None else 0
         number_without_sign = (default >> low_bit) & ((1 << width) - 1)
-    _, highest = representable(register, placed)
+    _, highest = numbers_that_fit(register, placed)
     # Only a signed field holds bits that read as more than its highest number.
     is_negative = number_without_sign > highest
     return number_without_sign - (1 << width) if is_negative else number_without_sign

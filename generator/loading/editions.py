@@ -12,14 +12,14 @@ from dataclasses import replace
 from typing import Any
 
 from ..language.document import MissingPath, Path, as_affected, resolve
-from ..language.overlay import KINDS, Layer, LayeredSpec, LayerKind
+from ..language.overlay import CHANGE_KINDS, Layer, LayeredSpec, LayerKind
 from ..language.problems import DocumentReport, Report, listed, quoted
 from ..language.rules.walk import leaves
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, ManualEdition, layer_in_words
 from ..order_codes.reduction import for_codes
 from .change_titles import change_title
 from .from_mapping import record
-from .overlays import Build, Family, errata_of, shortened, without_examples
+from .overlays import Build, Family, errata_of, join_shortened, without_examples
 
 #: Largest number of editions times values. Each edition is checked like a spec. The largest manual needs 26,000.
 MOST_VALUES = 500_000
@@ -31,15 +31,15 @@ class UnknownEdition(ValueError):
     """No such edition. The message lists the existing ones."""
 
 
-def editions(raw: Raw) -> tuple[ManualEdition, ...]:
+def editions(raw_spec: Raw) -> tuple[ManualEdition, ...]:
     """Return the editions that can be selected, oldest first, or none if the spec lists no changes.
 
     These are all revisions of the history, the revision that the spec transcribes, and those with changes.
     """
-    editions_by_revision = {edition["revision"]: edition for edition in raw.get("editions", ())}
+    editions_by_revision = {edition["revision"]: edition for edition in raw_spec.get("editions", ())}
     if not editions_by_revision:
         return ()
-    manual = raw["manual"]
+    manual = raw_spec["manual"]
     # In the order of the history, then the transcribed revision, then the later ones.
     dates_by_revision = {release["revision"]: release.get("date", "") for release in manual.get("history", ())}
     own_revision = manual["revision"]
@@ -47,11 +47,12 @@ def editions(raw: Raw) -> tuple[ManualEdition, ...]:
     for revision, edition in editions_by_revision.items():
         dates_by_revision.setdefault(revision, edition.get("date", ""))
     return tuple(
-        _edition(editions_by_revision.get(revision, {}), revision, date) for revision, date in dates_by_revision.items()
+        _build_edition(editions_by_revision.get(revision, {}), revision, date)
+        for revision, date in dates_by_revision.items()
     )
 
 
-def _edition(definition: Raw, revision: str, date: str) -> ManualEdition:
+def _build_edition(definition: Raw, revision: str, date: str) -> ManualEdition:
     """Return an edition. ``definition`` is its entry in the spec, or empty if it has none."""
     return record(ManualEdition, definition, revision=revision, date=date)
 
@@ -91,7 +92,9 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
     report_of_changes = Report()
     layered_spec = LayeredSpec(family.document, report_of_changes)
     for index, key, name in _change_lists(family, revision):
-        layered_spec.apply([Layer(family.document, ("editions", index, key), LayerKind.EDITION, name)])
+        layered_spec.apply(
+            [Layer(document=family.document, path=("editions", index, key), kind=LayerKind.EDITION, name=name)]
+        )
     report.include(report_of_changes)
     # Such as ``x_24_1_4`` for edition 1.4.
     name = f"{family.device.name}_{re.sub('[^a-z0-9]+', '_', revision.lower()).strip('_')}"
@@ -157,34 +160,36 @@ def _change_lists(family: Family, revision: str) -> Iterator[tuple[int, str, str
             yield index, key, f"before {passed_revision}" if key == "before" else passed_revision
 
 
-def notes(raw: Raw) -> Iterator[Erratum]:
+def errata_of_other_editions(raw_spec: Raw) -> Iterator[Erratum]:
     """Yield the changes of all other editions, as errata of the family of the spec."""
-    for edition in raw.get("editions", ()):
+    for edition in raw_spec.get("editions", ()):
         revision = edition["revision"]
         for key, name in (("before", f"before {revision}"), ("then", revision)):
             for number, change in enumerate(edition.get(key, ()), 1):
-                kinds = [kind for kind in KINDS if kind in change]
+                kinds = [kind for kind in CHANGE_KINDS if kind in change]
                 # A change with no kind or several is reported when it is applied.
                 if len(kinds) == 1:
-                    yield _edition_erratum(raw, change, name, number, kinds[0])
+                    yield _edition_erratum(raw_spec, change, name, number, kinds[0])
 
 
-def _edition_erratum(raw: Raw, change: Raw, name: str, number: int, kind: str) -> Erratum:
+def _edition_erratum(raw_spec: Raw, change: Raw, revision: str, change_number: int, kind_of_change: str) -> Erratum:
     """Return a change of an edition as an erratum.
 
     Args:
-        raw: The spec.
+        raw_spec: The spec.
         change: The change, such as ``{"set": "registers.preset.max", "to": 15, "why": …}``.
-        name: The edition, such as ``before 1.4``.
-        number: The place of the change in its list, from 1.
-        kind: The kind of the change, such as ``set``.
+        revision: The edition, such as ``before 1.4``.
+        change_number: The place of the change in its list, from 1.
+        kind_of_change: The kind of the change, such as ``set``.
     """
-    affected_texts = change[kind] if isinstance(change[kind], list) else [change[kind]]
+    affected_texts = change[kind_of_change] if isinstance(change[kind_of_change], list) else [change[kind_of_change]]
     # The text of 'also' is a sentence. Those of other kinds are paths.
-    affected_paths = [] if kind == "also" else [_affected_path(raw, path_text) for path_text in affected_texts]
-    if kind == "remove":
+    affected_paths = (
+        [] if kind_of_change == "also" else [_affected_path(raw_spec, path_text) for path_text in affected_texts]
+    )
+    if kind_of_change == "remove":
         used = LEFT_OUT
-    elif kind in ("unknown", "also"):
+    elif kind_of_change in ("unknown", "also"):
         used = NOT_KNOWN
     else:
         used = _value_in_words(change.get("to", change.get("value")))
@@ -192,55 +197,57 @@ def _edition_erratum(raw: Raw, change: Raw, name: str, number: int, kind: str) -
     return record(
         Erratum,
         {"severity": "wrong_data", **stated},
-        name=f"edition_{re.sub('[^a-z0-9]+', '_', name.lower())}_{number}",
-        title=change_title(layer_in_words("", name), without_examples(affected_texts)),
-        printed=shortened(without_examples([path_text.removeprefix("registers.") for path_text in affected_texts])),
+        name=f"edition_{re.sub('[^a-z0-9]+', '_', revision.lower())}_{change_number}",
+        title=change_title(layer_in_words("", revision), without_examples(affected_texts)),
+        printed=join_shortened(
+            without_examples([path_text.removeprefix("registers.") for path_text in affected_texts])
+        ),
         used=used,
         status="open" if used == NOT_KNOWN else "settled",
         affects=tuple(dict.fromkeys(path for path in affected_paths if path)),
-        edition=name,
+        edition=revision,
     )
 
 
-def _value_in_words(value: object) -> str:
+def _value_in_words(changed_value: object) -> str:
     """Return a value of a spec in words, such as ``yes`` for true or ``width = 6, poly = 3`` for a map."""
-    match value:
+    match changed_value:
         case bool():
-            return "yes" if value else "no"
+            return "yes" if changed_value else "no"
         case dict():
-            return ", ".join(f"{key} = {member}" for key, member in value.items())
+            return ", ".join(f"{key} = {member}" for key, member in changed_value.items())
         case list():
-            return ", ".join(map(str, value))
+            return ", ".join(map(str, changed_value))
         case _:
-            return str(value)
+            return str(changed_value)
 
 
-def _affected_path(raw: Raw, text: str) -> str:
+def _affected_path(raw_spec: Raw, path_in_change: str) -> str:
     """Return the path of a change as an erratum gives it.
 
     For an item that the change adds, it is the path of the part that exists and receives it.
     """
     try:
-        path = resolve(raw, text)
+        path = resolve(raw_spec, path_in_change)
     except MissingPath as missing_path:  # What is added does not exist yet.
         path = missing_path.existing_path
-    return as_affected(raw, path)
+    return as_affected(raw_spec, path)
 
 
-def check_editions(raw: Raw, device: Device, report: DocumentReport) -> None:
+def check_editions(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
     """Report too many editions, editions in the wrong place, and labels, registers and runs that do not exist."""
     count = len(device.editions)
-    values = len(leaves(raw))
+    values = len(leaves(raw_spec))
     if count * values > MOST_VALUES:
         message = f"each of {count} editions is checked with {values} values; the product must be at most {MOST_VALUES}"
         report.add("too-large", ("editions",), f"{message}; leave out early editions", at_key=True)
     known_labels = {spelling.pattern for spelling in device.order_code.also_written}
-    for index, edition in enumerate(raw.get("editions", ())):
+    for index, edition in enumerate(raw_spec.get("editions", ())):
         path: Path = ("editions", index)
-        if any(earlier["revision"] == edition["revision"] for earlier in raw["editions"][:index]):
+        if any(earlier["revision"] == edition["revision"] for earlier in raw_spec["editions"][:index]):
             message = f"the edition {quoted(edition['revision'])} already exists"
             report.add("duplicate-name", (*path, "revision"), message)
-        _check_order(raw, edition, path, report)
+        _check_order(raw_spec, edition, path, report)
         for label_index, label in enumerate(edition.get("labels", ())):
             if label not in known_labels:
                 message = f"there is no spelling {quoted(label)} in 'also_written' of the order code"
@@ -249,14 +256,14 @@ def check_editions(raw: Raw, device: Device, report: DocumentReport) -> None:
             _check_test(test, (*path, "tests", test_index), device, report)
 
 
-def _check_order(raw: Raw, edition: Raw, path: Path, report: DocumentReport) -> None:
+def _check_order(raw_spec: Raw, edition: Raw, path: Path, report: DocumentReport) -> None:
     """Check that an edition has 'before' or 'then' according to its place in the history.
 
     ``before`` is for the revisions after the first, up to the one that the spec transcribes. ``then`` is for later
     ones.
     """
-    history = [release["revision"] for release in raw["manual"].get("history", ())]
-    own_revision = raw["manual"]["revision"]
+    history = [release["revision"] for release in raw_spec["manual"].get("history", ())]
+    own_revision = raw_spec["manual"]["revision"]
     up_to_own = history[: history.index(own_revision) + 1] if own_revision in history else [own_revision]
     name = edition["revision"]
     # A revision that is not in the history is reported elsewhere.

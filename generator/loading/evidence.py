@@ -47,12 +47,12 @@ _LOWEST_GRADE = "uncorroborated"
 _MOST_NAMES = 3
 
 
-def with_placeholders(raw: Raw, device: Device, report: DocumentReport) -> Device:
+def with_placeholders(raw_spec: Raw, device: Device, report: DocumentReport) -> Device:
     """Return the device with the names of its placeholders in its evidence. Report a grade that is too high.
 
     A placeholder is a text of the template that was not replaced. A spec with one can only have the lowest grade.
     """
-    if not raw.get("evidence"):
+    if not raw_spec.get("evidence"):
         return device
     names = placeholder_names(report.document.data)
     if is_placeholder(device.manufacturer.title):
@@ -84,8 +84,10 @@ def read_history(spec: Path, report: Report) -> tuple[Release, ...]:
     if not file.is_file():
         return ()
     try:
-        releases = tuple(_release(release) for release in json.loads(file.read_text(encoding="utf-8"))["releases"])
-        if all(_is_text(release) for release in releases):
+        releases = tuple(
+            _build_release(release) for release in json.loads(file.read_text(encoding="utf-8"))["releases"]
+        )
+        if all(_has_only_texts(release) for release in releases):
             return releases
     except (OSError, ValueError, TypeError, KeyError):
         pass
@@ -94,24 +96,24 @@ def read_history(spec: Path, report: Report) -> tuple[Release, ...]:
     return ()
 
 
-def _release(data: dict[str, object]) -> Release:
+def _build_release(release_data: dict[str, object]) -> Release:
     """Return a version from the data of the file.
 
     Raises:
         TypeError: The changes or names are not lists, or have other members than in the model.
         KeyError: There are no changes.
     """
-    changes = data["changes"]
+    changes = release_data["changes"]
     if not isinstance(changes, list):
         raise TypeError
     released_changes = tuple(ReleasedChange(**change) for change in changes)
-    names = data.get("names", [])
+    names = release_data.get("names", [])
     if not isinstance(names, list):
         raise TypeError
-    return Release(**{**data, "changes": released_changes, "names": tuple(names)})  # type: ignore[arg-type]
+    return Release(**{**release_data, "changes": released_changes, "names": tuple(names)})  # type: ignore[arg-type]
 
 
-def _is_text(release: Release) -> bool:
+def _has_only_texts(release: Release) -> bool:
     """Return True if all members of a release and of its changes are texts."""
     texts: list[object] = [release.version, release.since, release.manual, *release.names]
     for change in release.changes:

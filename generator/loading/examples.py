@@ -14,10 +14,8 @@ from ..language.document import Path
 from ..language.problems import DocumentReport
 from ..model import (
     Choice,
-    Constant,
     Crc,
     CrcExample,
-    CrcValue,
     Decimal,
     Device,
     Example,
@@ -29,7 +27,6 @@ from ..model import (
     Layout,
     MeasureExample,
     Number,
-    Parity,
     PlacedLayout,
     ProcedureExample,
     Register,
@@ -37,14 +34,13 @@ from ..model import (
     Sample,
     Sources,
     Text,
-    Unused,
     Values,
     Variant,
     Verdict,
     assert_never,
     number_from_bytes,
 )
-from ..order_codes.labels import UnknownOrderCode, find
+from ..order_codes.labels import UnknownOrderCode, find_code
 from ..order_codes.parameters import with_answers
 from ..reference.bits import bits_in_crc_order, compute_bytes, covered_bits, from_gray, init_for_result, join_value
 from ..reference.codec import Decoded, EncodeError, decode, decode_bits, decode_bytes, decode_placed, encode
@@ -58,14 +54,18 @@ Wrong = tuple[Path, str]
 _EXAMPLES: Mapping[str, Callable[..., Example]] = {kind.kind: kind for kind in get_args(Example)}
 
 
-def build_examples(raw: Raw) -> tuple[Example, ...]:
-    return tuple(map(_example, raw.get("examples", ())))
+def build_examples(raw_spec: Raw) -> tuple[Example, ...]:
+    return tuple(map(_build_example, raw_spec.get("examples", ())))
 
 
-def _example(raw: Raw) -> Example:
+def _build_example(raw_example: Raw) -> Example:
     """Return one example. Its sender is the encoder unless the spec has ``from``."""
-    members = {"sender": raw.get("from", "encoder"), **raw, "bytes": bytes.fromhex(raw.get("bytes", ""))}
-    return record(_EXAMPLES[raw["kind"]], members)
+    members = {
+        "sender": raw_example.get("from", "encoder"),
+        **raw_example,
+        "bytes": bytes.fromhex(raw_example.get("bytes", "")),
+    }
+    return record(_EXAMPLES[raw_example["kind"]], members)
 
 
 def check_examples(device: Device, report: DocumentReport) -> None:
@@ -74,7 +74,7 @@ def check_examples(device: Device, report: DocumentReport) -> None:
     for example in device.examples:
         if not valid_parts.holds(example) or not _is_built(device, example):
             continue
-        for path_in_example, problem in _faults(device, example):
+        for path_in_example, problem in _errors_of_example(device, example):
             message = f"example '{example.name}' does not match: {problem}"
             report.add("example-contradicts", ("examples", example.name, *path_in_example), message)
 
@@ -101,10 +101,10 @@ def _is_built(device: Device, example: Example) -> bool:
     return is_complete and all(variant.interface in built_interfaces for variant in device.variants)
 
 
-def _faults(device: Device, example: Example) -> list[Wrong]:
+def _errors_of_example(device: Device, example: Example) -> list[Wrong]:
     """Return the errors of an example. An unknown order code or an impossible value is one error of its own."""
     try:
-        return list(_check(device, example))
+        return list(_yield_errors(device, example))
     except UnknownOrderCode as reason:
         return [(("order_code",), str(reason))]
     except EncodeError as reason:
@@ -120,13 +120,13 @@ def example_variant(device: Device, example: Example) -> Variant:
         return device.variants[0]
     listed_variants = [variant for variant in device.variants if variant.code == example.order_code]
     # Other labels stand for a listed code, such as one in another spelling.
-    variant = listed_variants[0] if listed_variants else find(device, example.order_code).variant
+    variant = listed_variants[0] if listed_variants else find_code(device, example.order_code).variant
     if isinstance(example, FrameExample):
         return with_answers(device, variant, example.alternatives)
     return variant
 
 
-def _check(device: Device, example: Example) -> Iterator[Wrong]:
+def _yield_errors(device: Device, example: Example) -> Iterator[Wrong]:
     """Yield the errors of an example. Its kind determines what is computed and compared."""
     match example:
         case FrameExample():
@@ -136,7 +136,8 @@ def _check(device: Device, example: Example) -> Iterator[Wrong]:
         case CrcExample():
             computed_crc = compute_bytes(device.crc(example.crc), example.bytes)
             if computed_crc != example.check:
-                yield ("check",), f"the CRC over these bytes is {computed_crc:#04x}{_better_start(device, example.crc)}"
+                suggestion = _suggest_start(device, example.crc)
+                yield ("check",), f"the CRC over these bytes is {computed_crc:#04x}{suggestion}"
         case ProcedureExample():
             yield from _check_procedure(device, example)
         case MeasureExample():
@@ -218,7 +219,7 @@ def _check_decoded(device: Device, decoded: Decoded, example: FrameExample | Reg
         problems = problems[:1]  # Further errors may only follow from it.
     if problems:
         has_crc_error = decoded.crc is not None and not decoded.crc.ok
-        hint = _better_start(device, decoded.crc.name) if decoded.crc is not None and has_crc_error else ""
+        hint = _suggest_start(device, decoded.crc.name) if decoded.crc is not None and has_crc_error else ""
         for problem in problems:
             yield _data_path(example), problem.message + hint
         return
@@ -226,26 +227,26 @@ def _check_decoded(device: Device, decoded: Decoded, example: FrameExample | Reg
     yield from differences or _check_encoding(device, decoded, example)
 
 
-def _better_start(device: Device, name: str) -> str:
+def _suggest_start(device: Device, crc_name: str) -> str:
     """Return the text about a better start value, such as ``; with 'init: 0xff' in the CRC 'crc', it matches``.
 
     It is empty unless all examples of the CRC need the same start value, and the spec has another one. A single example
     always fits some start value, so with one example only all bits 0 and all bits 1 are suggested.
     """
-    crc = device.crc(name)
+    crc = device.crc(crc_name)
     start_values: list[int] = []
     for example in device.examples:
-        start_values += _start_values(device, crc, example)
+        start_values += _needed_start_values(device, crc, example)
     if len(set(start_values)) != 1 or start_values[0] == crc.init:
         return ""
     has_one_example = len(start_values) == 1
     if has_one_example and start_values[0] not in (0, crc.mask):
         return ""
     subject = "it" if has_one_example else "every example"
-    return f"; with 'init: {start_values[0]:#x}' in the CRC '{name}', {subject} matches"
+    return f"; with 'init: {start_values[0]:#x}' in the CRC '{crc_name}', {subject} matches"
 
 
-def _start_values(device: Device, crc: Crc, example: Example) -> Iterator[int]:
+def _needed_start_values(device: Device, crc: Crc, example: Example) -> Iterator[int]:
     """Yield the start value that the CRC needs for an example, or nothing if the decoded example has no such CRC."""
     if crc.poly & 1 == 0:  # Without the last bit of the polynomial, a CRC does not determine its start value.
         return
@@ -325,29 +326,29 @@ def _check_encoding(device: Device, decoded: Decoded, example: FrameExample | Re
         yield _data_path(example), f"encoding its fields again gives {encoded:#x}, not {decoded.number:#x}"
 
 
-def samples(device: Device) -> tuple[Sample, ...]:
+def sample_frames(device: Device) -> tuple[Sample, ...]:
     """Return the sample frames of every interface, or none if an example has an unknown order code."""
     samples_of_all: list[Sample] = []
     try:
         for interface in device.interfaces:
-            samples_of_all += _of_interface(device, interface)
+            samples_of_all += _yield_samples(device, interface)
     except UnknownOrderCode:  # of an example, which has been reported in the spec that this edition is based on
         return ()
     return tuple(samples_of_all)
 
 
-def _of_interface(device: Device, interface: Interface) -> Iterator[Sample]:
+def _yield_samples(device: Device, interface: Interface) -> Iterator[Sample]:
     """Yield a frame for each layout that the encoder sends and that can be encoded, for one order code."""
-    variant = _most_shown(device, interface.name)
+    variant = _most_used_order_code(device, interface.name)
     if variant is None:
         return
     for layout in interface.layouts:
         if layout.sender == "encoder":
             with suppress(EncodeError):
-                yield _sample(device, variant, layout)
+                yield _build_sample(device, variant, layout)
 
 
-def _most_shown(device: Device, interface: str) -> Variant | None:
+def _most_used_order_code(device: Device, interface: str) -> Variant | None:
     """Return the order code that most examples use, without CRCs and corrected examples, or None if there is none.
 
     Among several, the one with the largest sum of parameters is used, which usually has the finest resolution.
@@ -363,11 +364,11 @@ def _most_shown(device: Device, interface: str) -> Variant | None:
     return max(device.variants_over(interface), key=examples_then_resolution, default=None)
 
 
-def _sample(device: Device, variant: Variant, layout: Layout) -> Sample:
+def _build_sample(device: Device, variant: Variant, layout: Layout) -> Sample:
     """Return a frame with the position of a worked example, if it fits, and made-up values in all other fields."""
     placed = layout.place(variant.parameters)
     data_fields = [placed_field for placed_field in placed.fields if placed_field.field.carries_data]
-    made_up_values = {field.name: _value(field.field, field.width, layout) for field in data_fields}
+    made_up_values = {field.name: _made_up_value(field.field, field.width, layout) for field in data_fields}
     measurement = device.measurement_of(variant.interface)
     worked_example = _worked_example(device, variant)
     if measurement is not None and worked_example is not None and measurement.of in layout.member_names:
@@ -388,7 +389,7 @@ def _worked_example(device: Device, variant: Variant) -> MeasureExample | None:
     return None
 
 
-def _value(field: Field, width: int, layout: Layout) -> int | str | bool:
+def _made_up_value(field: Field, width: int, layout: Layout) -> int | str | bool:
     """Return a made-up value for a field, or raise an ``EncodeError`` if the field carries no data.
 
     The values are harmless: flags are inactive, and a named value leaves the position usable if the field has such a
@@ -396,13 +397,15 @@ def _value(field: Field, width: int, layout: Layout) -> int | str | bool:
     """
     if field.name == layout.selector:
         return layout.selects[0]
+    if not field.carries_data:
+        raise EncodeError(f"'{field.name}' carries no data")
     match field.kind:
         case Number(power_of_two=True):
             # The power of two in the middle of the range.
             return 1 << (width // 2)
         case Number(signed=is_signed, zero_means=zero_means):
             # A signed field has one bit less for positive numbers.
-            number = _number(width - 1 if is_signed else width)
+            number = _made_up_number(width - 1 if is_signed else width)
             # With 'zero_means', a field never has the value 0.
             return max(number, 1) if zero_means else number
         case Flag():
@@ -414,13 +417,11 @@ def _value(field: Field, width: int, layout: Layout) -> int | str | bool:
             return 1
         case Text():
             return "A" * (width // 8)
-        case Constant() | Unused() | CrcValue() | Parity():
-            raise EncodeError(f"'{field.name}' carries no data")
-        case kind:
-            assert_never(kind)
+        case _:
+            return field.kind.value_at_rest
 
 
-def _number(bits: int) -> int:
+def _made_up_number(bits: int) -> int:
     """Return a made-up number of at most ``bits`` bits: up to 42, or nine digits modulo a width above 16 bits."""
     return 123456789 % (1 << bits) if bits > 16 else min(42, (1 << bits) - 1)
 

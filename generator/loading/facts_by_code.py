@@ -7,7 +7,7 @@ from itertools import combinations, compress
 from typing import Protocol
 
 from ..language.problems import DocumentReport, Path, quoted
-from ..language.rules.parts import explained
+from ..language.rules.parts import has_erratum_at
 from ..model import Biss, Clocked, Interface, Ssi, Variant
 from ..model.device import Device
 from ..model.order_codes import Restricted, facts_for_code, fits
@@ -33,11 +33,11 @@ class ExclusiveFacts:
     other_rules: bool = False
 
 
-def check_facts_by_code(raw: Raw, device: Device, report: DocumentReport) -> None:
+def check_facts_by_code(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
     """Report order codes without a clock or time-out, with two facts of a kind, and facts that none of them has."""
     if not device.variants:
         return
-    for exclusive_facts in _all_exclusive_facts(raw, device, report):
+    for exclusive_facts in _all_exclusive_facts(raw_spec, device, report):
         has_only = any(fact.only for _, fact in exclusive_facts.facts)
         if has_only or not exclusive_facts.other_rules:
             _check_unused(exclusive_facts, report)
@@ -45,45 +45,49 @@ def check_facts_by_code(raw: Raw, device: Device, report: DocumentReport) -> Non
             _check_gaps(exclusive_facts, report)
 
 
-def _all_exclusive_facts(raw: Raw, device: Device, report: DocumentReport) -> Iterator[ExclusiveFacts]:
+def _all_exclusive_facts(raw_spec: Raw, device: Device, report: DocumentReport) -> Iterator[ExclusiveFacts]:
     """Yield the facts of the interfaces and of the device, those of each kind and name together."""
-    all_codes = _codes(device.variants)
+    all_codes = _codes_of(device.variants)
     for interface in device.interfaces:
-        codes = _codes(device.variants_over(interface.name))
-        yield from _facts_of_interface(raw["interfaces"][interface.name], interface, codes, report)
-    yield from _by_name(("timings",), "a timing", device.timings, all_codes)
-    yield from _by_name(("characteristics",), "a characteristic", device.characteristics, all_codes)
+        codes = _codes_of(device.variants_over(interface.name))
+        yield from _facts_of_interface(raw_spec["interfaces"][interface.name], interface, codes, report)
+    yield from _group_by_name(("timings",), "a timing", device.timings, all_codes)
+    yield from _group_by_name(("characteristics",), "a characteristic", device.characteristics, all_codes)
 
 
-def _codes(variants: Sequence[Variant]) -> list[str]:
+def _codes_of(variants: Sequence[Variant]) -> list[str]:
     return [variant.code for variant in variants]
 
 
 def _facts_of_interface(
-    raw: Raw, interface: Interface, codes: Sequence[str], report: DocumentReport
+    raw_interface: Raw, interface: Interface, codes: Sequence[str], report: DocumentReport
 ) -> Iterator[ExclusiveFacts]:
     """Yield the clocks, the time-outs, the clock limits for each cable length, and the timings of each name."""
     path = ("interfaces", interface.name)
     if isinstance(interface, Clocked):
-        clocks = _placed(raw, (*path, "clock"), interface.clocks)
+        clocks = _with_paths(raw_interface, (*path, "clock"), interface.clocks)
         is_whole = (*path, "clock") not in report.document.kept_indices
-        yield ExclusiveFacts("a clock", clocks, codes, interface.short, is_needed=is_whole)
+        yield ExclusiveFacts(noun="a clock", facts=clocks, codes=codes, interface=interface.short, is_needed=is_whole)
     if isinstance(interface, Biss):
-        timeouts = _placed(raw, (*path, "timeout"), interface.timeouts)
-        is_needed = not explained(report.document, *path, "timeout")
+        timeouts = _with_paths(raw_interface, (*path, "timeout"), interface.timeouts)
+        is_needed = not has_erratum_at(report.document, *path, "timeout")
         is_whole = (*path, "timeout") not in report.document.kept_indices
-        yield ExclusiveFacts("a time-out", timeouts, codes, interface.short, is_needed=is_needed and is_whole)
+        yield ExclusiveFacts(
+            noun="a time-out", facts=timeouts, codes=codes, interface=interface.short, is_needed=is_needed and is_whole
+        )
     if isinstance(interface, Ssi):
-        rows = _placed(raw, (*path, "cable_lengths"), interface.cable_lengths)
+        rows = _with_paths(raw_interface, (*path, "cable_lengths"), interface.cable_lengths)
         for length in dict.fromkeys(row.shorter_than_m for row in interface.cable_lengths):
             are_of_length = [row.shorter_than_m == length for row in interface.cable_lengths]
             rows_of_length = list(compress(rows, are_of_length))
             noun = f"a clock for cables shorter than {length} m"
-            yield ExclusiveFacts(noun, rows_of_length, codes, interface.short, other_rules=True)
-    yield from _by_name((*path, "timings"), "a timing", interface.timings, codes)
+            yield ExclusiveFacts(
+                noun=noun, facts=rows_of_length, codes=codes, interface=interface.short, other_rules=True
+            )
+    yield from _group_by_name((*path, "timings"), "a timing", interface.timings, codes)
 
 
-def _placed(raw: Raw, path: tuple[str, ...], facts: Sequence[Restricted]) -> list[tuple[Path, Restricted]]:
+def _with_paths(raw: Raw, path: tuple[str, ...], facts: Sequence[Restricted]) -> list[tuple[Path, Restricted]]:
     """Return facts with their paths. A single one may be written without a list."""
     key = path[-1]
     if isinstance(raw.get(key), Mapping):
@@ -98,7 +102,7 @@ class _Named(Restricted, Protocol):
     def name(self) -> str: ...
 
 
-def _by_name(path: Path, noun: str, facts: Sequence[_Named], codes: Sequence[str]) -> Iterator[ExclusiveFacts]:
+def _group_by_name(path: Path, noun: str, facts: Sequence[_Named], codes: Sequence[str]) -> Iterator[ExclusiveFacts]:
     """Yield the facts of each name that several have. An order code may have none of them."""
     facts_by_name: dict[str, list[tuple[Path, Restricted]]] = {}
     for index, fact in enumerate(facts):
@@ -132,7 +136,8 @@ def _check_overlaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> 
         common_codes = [code for code in exclusive_facts.codes if fits(first.only, code) and fits(fact.only, code)]
         if common_codes:
             line, _ = report.document.position(first_path)
-            message = f"{_codes_text(common_codes)} already {_has(common_codes)} {exclusive_facts.noun}, on line {line}"
+            have = "has" if len(common_codes) == 1 else "have"
+            message = f"{_codes_text(common_codes)} already {have} {exclusive_facts.noun}, on line {line}"
             place = (*path, "only") if fact.only else path
             report.add("only-overlap", place, f"{message}; give each order code exactly one with 'only'")
 
@@ -150,7 +155,7 @@ def _check_gaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None
     if codes_without:
         last_path, _ = exclusive_facts.facts[-1]
         noun = exclusive_facts.noun.removeprefix("a ")
-        message = f"{_codes_text(codes_without)} {_has(codes_without)} no {noun}"
+        message = f"{_codes_text(codes_without)} {_has_or_have(codes_without)} no {noun}"
         remedy = "extend 'only', or add an entry for other order codes"
         if noun == "time-out":
             remedy += ". If the manual gives none for them, add an erratum that affects interfaces.biss.timeout"
@@ -163,5 +168,5 @@ def _codes_text(codes: Sequence[str]) -> str:
     return f"the order code {quoted(codes[0])}{others}"
 
 
-def _has(codes: Sequence[str]) -> str:
+def _has_or_have(codes: Sequence[str]) -> str:
     return "has" if len(codes) == 1 else "have"

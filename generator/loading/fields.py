@@ -67,18 +67,18 @@ class Context:
                 return frozenset(parameters)
         return frozenset()
 
-    def expressions(self, raw: Raw, keys: Iterable[str]) -> dict[str, Expression | None]:
+    def expressions(self, raw_part: Raw, keys: Iterable[str]) -> dict[str, Expression | None]:
         """Return the expressions under these keys of a part of the spec, or None for those that it does not give."""
-        return {key: self.expression(raw[key]) if key in raw else None for key in keys}
+        return {key: self.expression(raw_part[key]) if key in raw_part else None for key in keys}
 
 
-def _makes_position(raw: Raw, interface: str) -> Verdict | None:
+def _verdict_while_active(raw_field: Raw, interface: str) -> Verdict | None:
     """Return the verdict on the position while a flag is active, or None if it has none.
 
     It is the one in the spec, or otherwise the one that the interface defines for flags of this name.
     """
-    verdict_of_interface = INTERFACES[interface].flags.get(raw["name"], "")
-    verdict_text = raw.get("makes_position", "") or verdict_of_interface
+    verdict_of_interface = INTERFACES[interface].flags.get(raw_field["name"], "")
+    verdict_text = raw_field.get("makes_position", "") or verdict_of_interface
     return Verdict(verdict_text) if verdict_text else None
 
 
@@ -104,9 +104,9 @@ class Site:
         self.context.report.add(rule, (*self.path, *below), message)
 
 
-def bit_range(text: int | str) -> tuple[int, int] | None:
+def bit_range(bits_text: int | str) -> tuple[int, int] | None:
     """Parse ``7:6`` as (7, 6) and ``5`` as (5, 5). Return None for any other text or a reversed range."""
-    high, _, low = str(text).partition(":")
+    high, _, low = str(bits_text).partition(":")
     # Longer numbers are typos, and would make huge fields.
     if not high.isdecimal() or len(high) > 4 or (low and (not low.isdecimal() or len(low) > 4)):
         return None
@@ -114,22 +114,22 @@ def bit_range(text: int | str) -> tuple[int, int] | None:
     return bounds if bounds[0] >= bounds[1] else None
 
 
-def expected_value(raw: Raw, context: Context) -> Expression | int | str | None:
+def expected_value(raw_field: Raw, context: Context) -> Expression | int | str | None:
     """Return the value of ``equals``: a text, a number, or an expression, which may depend on the order code.
 
     Return None if there is none, or an expression that is not valid.
     """
-    expected = raw.get("equals")
-    if isinstance(expected, str) and "text" not in raw:
+    expected = raw_field.get("equals")
+    if isinstance(expected, str) and "text" not in raw_field:
         return context.expression(expected)
     return expected if isinstance(expected, (int, str)) else None
 
 
-def zero_field(name: str, kind: Constant, low: Expression, width: Expression, site: Site, source: Sources) -> Field:
-    """Return a field whose bits are always 0, such as padding or a gap. ``kind`` says which."""
+def zero_field(name: str, constant: Constant, low: Expression, width: Expression, site: Site, source: Sources) -> Field:
+    """Return a field whose bits are always 0, such as padding or a gap. ``constant`` says which."""
     return Field(
         name=name,
-        kind=kind,
+        kind=constant,
         low=low,
         width=width,
         widest=site.widest(width),
@@ -138,41 +138,41 @@ def zero_field(name: str, kind: Constant, low: Expression, width: Expression, si
     )
 
 
-def kind_of(raw: Raw, context: Context, interface: str, width: Expression) -> Kind:
+def kind_of(raw_field: Raw, context: Context, interface: str, width: Expression) -> Kind:
     """Return the kind of a field by its key. A field without such a key is a number."""
-    if "constant" in raw:
-        return Constant(raw["constant"])
-    if "unused" in raw:
-        return Unused(raw["unused"], Verdict(raw.get("makes_position", "usable_with_warning")))
-    if "active" in raw:
-        return _flag(raw, context, interface)
-    if "values" in raw:
-        return Choice(_choices(raw, width))
-    if "values_of" in raw:
-        return Choice(tuple(map(_value_of, context.data_ids.get(interface, ()))))
-    if "crc" in raw:
-        return CrcValue(raw["crc"], tuple(raw.get("crc_of", ())))
-    if "parity_of" in raw:
-        one_or_more_names = raw["parity_of"]
+    if "constant" in raw_field:
+        return Constant(raw_field["constant"])
+    if "unused" in raw_field:
+        return Unused(raw_field["unused"], Verdict(raw_field.get("makes_position", "usable_with_warning")))
+    if "active" in raw_field:
+        return _build_flag(raw_field, context, interface)
+    if "values" in raw_field:
+        return Choice(_named_values(raw_field, width))
+    if "values_of" in raw_field:
+        return Choice(tuple(map(_value_of_data_id, context.data_ids.get(interface, ()))))
+    if "crc" in raw_field:
+        return CrcValue(raw_field["crc"], tuple(raw_field.get("crc_of", ())))
+    if "parity_of" in raw_field:
+        one_or_more_names = raw_field["parity_of"]
         # One field is a text in the spec, several are a list.
         covered_names = (one_or_more_names,) if isinstance(one_or_more_names, str) else tuple(one_or_more_names)
-        return Parity(covered_names, raw.get("parity") == "odd", raw.get("over", ""))
-    if "digits" in raw:
-        return Decimal(_runs(raw["digits"]))
-    if "text" in raw:
+        return Parity(covered_names, raw_field.get("parity") == "odd", raw_field.get("over", ""))
+    if "digits" in raw_field:
+        return Decimal(_digit_runs(raw_field["digits"]))
+    if "text" in raw_field:
         return Text()
-    return record(Number, raw)
+    return record(Number, raw_field)
 
 
-def _choices(raw: Raw, width: Expression) -> tuple[Value, ...]:
+def _named_values(raw_field: Raw, width: Expression) -> tuple[Value, ...]:
     """Return the named values of a field. With ``others``, all other values have names too."""
-    values = build_values(raw)
-    if "others" in raw:
-        values += _reserved(values, width.constant)
+    values = build_values(raw_field)
+    if "others" in raw_field:
+        values += _name_reserved_numbers(values, width.constant)
     return values
 
 
-def _flag(raw: Raw, context: Context, interface: str) -> Flag:
+def _build_flag(raw_field: Raw, context: Context, interface: str) -> Flag:
     """Return a flag. ``makes_position_if`` has one entry, such as ``{encoder_follows_edition_2: not_usable}``.
 
     Its key is the parameter that decides, and its value the verdict if this is 1. ``only`` becomes the parameter that
@@ -180,51 +180,59 @@ def _flag(raw: Raw, context: Context, interface: str) -> Flag:
     """
     verdict_parameter = ""
     verdict_if_set = None
-    for parameter, verdict in raw.get("makes_position_if", {}).items():
+    for parameter, verdict in raw_field.get("makes_position_if", {}).items():
         verdict_parameter = parameter
         verdict_if_set = Verdict(verdict)
     return record(
         Flag,
-        raw,
+        raw_field,
         verdict_parameter=verdict_parameter,
         verdict_if_set=verdict_if_set,
-        active_low=raw["active"] == "low",
-        makes_position=_makes_position(raw, interface),
-        only_while=context.only_while(raw["only"]) if "only" in raw else "",
+        active_low=raw_field["active"] == "low",
+        makes_position=_verdict_while_active(raw_field, interface),
+        only_while=context.only_while(raw_field["only"]) if "only" in raw_field else "",
     )
 
 
-def build_values(raw: Raw) -> tuple[Value, ...]:
-    """Return the named values in ``raw['values']``, in the order of the spec."""
-    values = raw.get("values", {}).items()
-    return tuple(record(Value, value, name=name, makes_position=_verdict(value)) for name, value in values)
+def build_values(raw_field: Raw) -> tuple[Value, ...]:
+    """Return the named values in ``raw_field['values']``, in the order of the spec."""
+    values = raw_field.get("values", {}).items()
+    return tuple(record(Value, value, name=name, makes_position=_verdict_of_value(value)) for name, value in values)
 
 
-def _verdict(raw: Raw) -> Verdict | None:
+def _verdict_of_value(raw_value: Raw) -> Verdict | None:
     """Return the verdict of a named value, or None if it has none."""
-    return Verdict(raw["makes_position"]) if "makes_position" in raw else None
+    return Verdict(raw_value["makes_position"]) if "makes_position" in raw_value else None
 
 
-def build_combinations(raw: Raw) -> tuple[Combination, ...]:
+def build_combinations(raw_layout: Raw) -> tuple[Combination, ...]:
     """Return the combinations of a layout in the order of the spec."""
-    return tuple(map(_combination, raw.get("combinations", ())))
+    return tuple(map(_build_combination, raw_layout.get("combinations", ())))
 
 
-def _combination(raw: Raw) -> Combination:
+def _build_combination(raw_combination: Raw) -> Combination:
     """Return a combination. Its conditions are texts such as ``warning.active``, of a field and a value."""
-    conditions = tuple(f"{name}.{value}" for name, value in raw["when"].items())
-    return record(Combination, raw, when=conditions, makes_position=Verdict(raw["makes_position"]))
+    conditions = tuple(f"{name}.{value}" for name, value in raw_combination["when"].items())
+    return record(
+        Combination, raw_combination, when=conditions, makes_position=Verdict(raw_combination["makes_position"])
+    )
 
 
-def _reserved(values: Sequence[Value], width: int) -> tuple[Value, ...]:
+def _name_reserved_numbers(values: Sequence[Value], width: int) -> tuple[Value, ...]:
     """Return a named value, such as ``reserved_3``, for each number of ``width`` bits that is not in ``values``."""
     meaning = "Reserved: the manual does not say what it means"
     listed_numbers = {value.value for value in values}
-    unlisted_numbers = [number for number in range(1 << width) if number not in listed_numbers]
-    return tuple(Value(f"{RESERVED}_{number}", number, "", {}, meaning, ()) for number in unlisted_numbers)
+    reserved_values: list[Value] = []
+    for number in range(1 << width):
+        if number not in listed_numbers:
+            name = f"{RESERVED}_{number}"
+            reserved_values.append(
+                Value(name=name, value=number, printed_name="", names={}, meaning=meaning, source=())
+            )
+    return tuple(reserved_values)
 
 
-def _value_of(data_id: DataId) -> Value:
+def _value_of_data_id(data_id: DataId) -> Value:
     """Return a data ID as a named value of the field that holds it."""
     return Value(
         name=data_id.name,
@@ -236,7 +244,7 @@ def _value_of(data_id: DataId) -> Value:
     )
 
 
-def _runs(digits: Sequence[Raw]) -> tuple[Digits, ...]:
+def _digit_runs(digits: Sequence[Raw]) -> tuple[Digits, ...]:
     """Return the runs of a decimal number, most significant first, each with the divisor that moves it to the ones.
 
     For two runs of three and two digits, the divisors are 100 and 1, and the moduli 1000 and 100.
@@ -266,6 +274,6 @@ def pieces(field: Field, length: int, low_first: bool) -> tuple[Piece, ...]:
         byte_above_lowest, low_bit_in_byte = divmod(field.low.constant + bits_done, 8)
         bits_in_byte = min(8 - low_bit_in_byte, bits_with_padding - bits_done)
         byte = byte_above_lowest if low_first else length - 1 - byte_above_lowest
-        pieces.append(Piece(byte, low_bit_in_byte, (1 << bits_in_byte) - 1, bits_done))
+        pieces.append(Piece(byte=byte, right=low_bit_in_byte, mask=(1 << bits_in_byte) - 1, left=bits_done))
         bits_done += bits_in_byte
     return tuple(pieces)

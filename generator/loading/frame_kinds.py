@@ -43,7 +43,7 @@ def with_unknown_verdicts(layout: Layout, raw_fields: Iterable[Raw], site: Site)
 
     A warning does not improve on an unknown position, so ``raw_fields`` must not state that verdict.
     """
-    if layout.tells_validity:
+    if layout.judges_position:
         return layout
     _report_stated_warnings(layout, raw_fields, site)
     return layout.with_unknown_verdicts()
@@ -68,7 +68,7 @@ def check_errata(device: Device, report: DocumentReport) -> None:
         return
     for erratum in device.errata:
         decoder_verdicts = set(_verdicts_of_affected_bits(device, erratum))
-        wrong_verdicts = [verdict for verdict in _stated(erratum.used) if verdict not in decoder_verdicts]
+        wrong_verdicts = [verdict for verdict in _verdicts_in_text(erratum.used) if verdict not in decoder_verdicts]
         if not decoder_verdicts or not wrong_verdicts:
             continue
         possible_verdicts = listed((quoted(verdict.value) for verdict in Verdict if verdict in decoder_verdicts), "or")
@@ -77,9 +77,9 @@ def check_errata(device: Device, report: DocumentReport) -> None:
         report.add("erratum-verdict", ("errata", erratum.name, "used"), message)
 
 
-def _stated(text: str) -> Iterator[Verdict]:
+def _verdicts_in_text(text_of_erratum: str) -> Iterator[Verdict]:
     """Yield the verdicts that a text names. Each is removed, so that "usable" is not found in "not usable"."""
-    remaining_text = " ".join(text.split())
+    remaining_text = " ".join(text_of_erratum.split())
     for verdict, pattern in _IN_WORDS:
         remaining_text, count = re.subn(pattern, "", remaining_text)
         if count:
@@ -97,10 +97,10 @@ def _verdicts_of_affected_bits(device: Device, erratum: Erratum) -> Iterator[Ver
             verdicts: list[Verdict] = []
             for field in layout.fields:
                 if _is_affected(field, layout_place, erratum):
-                    verdicts += _verdicts(field)
+                    verdicts += _verdicts_of_field(field)
             if not verdicts:
                 continue
-            if layout.tells_validity:
+            if layout.judges_position:
                 yield from verdicts
                 yield Verdict.USABLE
                 # Some order codes lack the bits that say so.
@@ -111,12 +111,12 @@ def _verdicts_of_affected_bits(device: Device, erratum: Erratum) -> Iterator[Ver
                 yield Verdict.UNKNOWN
 
 
-def _is_affected(field: Field, place: str, erratum: Erratum) -> bool:
-    """Return True if an erratum affects a field of the layout at ``place``, or all its fields.
+def _is_affected(field: Field, layout_path: str, erratum: Erratum) -> bool:
+    """Return True if an erratum affects a field of the layout at ``layout_path``, or all its fields.
 
     A field of a group is also affected through the group.
     """
-    places_with_field = [place]
+    places_with_field = [layout_path]
     if field.group:
         places_with_field.append(f"field_groups.{field.group}")
     return any(
@@ -125,7 +125,7 @@ def _is_affected(field: Field, place: str, erratum: Erratum) -> bool:
     )
 
 
-def _verdicts(field: Field) -> Iterator[Verdict]:
+def _verdicts_of_field(field: Field) -> Iterator[Verdict]:
     """Yield the verdicts while a flag or unused bit is active.
 
     A flag has its verdict, also that of another answer of an alternative, and that of other order codes if only some of
@@ -168,7 +168,7 @@ def _check_numbers(device: Device, interface: Interface, report: DocumentReport)
     """Report the first number in each layout with the position that is a constant in another frame of the encoder."""
     frames = [layout for layout in interface.layouts if layout.sender == "encoder"]
     for layout in frames:
-        if not device.tells_position(interface.name, layout):
+        if not device.sends_position(interface.name, layout):
             continue
         number_names = {field.name for field in layout.fields if isinstance(field.kind, Number)}
         frames_of_channel = [frame for frame in frames if frame.channel == layout.channel]
@@ -194,7 +194,7 @@ def _check_positions(device: Device, interface: Interface, report: DocumentRepor
     The note should say how a master knows the frames. No request selects a frame over SSI and BiSS, so decoders would
     take each frame as the first layout.
     """
-    frames = [layout for layout in interface.layouts if device.tells_position(interface.name, layout)]
+    frames = [layout for layout in interface.layouts if device.sends_position(interface.name, layout)]
     for first, second in combinations(frames if isinstance(interface, (Biss, Ssi)) else (), 2):
         if second.note or first.channel != second.channel or _are_distinguished(first, second):
             continue
@@ -217,12 +217,12 @@ def _are_distinguished(layout: Layout, other_layout: Layout) -> bool:
     """
     if layout.selector:
         return True
-    constants, other_constants = _constants(layout), _constants(other_layout)
+    constants, other_constants = _constants_by_name(layout), _constants_by_name(other_layout)
     common_names = constants.keys() & other_constants.keys()
     return any(constants[name] != other_constants[name] for name in common_names)
 
 
-def _constants(layout: Layout) -> dict[str, int]:
+def _constants_by_name(layout: Layout) -> dict[str, int]:
     """Return the value of each constant of a layout, by its name."""
     return {field.name: field.kind.value for field in layout.fields if isinstance(field.kind, Constant)}
 
@@ -249,12 +249,12 @@ def _check_replies(interface: Interface, positions: frozenset[str], report: Docu
                 report.add("frame-kind", _field_path(interface, reply, field), f"{message}, so {remedy}")
 
 
-def _common_constant(requests: Sequence[Layout], name: str) -> int | None:
+def _common_constant(requests: Sequence[Layout], field_name: str) -> int | None:
     """Return the constant that a field is in all requests that have it, or None if there is no such constant."""
     constants: set[int] = set()
     for request in requests:
         for field in request.fields:
-            if field.name != name:
+            if field.name != field_name:
                 continue
             if not isinstance(field.kind, Constant):
                 return None

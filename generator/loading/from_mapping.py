@@ -42,13 +42,13 @@ _SOURCE = re.compile(r"\s*(?:(?P<document>[a-z][a-z0-9_]*):\s*)?(?P<section>.*?)
 _EMPTY: Mapping[Any, Any] = MappingProxyType({str: "", int: 0, bool: False, tuple: (), Mapping: MappingProxyType({})})
 
 
-def parse_sources(text: str) -> Sources:
+def parse_sources(cited_text: str) -> Sources:
     """Parse sources such as ``6.4 p.35; it: 6.4 p.36``: a section, a page, and before them the key of another document.
 
     A page range such as ``p.14-15`` belongs to the section.
     """
     parsed = []
-    for source_text in text.split(";"):
+    for source_text in cited_text.split(";"):
         match = _SOURCE.fullmatch(source_text)
         if match is not None:
             page = int(match["page"]) if match["page"] else None
@@ -56,9 +56,9 @@ def parse_sources(text: str) -> Sources:
     return tuple(parsed)
 
 
-def sources(raw: Raw, key: str = "source") -> Sources:
+def sources(raw_part: Raw, source_key: str = "source") -> Sources:
     """Return the sources under a key of a part of the spec, or none if it has no such key."""
-    return parse_sources(raw[key]) if key in raw else ()
+    return parse_sources(raw_part[source_key]) if source_key in raw_part else ()
 
 
 def record(part_class: Callable[..., T], raw: Raw, /, **values: Any) -> T:
@@ -67,13 +67,13 @@ def record(part_class: Callable[..., T], raw: Raw, /, **values: Any) -> T:
     Other members have their default, otherwise an empty value: no text, 0, false, or None if the type allows it. Nested
     parts of the model, and lists of them, are filled in the same way.
     """
-    for name, hint, has_default in _members(part_class):
+    for name, hint, has_default in _members_with_types(part_class):
         if name in values:
             continue
         if hint == Sources:
             values[name] = sources(raw, name)
         elif name in raw:
-            values[name] = _value(hint, raw[name])
+            values[name] = _convert_to_type(hint, raw[name])
         elif not has_default:
             container_or_type = get_origin(hint) or hint
             values[name] = _EMPTY.get(container_or_type)
@@ -86,7 +86,7 @@ def records(part_class: Callable[..., T], raw: Raw, key: str) -> tuple[T, ...]:
 
 
 @cache
-def _members(part_class: Any) -> list[tuple[str, Any, bool]]:
+def _members_with_types(part_class: Any) -> list[tuple[str, Any, bool]]:
     """Return the members of a class, each as its name, its type, and True if it has a default."""
     # Names are resolved in the module, so that a member called 'bytes' does not hide the type.
     hints = get_type_hints(part_class, localns={})
@@ -97,45 +97,47 @@ def _has_default(member: Field[Any]) -> bool:
     return member.default is not MISSING or member.default_factory is not MISSING
 
 
-def _value(hint: Any, value: Any) -> Any:
-    """Return a value of a spec as the type ``hint``, such as ``tuple[Value, ...]``, ``Clock`` or ``Clock | None``.
+def _convert_to_type(member_type: Any, raw_value: Any) -> Any:
+    """Return a value of a spec as ``member_type``, such as ``tuple[Value, ...]``, ``Clock`` or ``Clock | None``.
 
     A map becomes an object if the type, or the first type in it, is a class of the model. Other values stay.
     """
-    type_arguments = get_args(hint)
-    inner_type = type_arguments[0] if type_arguments else hint
-    if get_origin(hint) is tuple:
-        return tuple(_member(inner_type, member) for member in value)
+    type_arguments = get_args(member_type)
+    inner_type = type_arguments[0] if type_arguments else member_type
+    if get_origin(member_type) is tuple:
+        return tuple(_convert_map(inner_type, member) for member in raw_value)
     if isinstance(inner_type, type) and is_dataclass(inner_type):
-        return _member(inner_type, value)
-    return value
+        return _convert_map(inner_type, raw_value)
+    return raw_value
 
 
-def _member(part_class: Any, value: Any) -> Any:
+def _convert_map(part_class: Any, raw_value: Any) -> Any:
     """Return a map of the spec as an object of a class, and any other value as it is."""
-    return record(part_class, value) if isinstance(value, Mapping) else value
+    return record(part_class, raw_value) if isinstance(raw_value, Mapping) else raw_value
 
 
-def build_manufacturer(raw: Raw) -> Manufacturer:
+def build_manufacturer(raw_manufacturer: Raw) -> Manufacturer:
     """Return the manufacturer described by a checked manufacturer file."""
-    name = raw["manufacturer"]
-    return record(Manufacturer, {"python_package": f"{name}_encoders", "version": "0.0.0", **raw, "name": name})
+    name = raw_manufacturer["manufacturer"]
+    return record(
+        Manufacturer, {"python_package": f"{name}_encoders", "version": "0.0.0", **raw_manufacturer, "name": name}
+    )
 
 
-def supply(raw: Raw, inherited: Sources = ()) -> Supply | None:
+def supply(raw_owner: Raw, inherited: Sources = ()) -> Supply | None:
     """Return the supply of a device or of a value of its order code, or None if it has none.
 
-    Without a source of its own, it has that of ``raw``, or else ``inherited``, the source of the parent.
+    Without a source of its own, it has that of ``raw_owner``, or else ``inherited``, the source of the parent.
     """
-    if "supply" not in raw:
+    if "supply" not in raw_owner:
         return None
-    definition = raw["supply"]
-    source = sources(definition) or sources(raw) or inherited
+    definition = raw_owner["supply"]
+    source = sources(definition) or sources(raw_owner) or inherited
     return record(Supply, definition, source=source)
 
 
-def table(raw: Raw) -> Table:
-    return record(Table, raw, rows=tuple(tuple(map(str, row)) for row in raw["rows"]))
+def table(raw_table: Raw) -> Table:
+    return record(Table, raw_table, rows=tuple(tuple(map(str, row)) for row in raw_table["rows"]))
 
 
 def only_while(only: str, variants: Sequence[Variant], parameters: Collection[str]) -> str:
@@ -144,30 +146,30 @@ def only_while(only: str, variants: Sequence[Variant], parameters: Collection[st
     Return an empty string if there is none.
     """
     for name in parameters:
-        if _distinguishes(name, only, variants):
+        if _is_nonzero_only_for(name, only, variants):
             return name
     return ""
 
 
-def _distinguishes(parameter: str, only: str, variants: Sequence[Variant]) -> bool:
+def _is_nonzero_only_for(parameter: str, only: str, variants: Sequence[Variant]) -> bool:
     """Return True if a parameter is not 0 for exactly the order codes of ``only``."""
     return all((variant.parameters.get(parameter, 0) != 0) == fits(only, variant.code) for variant in variants)
 
 
-def set_parameters(raw: Raw) -> list[str]:
+def set_parameters(raw_spec: Raw) -> list[str]:
     """Return the parameters that order codes set."""
     derived_keys = {"equals", "read_from", "alternative"}
-    return [name for name, definition in raw["parameters"].items() if derived_keys.isdisjoint(definition)]
+    return [name for name, definition in raw_spec["parameters"].items() if derived_keys.isdisjoint(definition)]
 
 
-def check_only(raw: Raw, variants: Sequence[Variant], report: DocumentReport) -> None:
+def check_only(raw_spec: Raw, variants: Sequence[Variant], report: DocumentReport) -> None:
     """Report an ``only`` with a pattern that no order code matches, and one of a flag that no parameter distinguishes.
 
     In another edition, an ``only`` is reported only if no order code matches any of its patterns.
     """
     if not variants:
         return
-    for path, owner in _mappings_with_only(raw, ()):
+    for path, owner in _mappings_with_only(raw_spec, ()):
         only = owner["only"]
         unmatched = _unmatched_patterns(only, variants)
         # Other editions have fewer order codes, and the same lists of patterns.
@@ -177,16 +179,16 @@ def check_only(raw: Raw, variants: Sequence[Variant], report: DocumentReport) ->
             example_pattern = quoted(f"{example_code[: len(example_code) // 2]}...")
             remedy = f"'...' matches any text and 'x' matches one character, as in {example_pattern}"
             report.add("only-codes", (*path, "only"), f"{message}; {remedy}")
-        elif "active" in owner and not only_while(only, variants, set_parameters(raw)):
+        elif "active" in owner and not only_while(only, variants, set_parameters(raw_spec)):
             message = f"no parameter distinguishes the order codes {quoted(only)} from the others"
             remedy = "add one that these set and that is 0 for all others"
             report.add("only-parameter", (*path, "only"), f"{message}; {remedy}")
 
 
-def parameters_of_flags(raw: Raw, variants: Sequence[Variant]) -> Iterator[str]:
+def parameters_of_flags(raw_spec: Raw, variants: Sequence[Variant]) -> Iterator[str]:
     """Yield the parameter that distinguishes the order codes of each flag with ``only``."""
-    names_set_by_codes = set_parameters(raw)
-    for _, owner in _mappings_with_only(raw, ()):
+    names_set_by_codes = set_parameters(raw_spec)
+    for _, owner in _mappings_with_only(raw_spec, ()):
         if "active" in owner:
             yield only_while(owner["only"], variants, names_set_by_codes)
 
@@ -197,9 +199,9 @@ def _unmatched_patterns(only: str, variants: Sequence[Variant]) -> list[str]:
     return [pattern for pattern in patterns if not any(fits(pattern, variant.code) for variant in variants)]
 
 
-def check_alarms(raw: Raw, report: DocumentReport) -> None:
+def check_alarms(raw_spec: Raw, report: DocumentReport) -> None:
     """Report an alarm with a different ``only`` than its flag in a register or group."""
-    spec = WrittenSpec(dict(raw))
+    spec = WrittenSpec(dict(raw_spec))
     for alarm in spec.alarms:
         owner = owner_of_alarm(spec, alarm)
         flags = [field for field in owner.fields if field.name == alarm.part.field] if owner is not None else []
@@ -218,42 +220,44 @@ def _codes_in_words(only: str) -> str:
     return f"the order codes {quoted(only)}" if only else "all order codes"
 
 
-def _mappings_with_only(value: Any, path: Path) -> Iterator[tuple[Path, Raw]]:
+def _mappings_with_only(raw_value: Any, path: Path) -> Iterator[tuple[Path, Raw]]:
     """Yield the mappings that have an ``only``, at any depth, each with its path."""
-    if isinstance(value, Mapping):
-        if isinstance(value.get("only"), str):
-            yield path, value
-        for key, member in value.items():
+    if isinstance(raw_value, Mapping):
+        if isinstance(raw_value.get("only"), str):
+            yield path, raw_value
+        for key, member in raw_value.items():
             if key not in ("also_written", "names"):  # below these are texts of labels and of languages
                 yield from _mappings_with_only(member, (*path, key))
-    elif isinstance(value, (list, tuple)):
-        for index, member in enumerate(value):
+    elif isinstance(raw_value, (list, tuple)):
+        for index, member in enumerate(raw_value):
             yield from _mappings_with_only(member, (*path, index))
 
 
-def build_procedures(raw: Raw, device: Device) -> tuple[Procedure, ...]:
-    return tuple(_procedure(definition, device) for definition in raw.get("procedures", ()))
+def build_procedures(raw_spec: Raw, device: Device) -> tuple[Procedure, ...]:
+    return tuple(_build_procedure(definition, device) for definition in raw_spec.get("procedures", ()))
 
 
-def _procedure(raw: Raw, device: Device) -> Procedure:
+def _build_procedure(raw_procedure: Raw, device: Device) -> Procedure:
     """Return a procedure. Steps without a source have its source, and ``do`` selects the function for a step."""
-    arguments = [record(Argument, argument, meant_as=argument.get("as", "")) for argument in raw.get("arguments", ())]
+    arguments = [
+        record(Argument, argument, meant_as=argument.get("as", "")) for argument in raw_procedure.get("arguments", ())
+    ]
     steps = []
-    for step in raw["steps"]:
+    for step in raw_procedure["steps"]:
         build_step = _STEPS[step["do"]]
-        steps.append(build_step(step, sources(step) or sources(raw), device))
-    return record(Procedure, raw, arguments=tuple(arguments), steps=tuple(steps))
+        steps.append(build_step(step, sources(step) or sources(raw_procedure), device))
+    return record(Procedure, raw_procedure, arguments=tuple(arguments), steps=tuple(steps))
 
 
-def _write(raw: Raw, source: Sources, device: Device) -> Step:
+def _build_write_step(raw_step: Raw, source: Sources, device: Device) -> Step:
     """Return a write step. It sets one field if it names one, otherwise a whole register.
 
     The value is the name of a value of that field, or of the only field of the register. Any other name is an argument
     of the procedure, and the step has no number.
     """
-    register_name, field_name = raw.get("register", ""), raw.get("field", "")
-    value_name = raw.get("value", "")
-    meaning = raw.get("meaning", "")
+    register_name, field_name = raw_step.get("register", ""), raw_step.get("field", "")
+    value_name = raw_step.get("value", "")
+    meaning = raw_step.get("meaning", "")
     candidate_fields: list[Any] = []
     for register in device.registers:
         if register.name == register_name:
@@ -269,25 +273,31 @@ def _write(raw: Raw, source: Sources, device: Device) -> Step:
     return WriteStep(register_name, value_name, number, meaning=meaning, source=source)
 
 
-def _read(raw: Raw, source: Sources, device: Device) -> Step:
-    return record(ReadStep, raw, source=source)
+def _build_read_step(raw_step: Raw, source: Sources, device: Device) -> Step:
+    return record(ReadStep, raw_step, source=source)
 
 
-def _poll(raw: Raw, source: Sources, device: Device) -> Step:
-    return record(PollStep, raw, source=source, value=raw.get("until", 0))
+def _build_poll_step(raw_step: Raw, source: Sources, device: Device) -> Step:
+    return record(PollStep, raw_step, source=source, value=raw_step.get("until", 0))
 
 
-def _wait(raw: Raw, source: Sources, device: Device) -> Step:
-    return record(WaitStep, raw, source=source, microseconds=1000 * raw.get("at_least_ms", 0))
+def _build_wait_step(raw_step: Raw, source: Sources, device: Device) -> Step:
+    return record(WaitStep, raw_step, source=source, microseconds=1000 * raw_step.get("at_least_ms", 0))
 
 
-def _send(raw: Raw, source: Sources, device: Device) -> Step:
+def _build_send_step(raw_step: Raw, source: Sources, device: Device) -> Step:
     """Return a send step. The request is one byte, the control field of the data ID, or empty without this data ID."""
     interface = device.find_interface(Rs485)
     data_ids = interface.data_ids if interface is not None else ()
-    controls = [data_id.control for data_id in data_ids if data_id.name == raw.get("data_id")]
-    pause_us = raw.get("every_at_least_us", 0)
-    return record(SendStep, raw, source=source, request=bytes(controls[:1]), microseconds=pause_us)
+    controls = [data_id.control for data_id in data_ids if data_id.name == raw_step.get("data_id")]
+    pause_us = raw_step.get("every_at_least_us", 0)
+    return record(SendStep, raw_step, source=source, request=bytes(controls[:1]), microseconds=pause_us)
 
 
-_STEPS = {"write": _write, "read": _read, "poll": _poll, "wait": _wait, "send": _send}
+_STEPS = {
+    "write": _build_write_step,
+    "read": _build_read_step,
+    "poll": _build_poll_step,
+    "wait": _build_wait_step,
+    "send": _build_send_step,
+}

@@ -39,14 +39,14 @@ def with_places(fields: Sequence[Field], site: Site) -> list[Field]:
     return sorted(fields, key=place_over_all_codes)
 
 
-def content_of_gaps(raw: Raw, context: Context) -> str:
+def content_of_gaps(raw_layout: Raw, context: Context) -> str:
     """Return the content of bits without a field: ``zero``, ``unspecified``, or an empty string if undefined.
 
     It is that of the layout, or else of the first group in it that defines it. In a frame, only a group can have such
     bits.
     """
-    layout_and_groups = [raw]
-    for field in raw.get("fields", ()):
+    layout_and_groups = [raw_layout]
+    for field in raw_layout.get("fields", ()):
         if field.get("use") in context.groups:
             group, _ = context.groups[field["use"]]
             layout_and_groups.append(group)
@@ -69,7 +69,7 @@ class _Gap(NamedTuple):
     width: Expression
 
 
-def _gaps(fields: Sequence[Field], bits: Expression) -> Iterable[_Gap]:
+def _find_gaps(fields: Sequence[Field], bits: Expression) -> Iterable[_Gap]:
     """Yield each gap between fields, from the lowest up, and above them.
 
     ``fields`` are sorted by place, and ``bits`` is the width of the layout. A gap may have no bits for some order
@@ -80,12 +80,12 @@ def _gaps(fields: Sequence[Field], bits: Expression) -> Iterable[_Gap]:
     for field in fields:
         width = field.low - end_of_last
         if width != ZERO:
-            yield _Gap(last_field, field, end_of_last, width)
+            yield _Gap(below=last_field, above=field, low=end_of_last, width=width)
         end_of_last = field.low + field.width
         last_field = field
     width_above = bits - end_of_last
     if width_above != ZERO:
-        yield _Gap(last_field, None, end_of_last, width_above)
+        yield _Gap(below=last_field, above=None, low=end_of_last, width=width_above)
 
 
 def check_all_bits_covered(fields: Sequence[Field], bits: Expression, gaps: str, site: Site) -> bool:
@@ -132,7 +132,7 @@ def in_whole_bytes(fields: list[Field], bits: Expression) -> tuple[list[Field], 
     return [*fields, zeros], bits + width
 
 
-def _zero_name(below: Field | None, above: Field | None) -> str:
+def _name_of_zeros(below: Field | None, above: Field | None) -> str:
     """Return the name of the zeros between two fields, such as ``zero_below_position``."""
     if above is not None:
         return f"zero_below_{above.name}"
@@ -143,7 +143,7 @@ def with_zeros(fields: Sequence[Field], bits: Expression, site: Site) -> list[Fi
     """Return the fields with a constant zero field in every gap, or None if the order of fields changes."""
     zero = Constant(fills_gap=True)
     zero_fields = []
-    for gap in _gaps(fields, bits):
+    for gap in _find_gaps(fields, bits):
         for parameters in site.sets:
             # A field begins below the end of the one before it.
             is_reversed = gap.width.value(parameters) < 0
@@ -153,6 +153,6 @@ def with_zeros(fields: Sequence[Field], bits: Expression, site: Site) -> list[Fi
                 site.report("bit-overlap", f"{problem}; with 'other_bits: zero' the order of fields must not change")
                 return None
         neighbour = gap.above or gap.below or fields[0]
-        name = _zero_name(gap.below, gap.above)
+        name = _name_of_zeros(gap.below, gap.above)
         zero_fields.append(zero_field(name, zero, gap.low, gap.width, site, neighbour.source))
     return with_places([*fields, *zero_fields], site)

@@ -35,23 +35,23 @@ from .layouts import build_layout
 from .valid_parts import valid_parts_so_far
 
 
-def build_interfaces(raw: Raw, context: Context) -> tuple[Interface, ...]:
-    return tuple(_interface(name, definition, context) for name, definition in raw["interfaces"].items())
+def build_interfaces(raw_spec: Raw, context: Context) -> tuple[Interface, ...]:
+    return tuple(_build_interface(name, definition, context) for name, definition in raw_spec["interfaces"].items())
 
 
-def _interface(name: str, raw: Raw, context: Context) -> Interface:
+def _build_interface(name: str, raw_interface: Raw, context: Context) -> Interface:
     """Return an interface with its valid layouts. Others have been reported."""
     layouts: list[Layout] = []
-    for index, definition in enumerate(raw["layouts"]):
+    for index, definition in enumerate(raw_interface["layouts"]):
         layout = build_layout(definition, Site(("interfaces", name, "layouts", index), context, name))
         if layout is not None:
             layouts.append(layout)
-    if "word_bits" in raw:
-        _check_words(raw, layouts, Site(("interfaces", name), context, name))
+    if "word_bits" in raw_interface:
+        _check_words(raw_interface, layouts, Site(("interfaces", name), context, name))
     kind: Callable[..., Interface] = INTERFACES[name]
-    members_of_kind = _INTERFACES[name](raw, context)
-    measurement = build_measurement(raw, context)
-    return record(kind, raw, layouts=tuple(layouts), measurement=measurement, **members_of_kind)
+    members_of_kind = _INTERFACES[name](raw_interface, context)
+    measurement = build_measurement(raw_interface, context)
+    return record(kind, raw_interface, layouts=tuple(layouts), measurement=measurement, **members_of_kind)
 
 
 #: Least and highest number of bits in an SPI word.
@@ -68,15 +68,15 @@ class _Word(NamedTuple):
     bits: Expression | None
 
 
-def _check_words(raw: Raw, layouts: Sequence[Layout], site: Site) -> None:
+def _check_words(raw_interface: Raw, layouts: Sequence[Layout], site: Site) -> None:
     """Check that words have a possible number of bits for every order code, and that their layouts have as many.
 
     ``word_bits`` of an exchange replaces that of the interface. If several layouts agree on another number than all
     words, ``word_bits`` is reported once, instead of each layout.
     """
-    default_bits = _checked_word_bits(raw, site)
+    default_bits = _checked_word_bits(raw_interface, site)
     words: list[_Word] = []
-    for index, exchange in enumerate(raw.get("exchanges", ())):
+    for index, exchange in enumerate(raw_interface.get("exchanges", ())):
         bits = default_bits
         if "word_bits" in exchange:
             bits = _checked_word_bits(exchange, site, "exchanges", index)
@@ -128,102 +128,119 @@ def _checked_word_bits(raw: Raw, site: Site, *below: str | int) -> Expression | 
     return bits
 
 
-def build_measurement(raw: Raw, context: Context) -> Measurement | None:
+def build_measurement(raw_owner: Raw, context: Context) -> Measurement | None:
     """Return the measurement of a device or of one of its interfaces."""
-    if "measurement" not in raw:
+    if "measurement" not in raw_owner:
         return None
-    definition = raw["measurement"]
+    definition = raw_owner["measurement"]
     keys = ("counts_per_turn", "turns", "step_um", "step_nm", "per_counts", "modulus", "highest")
     return Measurement(of=definition["of"], source=sources(definition), **context.expressions(definition, keys))
 
 
-def _clocks(raw: Raw) -> tuple[Clock, ...]:
+def _build_clocks(raw_interface: Raw) -> tuple[Clock, ...]:
     """Return the clocks of an interface: one for all order codes, or several with disjoint order codes."""
-    return tuple(map(_clock, _one_or_more(raw.get("clock", {}))))
+    return tuple(map(_build_clock, _one_or_more(raw_interface.get("clock", {}))))
 
 
-def _clock(raw: Raw) -> Clock:
+def _build_clock(raw_clock: Raw) -> Clock:
     """Return a clock. The clocks in use are one number or a list in the spec, and sorted here."""
-    used_hz = raw.get("used_hz", ())
+    used_hz = raw_clock.get("used_hz", ())
     clocks_in_use = tuple(sorted(used_hz)) if isinstance(used_hz, Sequence) else (used_hz,)
-    return record(Clock, raw, used_hz=clocks_in_use)
+    return record(Clock, raw_clock, used_hz=clocks_in_use)
 
 
-def _one_or_more(value: Raw | Sequence[Raw]) -> Sequence[Raw]:
+def _one_or_more(raw_or_list: Raw | Sequence[Raw]) -> Sequence[Raw]:
     """Return the parts under a key that holds one part or a list of them."""
-    return [value] if isinstance(value, Mapping) else value
+    return [raw_or_list] if isinstance(raw_or_list, Mapping) else raw_or_list
 
 
-def _ssi(raw: Raw, context: Context) -> Mapping[str, Any]:
+def _members_of_ssi(raw_interface: Raw, context: Context) -> Mapping[str, Any]:
     """Return the members of an SSI interface that differ from the spec, by name. Its source is their default."""
-    source = sources(raw)
+    source = sources(raw_interface)
     output_code = None
-    if raw.get("output_code"):
-        output_code = OutputCode(raw["output_code"], sources(raw, "output_code_source") or source)
-    cable_rows = raw.get("cable_lengths", ())
+    if raw_interface.get("output_code"):
+        output_code = OutputCode(raw_interface["output_code"], sources(raw_interface, "output_code_source") or source)
+    cable_rows = raw_interface.get("cable_lengths", ())
     return {
-        "clocks": _clocks(raw),
-        "alignment": Alignment(raw.get("alignment", ""), sources(raw, "alignment_source") or source),
+        "clocks": _build_clocks(raw_interface),
+        "alignment": Alignment(
+            raw_interface.get("alignment", ""), sources(raw_interface, "alignment_source") or source
+        ),
         "output_code": output_code,
         "cable_lengths": tuple(record(CableLength, row, source=sources(row) or source) for row in cable_rows),
     }
 
 
-def _biss(raw: Raw, context: Context) -> Mapping[str, Any]:
+def _members_of_biss(raw_interface: Raw, context: Context) -> Mapping[str, Any]:
     """Return the members of a BiSS interface that differ from the spec, by name."""
-    control = raw.get("control_data", {})
-    timeouts = _one_or_more(raw.get("timeout", ()))
+    control = raw_interface.get("control_data", {})
+    timeouts = _one_or_more(raw_interface.get("timeout", ()))
     return {
-        "clocks": _clocks(raw),
+        "clocks": _build_clocks(raw_interface),
         "timeouts": tuple(record(Timeout, timeout) for timeout in timeouts),
-        "channels": _channels(raw, context),
-        "control_data": tuple(_control_field(definition, control, context) for definition in control.get("fields", ())),
+        "channels": _build_channels(raw_interface, context),
+        "control_data": tuple(
+            _build_control_field(definition, control, context) for definition in control.get("fields", ())
+        ),
         "control_data_note": control.get("note", ""),
     }
 
 
-def _channels(raw: Raw, context: Context) -> DataChannels | None:
+def _build_channels(raw_interface: Raw, context: Context) -> DataChannels | None:
     """Return the data channels that one frame carries, or None if the spec does not list them."""
-    if "channels" not in raw:
+    if "channels" not in raw_interface:
         return None
-    raw_channels = raw["channels"]
-    source = sources(raw_channels) or sources(raw)
+    raw_channels = raw_interface["channels"]
+    source = sources(raw_channels) or sources(raw_interface)
     bits = context.expressions(raw_channels, ("compared_bits",))
     return record(DataChannels, {"order": (), **raw_channels}, source=source, **bits)
 
 
-def _rs485(raw: Raw, context: Context) -> Mapping[str, Any]:
-    return {"port": record(Port, {**_PORT, **raw.get("port", {})}), "exchanges": _exchanges(raw, context)}
+def _members_of_rs485(raw_interface: Raw, context: Context) -> Mapping[str, Any]:
+    """Return the members of an RS-485 interface that differ from the spec, by name."""
+    return {
+        "port": record(Port, {**_PORT, **raw_interface.get("port", {})}),
+        "exchanges": _build_exchanges(raw_interface, context),
+    }
 
 
-def _spi(raw: Raw, context: Context) -> Mapping[str, Any]:
-    bits = context.expression(raw.get("word_bits", _WORD[0]))
-    return {"clocks": _clocks(raw), "word_bits": bits, "exchanges": _exchanges(raw, context)}
+def _members_of_spi(raw_interface: Raw, context: Context) -> Mapping[str, Any]:
+    """Return the members of an SPI interface that differ from the spec, by name."""
+    bits = context.expression(raw_interface.get("word_bits", _WORD[0]))
+    return {
+        "clocks": _build_clocks(raw_interface),
+        "word_bits": bits,
+        "exchanges": _build_exchanges(raw_interface, context),
+    }
 
 
-def _exchanges(raw: Raw, context: Context) -> tuple[Exchange, ...]:
-    return tuple(_exchange(exchange, raw.get("source", ""), context) for exchange in raw.get("exchanges", ()))
+def _build_exchanges(raw_interface: Raw, context: Context) -> tuple[Exchange, ...]:
+    return tuple(
+        _build_exchange(exchange, raw_interface.get("source", ""), context)
+        for exchange in raw_interface.get("exchanges", ())
+    )
 
 
-def _exchange(raw: Raw, source: str, context: Context) -> Exchange:
-    word_bits = context.expression(raw["word_bits"]) if "word_bits" in raw else None
-    return record(Exchange, {"source": source, **raw}, word_bits=word_bits)
+def _build_exchange(raw_exchange: Raw, source: str, context: Context) -> Exchange:
+    """Return an exchange. ``source`` is that of the interface, for an exchange without its own."""
+    word_bits = context.expression(raw_exchange["word_bits"]) if "word_bits" in raw_exchange else None
+    return record(Exchange, {"source": source, **raw_exchange}, word_bits=word_bits)
 
 
 #: Settings of a port that the manual does not give.
 _PORT = {"data_bits": 8, "parity": "none", "stop_bits": 1, "flow_control": "none"}
 #: Functions that build the members of an interface which differ from the spec.
-_INTERFACES = {"ssi": _ssi, "biss": _biss, "rs485": _rs485, "spi": _spi}
+_INTERFACES = {"ssi": _members_of_ssi, "biss": _members_of_biss, "rs485": _members_of_rs485, "spi": _members_of_spi}
 
 
-def _control_field(raw: Raw, parent: Raw, context: Context) -> ControlField:
+def _build_control_field(raw_field: Raw, parent: Raw, context: Context) -> ControlField:
     """Return a field of the control frame. A CRC has its own width, and other fields one bit unless they give more."""
-    default_bits = context.crcs[raw["crc"]].width if raw.get("crc") in context.crcs else 1
-    bits = raw.get("bits", default_bits)
+    default_bits = context.crcs[raw_field["crc"]].width if raw_field.get("crc") in context.crcs else 1
+    bits = raw_field.get("bits", default_bits)
     if not isinstance(bits, int):  # Reported: the control frame has fixed widths.
         bits = 0
-    source = sources(raw) or sources(parent)
-    return record(ControlField, raw, bits=bits, values=build_values(raw), source=source)
+    source = sources(raw_field) or sources(parent)
+    return record(ControlField, raw_field, bits=bits, values=build_values(raw_field), source=source)
 
 
 #: Field of a frame that holds the value of a register.
@@ -239,8 +256,8 @@ def check_spi_registers(device: Device, report: DocumentReport) -> None:
     if interface is None or not valid_parts_so_far(report).has_frames:
         return
     for register in device.registers_over(interface.name):
-        frame_names = set(_frames(interface, register))
-        for frame_name, bits in _widths(device, interface, frame_names):
+        frame_names = set(_frames_with_register(interface, register))
+        for frame_name, bits in _widths_of_value(device, interface, frame_names):
             needed_bytes = (bits + 7) // 8
             if needed_bytes != register.length:
                 register_text = f"'{register.name}' has {counted(register.length, 'byte')}"
@@ -250,7 +267,7 @@ def check_spi_registers(device: Device, report: DocumentReport) -> None:
                 break
 
 
-def _frames(interface: Spi, register: Register) -> Iterator[str]:
+def _frames_with_register(interface: Spi, register: Register) -> Iterator[str]:
     """Yield the names of the requests and replies that carry the value of a register, if it can be read or written."""
     for exchange in interface.exchanges:
         reads_register = exchange.purpose == "read" and register.readable
@@ -260,7 +277,7 @@ def _frames(interface: Spi, register: Register) -> Iterator[str]:
             yield exchange.reply
 
 
-def _widths(device: Device, interface: Spi, frame_names: Collection[str]) -> Iterator[tuple[str, int]]:
+def _widths_of_value(device: Device, interface: Spi, frame_names: Collection[str]) -> Iterator[tuple[str, int]]:
     """Yield the name of each of these frames with the width of its value, for each order code that has the value."""
     for layout in interface.layouts:
         if layout.name not in frame_names:

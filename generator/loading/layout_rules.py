@@ -68,7 +68,7 @@ def _check_parts_of_join(join: Join, fields: Mapping[str, Field], site: Site) ->
         if name in join.fields[:index]:
             site.report("join-order", f"'{join.name}' contains '{name}' twice", "join", join.name, index)
             continue
-        reason = _no_plain_bits(fields[name].kind) if name in fields else ""
+        reason = _obstacle_to_join(fields[name].kind) if name in fields else ""
         # A reason may already end with a remedy after a semicolon.
         if reason:
             has_remedy = ";" in reason
@@ -89,10 +89,10 @@ def _check_order_of_join(join: Join, fields: Mapping[str, Field], layout: Layout
         must_be_lower, must_be_higher = (above, below) if low_first else (below, above)
         if _is_above(fields[must_be_lower], fields[must_be_higher], site):
             message = f"'{join.name}' has '{above}' above '{below}', but '{layout.name}' sends '{must_be_lower}' first"
-            site.report("join-order", message + _remedy(low_first, site), "join", join.name, index)
+            site.report("join-order", message + _remedy_for_order(low_first, site), "join", join.name, index)
 
 
-def _remedy(low_first: bool, site: Site) -> str:
+def _remedy_for_order(low_first: bool, site: Site) -> str:
     """Return the end of the message about joined fields in the wrong order."""
     if low_first:
         return ", and the low byte of each number comes first"
@@ -126,7 +126,7 @@ def _check_parities(layout: Layout, site: Site) -> None:
             continue
         covered_names = field.kind.covers
         for index, name in enumerate(covered_names):
-            is_computed = name in fields_by_name and isinstance(fields_by_name[name].kind, (CrcValue, Parity))
+            is_computed = name in fields_by_name and fields_by_name[name].kind.role == "check"
             if name in covered_names[:index]:
                 problem = f"'{field.name}' covers '{name}' twice; list it once"
                 site.report("parity-of", problem, "fields", field.name, "parity_of")
@@ -140,25 +140,19 @@ def _check_parities(layout: Layout, site: Site) -> None:
             site.report("parity-of", problem, "fields", field.name, "parity_of")
 
 
-def _no_plain_bits(kind: Kind) -> str:
+def _obstacle_to_join(kind: Kind) -> str:
     """Return the reason that a joined number cannot contain a field of this kind, and the remedy. Empty if it can.
 
     The two are separated by a semicolon: ``which is signed; leave 'signed' out``. Not every reason has a remedy. A
     joined number consists of bits as sent, so a part with a different value would contradict it.
     """
-    match kind:
-        case Number(signed=True):
-            return "which is signed; leave 'signed' out"
-        case Number(zero_means=0) | Flag(active_low=False) | Choice() | Decimal():
-            return ""
-        case Number():
-            return "which has 'zero_means'; leave 'zero_means' out"
-        case Flag():
-            return "which is active low"
-        case Constant() | Unused() | CrcValue() | Parity() | Text():
-            return "which is not a number; define it with 'bits' and no kind"
-        case _:
-            assert_never(kind)
+    if kind.is_joinable:
+        return ""
+    if isinstance(kind, Flag):
+        return "which is active low"
+    if not isinstance(kind, Number):
+        return "which is not a number; define it with 'bits' and no kind"
+    return "which is signed; leave 'signed' out" if kind.signed else "which has 'zero_means'; leave 'zero_means' out"
 
 
 def _check_gray(layout: Layout, site: Site) -> None:
@@ -291,16 +285,16 @@ def _check_field(layout: Layout, field: Field, site: Site) -> None:
             assert_never(kind)
 
 
-def _check_number(field: Field, kind: Number, site: Site) -> None:
+def _check_number(field: Field, number: Number, site: Site) -> None:
     """Check that a power of two has bits for every order code: without bits, it would be 0."""
-    if kind.power_of_two:
+    if number.power_of_two:
         _check_absent(field, "0 is not a power of two; leave 'power_of_two' out", site)
 
 
-def _check_decimal(field: Field, kind: Decimal, site: Site) -> None:
+def _check_decimal(field: Field, decimal: Decimal, site: Site) -> None:
     """Check that all decimal numbers with these digits fit into the bits of the field."""
-    if kind.limit > 1 << field.widest:
-        site.report("value-too-wide", f"{kind.digits} decimal digits do not fit into {field.widest} bits")
+    if decimal.limit > 1 << field.widest:
+        site.report("value-too-wide", f"{decimal.digits} decimal digits do not fit into {field.widest} bits")
 
 
 def _check_text(field: Field, site: Site) -> None:
@@ -335,32 +329,32 @@ def _check_one_bit(field: Field, kind_text: str, site: Site) -> None:
         site.report("width-mismatch", f"{message}; {remedy}")
 
 
-def _check_choice(field: Field, kind: Choice, site: Site) -> None:
+def _check_choice(field: Field, choice: Choice, site: Site) -> None:
     """Check that all named values fit into the field, and that one of them is 0 if an order code lacks the field."""
     # If the width is constant, the rules on the text have already checked it.
     if not field.width.is_constant:
-        for value in kind.values:
+        for value in choice.values:
             if value.value >> field.widest:
                 message = f"the value '{value.name}' = {value.value:#x} does not fit into {field.widest} bits"
                 site.report("value-too-wide", message)
-    has_zero = any(value.value == 0 for value in kind.values)
+    has_zero = any(value.value == 0 for value in choice.values)
     if not has_zero:
         _check_absent(field, "none of its values is 0; add one", site)
 
 
-def _check_fixed(field: Field, kind: Constant | Unused, site: Site) -> None:
+def _check_fixed(field: Field, fixed: Constant | Unused, site: Site) -> None:
     """Check that a constant, or the value of unused bits, fits into the field for all order codes that have it.
 
     If an order code lacks the field, a constant must be 0.
     """
     widths = [field.width.value(parameters) for parameters in site.sets]
     narrowest = min((width for width in widths if width), default=field.widest)
-    if not field.width.is_constant and kind.value >> narrowest:
-        key = "unused" if isinstance(kind, Unused) else "constant"
-        message = f"'{key}' is {kind.value:#x}, which does not fit into {narrowest} bit{'s' * (narrowest > 1)}"
+    if not field.width.is_constant and fixed.value >> narrowest:
+        key = "unused" if isinstance(fixed, Unused) else "constant"
+        message = f"'{key}' is {fixed.value:#x}, which does not fit into {narrowest} bit{'s' * (narrowest > 1)}"
         site.report("value-too-wide", message)
-    if isinstance(kind, Constant) and kind.value:
-        _check_absent(field, f"'constant' is {kind.value:#x}; use 0, or a constant width", site)
+    if isinstance(fixed, Constant) and fixed.value:
+        _check_absent(field, f"'constant' is {fixed.value:#x}; use 0, or a constant width", site)
 
 
 def _check_absent(field: Field, reason: str, site: Site) -> None:

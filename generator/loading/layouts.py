@@ -51,21 +51,21 @@ class Item:
     low: Expression = ZERO
 
 
-def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | None:
-    """Build the layout described by ``raw``, or report why it is not valid and return None.
+def build_layout(raw_layout: Raw, site: Site, total: int | None = None) -> Layout | None:
+    """Build the layout described by ``raw_layout``, or report why it is not valid and return None.
 
     Args:
-        raw: A layout or register whose ``fields`` have passed the schema.
+        raw_layout: A layout or register whose ``fields`` have passed the schema.
         site: The place and interface of the layout.
         total: The number of bits if given (a register) instead of summed up (a frame).
     """
-    byte_order = _byte_order(raw, "bytes" if total is not None else INTERFACES[site.interface].carried_as)
+    byte_order = _byte_order(raw_layout, "bytes" if total is not None else INTERFACES[site.interface].carried_as)
     low_first = byte_order == "low_byte_first"
-    items_and_bits = _place_items(raw, site, total, low_first)
+    items_and_bits = _place_items(raw_layout, site, total, low_first)
     if items_and_bits is None:
         return None
     items, bits = items_and_bits
-    gaps = content_of_gaps(raw, site.context)
+    gaps = content_of_gaps(raw_layout, site.context)
     fields = _with_gap_fields(items, bits, gaps, site)
     if fields is None:
         return None
@@ -74,64 +74,70 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
         fields, bits = in_whole_bytes(fields, bits)
     if byte_order:
         fields = [replace(field, pieces=pieces(field, site.widest(bits) // 8, low_first)) for field in fields]
-    fields = _with_joins_covered(raw, fields, site)
-    layout = _layout(raw, site, byte_order, bits, _in_order(fields, low_first and total is None), gaps)
+    fields = _with_joins_covered(raw_layout, fields, site)
+    layout = _build_layout(
+        raw_layout, site, byte_order, bits, _sort_for_sending(fields, low_first and total is None), gaps
+    )
     # A layout that is carried as bits can also send the low byte first.
-    if not check_layout(layout, site, raw.get("byte_order") == "low_byte_first"):
+    if not check_layout(layout, site, raw_layout.get("byte_order") == "low_byte_first"):
         return None
-    return with_unknown_verdicts(layout, raw["fields"], site) if total is None else layout
+    return with_unknown_verdicts(layout, raw_layout["fields"], site) if total is None else layout
 
 
-def _layout(raw: Raw, site: Site, byte_order: str, bits: Expression, fields: Sequence[Field], gaps: str) -> Layout:
+def _build_layout(
+    raw_layout: Raw, site: Site, byte_order: str, bits: Expression, fields: Sequence[Field], gaps: str
+) -> Layout:
     """Return the layout with these fields, in sending order.
 
     ``gaps`` is the content of bits without a field: ``zero``, ``unspecified`` or an empty string.
     """
-    gray = raw.get("gray", {})
+    gray = raw_layout.get("gray", {})
     selector = ""
     selects = ()
     # At most one entry: the field that identifies the layout, and its values.
-    for name, values in raw.get("when", {}).items():
+    for name, values in raw_layout.get("when", {}).items():
         selector = name
         selects = tuple(values)
     return record(
         Layout,
-        raw,
-        sender=raw.get("from", ""),
+        raw_layout,
+        sender=raw_layout.get("from", ""),
         in_bytes=byte_order != "",
         byte_order=byte_order,
         bits=bits,
         widest=site.widest(bits),
         fields=tuple(fields),
-        joins=tuple(Join(name, tuple(members)) for name, members in raw.get("join", {}).items()),
+        joins=tuple(Join(name, tuple(members)) for name, members in raw_layout.get("join", {}).items()),
         selector=selector,
         selects=selects,
         gaps=gaps,
         gray_of=gray.get("of", ""),
         gray_when=gray.get("when", ""),
         gray_excess=site.context.expressions(gray, ("excess",))["excess"],
-        combinations=build_combinations(raw),
-        position_range=_position_range(raw, site.context),
+        combinations=build_combinations(raw_layout),
+        position_range=_build_position_range(raw_layout, site.context),
     )
 
 
-def _with_joins_covered(raw: Raw, fields: Sequence[Field], site: Site) -> list[Field]:
+def _with_joins_covered(raw_layout: Raw, fields: Sequence[Field], site: Site) -> list[Field]:
     """Return the fields, with each parity bit covering the fields of a join instead of the join."""
-    joins = {name: tuple(members) for name, members in raw.get("join", {}).items()}
+    joins = {name: tuple(members) for name, members in raw_layout.get("join", {}).items()}
     constants = {field.name: field.kind.value for field in fields if isinstance(field.kind, Constant)}
-    return [_over_fields(field, joins, constants, site) for field in fields]
+    return [_resolve_parity(field, joins, constants, site) for field in fields]
 
 
-def _position_range(raw: Raw, context: Context) -> LayoutRange | None:
+def _build_position_range(raw_layout: Raw, context: Context) -> LayoutRange | None:
     """Return the range of the position in frames of this layout, or None if it is that of the interface."""
-    if "position_range" not in raw:
+    if "position_range" not in raw_layout:
         return None
-    raw_range = raw["position_range"]
+    raw_range = raw_layout["position_range"]
     bounds = context.expressions(raw_range, ("turns", "modulus", "highest"))
-    return LayoutRange(source=sources(raw_range) or sources(raw), wraps=raw_range.get("wraps", True), **bounds)
+    return LayoutRange(source=sources(raw_range) or sources(raw_layout), wraps=raw_range.get("wraps", True), **bounds)
 
 
-def _over_fields(field: Field, joins: Mapping[str, tuple[str, ...]], constants: Mapping[str, int], site: Site) -> Field:
+def _resolve_parity(
+    field: Field, joins: Mapping[str, tuple[str, ...]], constants: Mapping[str, int], site: Site
+) -> Field:
     """Return the field. If it is a parity bit, joins in it are replaced by their fields, and constants are counted.
 
     An odd number of ones in the covered constants inverts the parity of the other fields. A parity bit of constants
@@ -160,30 +166,32 @@ def _over_fields(field: Field, joins: Mapping[str, tuple[str, ...]], constants: 
     return replace(field, kind=Parity(tuple(data_names), is_odd, parity.over, tuple(constant_names), inverts_parity))
 
 
-def _byte_order(raw: Raw, carried_as: str) -> str:
+def _byte_order(raw_layout: Raw, carried_as: str) -> str:
     """Return the order of the bytes, or an empty string if the layout is carried as bits.
 
-    ``carried_as``, ``bytes`` or ``bits``, applies if ``raw`` has no such key.
+    ``carried_as``, ``bytes`` or ``bits``, applies if ``raw_layout`` has no such key.
     """
-    in_bytes = raw.get("carried_as", carried_as) == "bytes"
-    order: str = raw.get("byte_order", "high_byte_first") if in_bytes else ""
+    in_bytes = raw_layout.get("carried_as", carried_as) == "bytes"
+    order: str = raw_layout.get("byte_order", "high_byte_first") if in_bytes else ""
     return order
 
 
-def _place_items(raw: Raw, site: Site, total: int | None, low_first: bool) -> tuple[list[Item], Expression] | None:
+def _place_items(
+    raw_layout: Raw, site: Site, total: int | None, low_first: bool
+) -> tuple[list[Item], Expression] | None:
     """Return the items with their places and the width of the layout, or None if they do not fit, which is reported.
 
     If one item gives its place, all are placed by bit number, otherwise in sending order. Then the fields of a register
     must have its ``total`` bits together. ``low_first`` is true if the lowest byte is sent first.
     """
-    items = _items(raw.get("fields", ()), (*site.path, "fields"), site.context, low_first)
+    items = _build_items(raw_layout.get("fields", ()), (*site.path, "fields"), site.context, low_first)
     if items is None:
         return None
     if any(_is_placed(field_item.raw) for field_item in items if not field_item.group):
-        bits = Expression(total if total is not None else _highest(items, site) + 1)
+        bits = Expression(total if total is not None else _highest_used_bit(items, site) + 1)
     else:
-        items, bits = _in_sequence(items, low_first)
-        if total is not None and not _sums_up(bits, total, site):
+        items, bits = _place_in_sequence(items, low_first)
+        if total is not None and not _check_total_width(bits, total, site):
             return None
     return (items, bits) if _check_items_fit(items, bits, site) else None
 
@@ -194,60 +202,60 @@ def _with_gap_fields(items: Sequence[Item], bits: Expression, gaps: str, site: S
     If ``gaps`` is ``zero``, each gap has a field of zeros, and no order code may change the order of fields. If
     ``gaps`` is empty, every bit must have a field.
     """
-    fields = [field for field_item in items for field in _fields(field_item, site)]
+    fields = [field for field_item in items for field in _build_fields(field_item, site)]
     fields = with_places(fields, site)
     if not check_all_bits_covered(fields, bits, gaps, site):
         return None
     return with_zeros(fields, bits, site) if gaps == "zero" else fields
 
 
-def _items(raw_fields: Sequence[Raw], path: Path, context: Context, low_first: bool) -> list[Item] | None:
+def _build_items(raw_fields: Sequence[Raw], path: Path, context: Context, low_first: bool) -> list[Item] | None:
     """Return the fields and groups as items, or None if one is not valid, which is reported elsewhere.
 
     ``path`` is that of the list of fields.
     """
-    items = [_item(raw, (*path, index), context, low_first) for index, raw in enumerate(raw_fields)]
+    items = [_build_item(raw, (*path, index), context, low_first) for index, raw in enumerate(raw_fields)]
     valid_items = [field_item for field_item in items if field_item is not None]
     return valid_items if len(valid_items) == len(items) else None
 
 
-def _item(raw: Raw, path: Path, context: Context, low_first: bool) -> Item | None:
+def _build_item(raw_field: Raw, path: Path, context: Context, low_first: bool) -> Item | None:
     """Return a field or group as an item, or None if it is not valid. Its place is 0 if it has none of its own."""
-    if "use" in raw:
-        return _group_item(raw, path, context, low_first)
-    width = _width(raw, context)
+    if "use" in raw_field:
+        return _build_group_item(raw_field, path, context, low_first)
+    width = _width_of_field(raw_field, context)
     if width is None:
         return None
-    low = _low(raw, width, path, context) if _is_placed(raw) else ZERO
+    low = _lowest_bit_of_field(raw_field, width, path, context) if _is_placed(raw_field) else ZERO
     if low is None:
         return None
-    span = Expression(raw["padded_to"]) if "padded_to" in raw else width
-    return Item(raw, path, group="", width=width, span=span, low=low)
+    span = Expression(raw_field["padded_to"]) if "padded_to" in raw_field else width
+    return Item(raw_field, path, group="", width=width, span=span, low=low)
 
 
-def _group_item(raw: Raw, path: Path, context: Context, low_first: bool) -> Item | None:
+def _build_group_item(raw_field: Raw, path: Path, context: Context, low_first: bool) -> Item | None:
     """Return the item for the use of a group, or None if there is no such group or the group is not valid."""
-    if raw["use"] not in context.groups:
+    if raw_field["use"] not in context.groups:
         return None
-    group, group_path = context.groups[raw["use"]]
-    group_items = _group_items(group, group_path, context, low_first)
+    group, group_path = context.groups[raw_field["use"]]
+    group_items = _build_items_of_group(group, group_path, context, low_first)
     if group_items is None:
         return None
     width = Expression(group["bits"])
-    return Item({"group": group_items}, path, group=raw["use"], width=width, span=width)
+    return Item({"group": group_items}, path, group=raw_field["use"], width=width, span=width)
 
 
-def _group_items(group: Raw, path: Path, context: Context, low_first: bool) -> list[Item] | None:
+def _build_items_of_group(group: Raw, path: Path, context: Context, low_first: bool) -> list[Item] | None:
     """Return the fields of a group as items, placed from bit 0 of the group, or None if they are not valid.
 
     Fields in sending order must have the number of bits that the group gives.
     """
     raw_fields = [{"source": group["source"], **raw} for raw in group["fields"]]
-    group_items = _items(raw_fields, (*path, "fields"), context, low_first)
+    group_items = _build_items(raw_fields, (*path, "fields"), context, low_first)
     if group_items is None:
         return None
     if not any(_is_placed(field_item.raw) for field_item in group_items):
-        group_items, bits = _in_sequence(group_items, low_first)
+        group_items, bits = _place_in_sequence(group_items, low_first)
         if bits != Expression(group["bits"]):
             context.report.add(
                 "width-mismatch",
@@ -258,45 +266,45 @@ def _group_items(group: Raw, path: Path, context: Context, low_first: bool) -> l
     return [replace(field_item, group=group["name"]) for field_item in group_items]
 
 
-def _is_placed(raw: Raw) -> bool:
+def _is_placed(raw_field: Raw) -> bool:
     """Return True if a field gives its own place, such as with ``at``."""
-    return any(key in raw for key in PLACES)
+    return any(key in raw_field for key in PLACES)
 
 
-def _width(raw: Raw, context: Context) -> Expression | None:
+def _width_of_field(raw_field: Raw, context: Context) -> Expression | None:
     """Return the width of a field: ``bits``, the range in ``at``, the width of its CRC, or 1 for flags and parity bits.
 
     Return None if it has none of these, or no valid one.
     """
-    if "bits" in raw:
-        return context.expression(raw["bits"])
-    if "at" in raw:
-        # _low reports a range that is not valid.
-        high, low = bit_range(raw["at"]) or (0, 0)
+    if "bits" in raw_field:
+        return context.expression(raw_field["bits"])
+    if "at" in raw_field:
+        # _lowest_bit_of_field reports a range that is not valid.
+        high, low = bit_range(raw_field["at"]) or (0, 0)
         return Expression(high - low + 1)
-    if "crc" in raw and raw["crc"] in context.crcs:
-        return Expression(context.crcs[raw["crc"]].width)
-    return Expression(1) if "active" in raw or "parity_of" in raw else None
+    if "crc" in raw_field and raw_field["crc"] in context.crcs:
+        return Expression(context.crcs[raw_field["crc"]].width)
+    return Expression(1) if "active" in raw_field or "parity_of" in raw_field else None
 
 
-def _low(raw: Raw, width: Expression, path: Path, context: Context) -> Expression | None:
+def _lowest_bit_of_field(raw_field: Raw, width: Expression, path: Path, context: Context) -> Expression | None:
     """Return the lowest bit of a field from ``low_bit``, ``top_bit`` or ``at``, or None if it is not valid."""
-    if "low_bit" in raw:
-        return context.expression(raw["low_bit"])
-    if "top_bit" in raw:
-        return Expression(raw["top_bit"] + 1) - width
-    high_and_low = bit_range(raw["at"])
+    if "low_bit" in raw_field:
+        return context.expression(raw_field["low_bit"])
+    if "top_bit" in raw_field:
+        return Expression(raw_field["top_bit"] + 1) - width
+    high_and_low = bit_range(raw_field["at"])
     if high_and_low is None:
         context.report.add(
             "bad-position",
             (*path, "at"),
-            f"'{raw['at']}' is not a position; write a bit number, or a range with the high bit first, as in 7:6",
+            f"'{raw_field['at']}' is not a position; write a bit number, or a range with the high bit first, as in 7:6",
         )
         return None
     return Expression(high_and_low[1])
 
 
-def _in_sequence(items: Sequence[Item], low_first: bool) -> tuple[list[Item], Expression]:
+def _place_in_sequence(items: Sequence[Item], low_first: bool) -> tuple[list[Item], Expression]:
     """Return the items placed one after the other, in sending order as before, and their total width.
 
     The item sent last begins at bit 0, or the first one with ``low_first``.
@@ -311,7 +319,7 @@ def _in_sequence(items: Sequence[Item], low_first: bool) -> tuple[list[Item], Ex
     return in_sending_order, next_low
 
 
-def _flatten(items: Iterable[Item]) -> Iterable[Item]:
+def _expand_groups(items: Iterable[Item]) -> Iterable[Item]:
     """Yield the items with groups expanded, each at its place in the layout."""
     for field_item in items:
         if "group" not in field_item.raw:
@@ -321,12 +329,12 @@ def _flatten(items: Iterable[Item]) -> Iterable[Item]:
             yield replace(group_field, low=field_item.low + group_field.low)
 
 
-def _highest(items: Sequence[Item], site: Site) -> int:
+def _highest_used_bit(items: Sequence[Item], site: Site) -> int:
     """Return the highest bit that an item uses with any parameters."""
-    return max(site.widest(field_item.low + field_item.span) for field_item in _flatten(items)) - 1
+    return max(site.widest(field_item.low + field_item.span) for field_item in _expand_groups(items)) - 1
 
 
-def _sums_up(bits: Expression, total: int, site: Site) -> bool:
+def _check_total_width(bits: Expression, total: int, site: Site) -> bool:
     """Return True if the fields of a register have ``total`` bits together for every order code, otherwise report."""
     for parameters in site.sets:
         field_bits = bits.value(parameters)
@@ -342,19 +350,19 @@ def _check_items_fit(items: Sequence[Item], bits: Expression, site: Site) -> boo
 
     Report the first parameters for which that is not so.
     """
-    field_items = list(_flatten(items))
+    field_items = list(_expand_groups(items))
     for parameters in site.sets:
         total = bits.value(parameters)
         if total > _MOST_BITS:
             message = f"the fields have {total} bits{values_text(parameters, bits)}; the maximum is {_MOST_BITS}"
             site.report("too-long", message)
             return False
-        if not _fits_with(field_items, total, parameters, site):
+        if not _check_fit(field_items, total, parameters, site):
             return False
     return True
 
 
-def _fits_with(flat: Sequence[Item], total: int, parameters: Mapping[str, int], site: Site) -> bool:
+def _check_fit(flat: Sequence[Item], total: int, parameters: Mapping[str, int], site: Site) -> bool:
     """Return True if the fields fit into ``total`` bits with these parameters, otherwise report why not."""
     has_overlap = False
     occupied: list[tuple[range, Item]] = []
@@ -400,9 +408,9 @@ def _range_problem(field_item: Item, width: int, bits: range, total: int, condit
     return None
 
 
-def _fields(field_item: Item, site: Site) -> Iterable[Field]:
+def _build_fields(field_item: Item, site: Site) -> Iterable[Field]:
     """Yield the fields of an item: the field, also its padding if it has one, or all those of a group."""
-    for expanded_item in _flatten([field_item]):
+    for expanded_item in _expand_groups([field_item]):
         raw = expanded_item.raw
         width = expanded_item.width
         widest = site.widest(width)
@@ -429,6 +437,6 @@ def _fields(field_item: Item, site: Site) -> Iterable[Field]:
             )
 
 
-def _in_order(fields: Sequence[Field], low_first: bool) -> Sequence[Field]:
+def _sort_for_sending(fields: Sequence[Field], low_first: bool) -> Sequence[Field]:
     """Return fields that begin with the lowest in sending order: highest first, unless the low byte is sent first."""
     return fields if low_first else list(reversed(fields))

@@ -20,9 +20,9 @@ from ..language.read import read_document, read_specs
 from ..model import Device, Manufacturer, Variant
 from ..order_codes.reduction import for_codes
 from .device import build_device
-from .editions import check_editions, edition_of, notes
+from .editions import check_editions, edition_of, errata_of_other_editions
 from .evidence import read_counts, read_history
-from .examples import samples
+from .examples import sample_frames
 from .from_mapping import build_manufacturer
 from .overlays import Family as Family
 from .overlays import apply_overlays, is_overlay, overlays_beside
@@ -66,10 +66,10 @@ def sound_families(families: Iterable[Family], report: Report) -> list[Family]:
 
 def _shares_with_any(device: Device, other_devices: Iterable[Device]) -> bool:
     """Return True if a device cannot be distinguished from one of the others by its name and order codes."""
-    return any(_share(device, other_device) for other_device in other_devices)
+    return any(_have_common_name(device, other_device) for other_device in other_devices)
 
 
-def _share(first: Device, second: Device) -> bool:
+def _have_common_name(first: Device, second: Device) -> bool:
     """Return True if two devices share a name or order code, so that they cannot be distinguished."""
     if first.base or second.base:  # These share order codes with their base family and are distinguished by name.
         return first.name == second.name
@@ -103,7 +103,7 @@ def load_families(
     stored_devices: dict[str, Device | None] = {}
     for file, content in contents_before.items():
         stored_devices[file] = known_devices.get(tuple(content)) or stored_device(cache, content)
-    documents = _documents(paths, report)
+    documents = _read_documents(paths, report)
     edited_files = {document.file for document in documents if prepare is not None and prepare(document)}
     contents_after = contents(paths) if needs_contents else {}
     # A file that changed while the specs were read is neither taken from the cache nor stored.
@@ -112,11 +112,11 @@ def load_families(
     families = families_of(documents, report, cached_devices)
     for index, family in enumerate(families):
         if family.files.isdisjoint(edited_files):
-            families[index] = _with_content(family, unchanged, cached_devices, report, cache)
+            families[index] = _add_content(family, unchanged, cached_devices, report, cache)
     return families, report
 
 
-def _documents(paths: Sequence[Path], report: Report) -> list[Document]:
+def _read_documents(paths: Sequence[Path], report: Report) -> list[Document]:
     """Read the specs at ``paths``, and the files that they need: packaged specs, manufacturers and overlays."""
     documents = read_specs(paths, report)
     # Overlays alone apply to the specs that ship with the tool.
@@ -152,7 +152,7 @@ def is_clean(family: Family, report: Report) -> bool:
     return report.faulty_files.isdisjoint(all_files)
 
 
-def _with_content(
+def _add_content(
     family: Family,
     contents_of_files: Mapping[str, Sequence[bytes | str]],
     cached_devices: Mapping[str, Device],
@@ -198,14 +198,14 @@ def families_of(
     for document in documents:
         is_known_valid = document.file in cached_devices
         checked.append((document, document.data if is_known_valid else check_document(document, report)))
-    makers = _makers(checked, report)
+    makers = _manufacturers_by_name(checked, report)
     manufacturer_files = [document for document in documents if "device" not in document.data]
     families: list[Family] = []
     for document, data in checked:
         if data is None or "device" not in data:
             continue
-        maker = _maker_of(document, data, makers, manufacturer_files, report)
-        device = cached_devices.get(document.file) or _built(document, data, maker, report)
+        maker = _manufacturer_of(document, data, makers, manufacturer_files, report)
+        device = cached_devices.get(document.file) or _build_device(document, data, maker, report)
         if device is None:
             continue
         _compare_with_others(device, [family.device for family in families], document, report)
@@ -214,12 +214,12 @@ def families_of(
         families.append(Family(device, document, frozenset({document.file, *files_of_maker})))
     check_shared_facts(documents, report)
     plain = sorted(families, key=lambda family: family.device.name)
-    return apply_overlays(plain, overlays, partial(_built_again, makers), report) if overlays else plain
+    return apply_overlays(plain, overlays, partial(_rebuild_device, makers), report) if overlays else plain
 
 
-def _maker_of(
+def _manufacturer_of(
     document: Document,
-    data: Mapping[str, Any],
+    device_data: Mapping[str, Any],
     makers: Mapping[str, Manufacturer],
     manufacturer_files: Sequence[Document],
     report: Report,
@@ -228,26 +228,28 @@ def _maker_of(
 
     Report that its file is missing. A file with problems has been reported, and so has a spec without the key.
     """
-    name = data["manufacturer"]
+    name = device_data["manufacturer"]
     has_file = any(str(file.data.get("manufacturer")) == name for file in manufacturer_files)
     if name not in makers and not has_file and "manufacturer" in document.data:
         hint = f"; known: {listed(sorted(makers))}; use the same name in both files" if makers else ""
         message = f"there is no manufacturer file for '{name}'{hint}"
         report.add("undefined-reference", document, ("manufacturer",), message)
-    return makers.get(name) or _unknown_manufacturer(name)
+    return makers.get(name) or _stand_in_for_manufacturer(name)
 
 
-def _built(document: Document, data: dict[str, Any], maker: Manufacturer, report: Report) -> Device | None:
+def _build_device(
+    document: Document, device_data: dict[str, Any], maker: Manufacturer, report: Report
+) -> Device | None:
     """Return the device of a spec, or None if it cannot be built.
 
     It has the counts of readings and the releases from the files next to the spec, and the other editions as errata.
     """
-    device = build_device(data, maker, report.for_document(document))
+    device = build_device(device_data, maker, report.for_document(document))
     if device is None:
         return None
-    check_editions(data, device, report.for_document(document))
+    check_editions(device_data, device, report.for_document(document))
     spec = Path(document.file)
-    edition_notes = tuple(notes(data))
+    edition_notes = tuple(errata_of_other_editions(device_data))
     counts = read_counts(spec, report)
     releases = read_history(spec, report)
     return replace(device, times_read=counts, releases=releases, errata=(*device.errata, *edition_notes))
@@ -256,19 +258,21 @@ def _built(document: Document, data: dict[str, Any], maker: Manufacturer, report
 def in_edition(family: Family, revision: str, report: Report) -> Family | None:
     """Return a family in another edition of its manual, or None if it cannot be built. Add problems to ``report``."""
     maker = family.device.manufacturer
-    return edition_of(family, revision, partial(_built_again, {maker.name: maker}), report)
+    return edition_of(family, revision, partial(_rebuild_device, {maker.name: maker}), report)
 
 
-def _built_again(makers: Mapping[str, Manufacturer], document: Document, report: Report) -> Device | None:
+def _rebuild_device(makers: Mapping[str, Manufacturer], document: Document, report: Report) -> Device | None:
     """Build the device of a document derived from one that was already built, or return None if it is not valid."""
     data = check_document(document, report)
     if data is None:
         return None
-    maker = makers.get(data["manufacturer"]) or _unknown_manufacturer(data["manufacturer"])
+    maker = makers.get(data["manufacturer"]) or _stand_in_for_manufacturer(data["manufacturer"])
     return build_device(data, maker, report.for_document(document))
 
 
-def _makers(checked: Sequence[tuple[Document, dict[str, Any] | None]], report: Report) -> dict[str, Manufacturer]:
+def _manufacturers_by_name(
+    checked: Sequence[tuple[Document, dict[str, Any] | None]], report: Report
+) -> dict[str, Manufacturer]:
     """Return the manufacturers of all valid manufacturer files, by name.
 
     Report files of the same manufacturer that differ, and names that clash.
@@ -287,10 +291,12 @@ def _makers(checked: Sequence[tuple[Document, dict[str, Any] | None]], report: R
     return makers
 
 
-def _unknown_manufacturer(name: str) -> Manufacturer:
+def _stand_in_for_manufacturer(manufacturer_name: str) -> Manufacturer:
     """Return a stand-in for a manufacturer without a file, so that the device can still be checked."""
-    package = f"{name}_encoders"
-    return Manufacturer(name=name, title="", biss_id=None, python_package=package, version="0.0.0", trademarks=())
+    package = f"{manufacturer_name}_encoders"
+    return Manufacturer(
+        name=manufacturer_name, title="", biss_id=None, python_package=package, version="0.0.0", trademarks=()
+    )
 
 
 def _check_manufacturer(
@@ -363,22 +369,25 @@ def narrowed_to(devices: Sequence[Device], only: str) -> tuple[Device, ...]:
     words = [word.strip() for word in only.split(",") if word.strip()]
     if not words:
         return tuple(devices)
-    known_names = {name for device in devices for variant in device.variants for name in _names(device, variant)}
+    known_names: set[str] = set()
+    for device in devices:
+        for variant in device.variants:
+            known_names.update(_names_of_code(device, variant))
     for word in words:
         if word.upper() not in known_names:
             raise UnknownName(_unknown_message(devices, word))
     wanted_names = {word.upper() for word in words}
     narrowed_devices = []
     for device in devices:
-        codes = {variant.code for variant in device.variants if wanted_names & set(_names(device, variant))}
+        codes = {variant.code for variant in device.variants if wanted_names & set(_names_of_code(device, variant))}
         if codes:
             narrowed_device = for_codes(device, codes)
             # Frames that programs and pages show come from one of the remaining order codes.
-            narrowed_devices.append(replace(narrowed_device, samples=samples(narrowed_device)))
+            narrowed_devices.append(replace(narrowed_device, samples=sample_frames(narrowed_device)))
     return tuple(narrowed_devices)
 
 
-def _names(device: Device, variant: Variant) -> tuple[str, ...]:
+def _names_of_code(device: Device, variant: Variant) -> tuple[str, ...]:
     """Return the names by which ``only`` can select an order code, in upper case.
 
     These are the order code, the interface, the family, and the family with the interface, such as ``X_24_SSI``.
@@ -388,7 +397,7 @@ def _names(device: Device, variant: Variant) -> tuple[str, ...]:
     return variant.code.upper(), kind, family, f"{family}_{kind}"
 
 
-def _words(devices: Sequence[Device]) -> Iterator[str]:
+def _yield_suggestions(devices: Sequence[Device]) -> Iterator[str]:
     """Yield the families, the families with their interfaces, and the interfaces, for suggestions."""
     for device in devices:
         yield device.name
@@ -403,8 +412,10 @@ def _unknown_message(devices: Sequence[Device], word: str) -> str:
     """
     families_of_word = [device for device in devices if word.upper().startswith(device.name.upper())]
     codes_of_families = [variant.code for device in families_of_word for variant in device.variants]
-    nearest_name = nearest_choice(word, [*_words(devices), *codes_of_families, *map(str.lower, codes_of_families)])
+    nearest_name = nearest_choice(
+        word, [*_yield_suggestions(devices), *codes_of_families, *map(str.lower, codes_of_families)]
+    )
     first_code = next((variant.code for device in devices for variant in device.variants), "")
-    valid_names = codes_of_families or [f"order codes, such as {first_code}", *_words(devices)]
+    valid_names = codes_of_families or [f"order codes, such as {first_code}", *_yield_suggestions(devices)]
     hint = f"did you mean '{nearest_name}'?" if nearest_name else f"valid are {', '.join(valid_names)}"
     return f"there is no order code, interface or family '{word}'; {hint}"

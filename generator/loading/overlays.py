@@ -98,7 +98,7 @@ def apply_overlays(
         overlays_of_family = [overlay for overlay in valid_overlays if overlay.data["of"] == name]
         corrections = [overlay for overlay in overlays_of_family if "applies_to" not in overlay.data]
         # None if there is no correction, or if the corrected family could not be built.
-        corrected_family = _with_overlays(family_with_files, corrections, "", build, report) if corrections else None
+        corrected_family = _apply_overlays(family_with_files, corrections, "", build, report) if corrections else None
         resulting_families.append(corrected_family or family_with_files)
         for special_family in _special_families(family_with_files, overlays_of_family, corrections, build, report):
             special = special_family.device.name.removeprefix(f"{name}_")
@@ -107,16 +107,16 @@ def apply_overlays(
     return sorted(resulting_families, key=lambda family: family.device.name)
 
 
-def _is_correction_of(name: str, overlay: Document) -> bool:
+def _is_correction_of(family_name: str, overlay: Document) -> bool:
     """Return True if an overlay, valid or not, is for the whole family of this name."""
-    return "applies_to" not in overlay.data and overlay.data.get("of") == name
+    return "applies_to" not in overlay.data and overlay.data.get("of") == family_name
 
 
-def _is_for_special_model(name: str, special: str, overlay: Document) -> bool:
+def _is_for_special_model(family_name: str, special: str, overlay: Document) -> bool:
     """Return True if an overlay, valid or not, is for the special model of the family of this name."""
     applies_to = overlay.data.get("applies_to")
     has_special = isinstance(applies_to, dict) and str(applies_to.get("special")).lower() == special
-    return has_special and overlay.data.get("of") == name
+    return has_special and overlay.data.get("of") == family_name
 
 
 def _special_families(
@@ -131,7 +131,7 @@ def _special_families(
         if "applies_to" in overlay.data:
             overlays_by_special.setdefault(overlay.data["applies_to"]["special"], []).append(overlay)
     for special, special_overlays in overlays_by_special.items():
-        special_family = _with_overlays(family, [*corrections, *special_overlays], special, build, report)
+        special_family = _apply_overlays(family, [*corrections, *special_overlays], special, build, report)
         if special_family is not None:
             yield special_family
 
@@ -147,7 +147,11 @@ def _refuse_same_names(overlays: Sequence[Document], report: Report) -> None:
             report.add("duplicate-name", overlay, ("overlay",), message)
 
 
-def _with_overlays(
+def _layer_of(overlay: Document) -> Layer:
+    return Layer(document=overlay, path=("changes",), kind=LayerKind.OVERLAY, name=overlay.data["overlay"])
+
+
+def _apply_overlays(
     family: Family, overlays: Sequence[Document], special: str, build: Build, report: Report
 ) -> Family | None:
     """Return the family that results from applying overlays to another, or None if it cannot be built.
@@ -157,9 +161,7 @@ def _with_overlays(
     """
     layered_spec = LayeredSpec(family.document, report)
     problems_before = len(report)
-    layered_spec.apply(
-        [Layer(overlay, ("changes",), LayerKind.OVERLAY, overlay.data["overlay"]) for overlay in overlays]
-    )
+    layered_spec.apply([_layer_of(overlay) for overlay in overlays])
     document = layered_spec.document(f"{family.device.name}_{special.lower()}" if special else "")
     inner_report = Report()
     device = build(document, inner_report)
@@ -176,18 +178,19 @@ def _with_overlays(
             *(erratum for erratum in family.device.errata if erratum.edition),
             *errata_of(layered_spec.applied),
         ),
-        overlays=tuple(_overlay(overlay) for overlay in overlays),
+        overlays=tuple(_build_overlay(overlay) for overlay in overlays),
         title=f"{device.title}, special models /{special}" if special else device.title,
         base=family.device.name if special else "",
         times_read=family.device.times_read,
     )
     if special:
-        device = _of_codes(device, overlays, report)
+        device = _reduce_to_listed_codes(device, overlays, report)
     files = family.files | {overlay.file for overlay in overlays}
     return Family(device, document, files, plain=None if special else family)
 
 
-def _overlay(document: Document) -> Overlay:
+def _build_overlay(document: Document) -> Overlay:
+    """Return the name and the title of an overlay, and the special model that it applies to, if any."""
     special = document.data.get("applies_to", {}).get("special", "")
     return Overlay(document.data["overlay"], document.data["title"], special)
 
@@ -210,7 +213,7 @@ def errata_of(applied_changes: Iterable[AppliedChange]) -> Iterator[Erratum]:
         stated_facts: dict[str, object] = {
             key: definition[key] for key in ("severity", "why", "source") if key in definition
         }
-        new_values = shortened([change.now for change in changes if change.now]) or LEFT_OUT
+        new_values = join_shortened([change.now for change in changes if change.now]) or LEFT_OUT
         affected_paths: list[str] = []
         for change in changes:
             affected_paths += change.affects
@@ -219,7 +222,7 @@ def errata_of(applied_changes: Iterable[AppliedChange]) -> Iterator[Erratum]:
             stated_facts,  # The schema reports the rest.
             name=f"{_WORD.sub('_', f'{kind}_{name}'.removeprefix('overlay_'))}_{errata_counts[name]}",
             title=change_title(_layer_words(kind, name), without_examples([change.was for change in changes])),
-            printed=shortened(without_examples([change.was for change in changes])),
+            printed=join_shortened(without_examples([change.was for change in changes])),
             used=new_values if first_change.is_known else NOT_KNOWN,
             status="settled" if first_change.is_known else "open",
             affects=tuple(dict.fromkeys(affected_paths)),
@@ -227,9 +230,9 @@ def errata_of(applied_changes: Iterable[AppliedChange]) -> Iterator[Erratum]:
         )
 
 
-def _layer_words(kind: str, layer_name: str) -> str:
-    """Return the overlay or the edition with the change in words. ``kind`` is the value of its ``LayerKind``."""
-    is_overlay = kind == LayerKind.OVERLAY.value
+def _layer_words(layer_kind: str, layer_name: str) -> str:
+    """Return the overlay or the edition with the change in words. ``layer_kind`` is the value of its ``LayerKind``."""
+    is_overlay = layer_kind == LayerKind.OVERLAY.value
     return layer_in_words(layer_name, "") if is_overlay else layer_in_words("", layer_name)
 
 
@@ -249,7 +252,7 @@ def without_examples(names: Sequence[str]) -> Sequence[str]:
     return [name for name in names if not name.startswith("examples.")] or names
 
 
-def shortened(names: Sequence[str]) -> str:
+def join_shortened(names: Sequence[str]) -> str:
     """Return the names as text, each once, such as ``a, b`` for two names.
 
     Of more than nine names, only the first eight are listed, followed by the number of the others: ``and 3 more``.
@@ -261,7 +264,7 @@ def shortened(names: Sequence[str]) -> str:
     return f"{', '.join(unique_names[:_MOST_NAMED])} and {omitted} more"
 
 
-def _of_codes(device: Device, overlays: Sequence[Document], report: Report) -> Device:
+def _reduce_to_listed_codes(device: Device, overlays: Sequence[Document], report: Report) -> Device:
     """Return the device with only the order codes that the overlays list under ``applies_to``.
 
     Report unknown order codes. If no known one is listed, the device keeps all of them.

@@ -8,14 +8,14 @@ from itertools import product
 from types import MappingProxyType
 
 from ..language.problems import DocumentReport, quoted
-from ..language.rules.parameters import all_parameters, uses
-from ..language.rules.parts import by_name, expanded, field_lists, interface_of
+from ..language.rules.parameters import all_parameters, parameter_uses
+from ..language.rules.parts import by_name, field_lists, interface_of, with_groups_expanded
 from ..language.rules.walk import leaves
 from ..language.schema_files import is_second
 from ..language.written_parts import WrittenSpec
 from ..model import Alternative, CodedValue, Device, Interface, Layout, Parameter, Variant
 from ..model.expressions import Expression, ExpressionError, resolve_parameters
-from ..order_codes.parameters import State, coded_states, corners
+from ..order_codes.parameters import State, coded_states, extreme_combinations
 from .fields import Context, bit_range
 from .from_mapping import Raw
 
@@ -25,7 +25,7 @@ _WORD = re.compile(r"[a-z][a-z0-9_]*")
 _PROSE = frozenset(("meaning", "note", "source", "title", "printed_name", "printed", "used", "why", "result"))
 
 
-def check_named_widths(raw: Raw, device: Device, report: DocumentReport) -> None:
+def check_named_widths(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
     """Report a parameter such as ``position_bits`` that differs from the width of ``position`` in a frame.
 
     Only a parameter with ``equals`` that the spec uses nowhere is checked. If another fact uses it, that fact would
@@ -35,21 +35,21 @@ def check_named_widths(raw: Raw, device: Device, report: DocumentReport) -> None
         return
     if report.document.family:  # An older edition may lack what uses a parameter.
         return
-    used_words = set(_used_words(raw))
+    used_words = set(_used_words(raw_spec))
     for parameter in device.parameters:
         is_checked = parameter.equals is not None and parameter.name.endswith(_ENDING)
         if not is_checked or parameter.name in used_words:
             continue
         frames = ((interface, layout) for interface in device.interfaces for layout in interface.layouts)
-        problem = next(filter(None, (_difference(device, parameter, *frame) for frame in frames)), "")
+        problem = next(filter(None, (_describe_difference(device, parameter, *frame) for frame in frames)), "")
         if problem:
             remedy = "correct 'equals', or rename the parameter if it is another number"
             report.add("parameter-width", ("parameters", parameter.name, "equals"), f"{problem}; {remedy}")
 
 
-def _used_words(raw: Raw) -> Iterator[str]:
+def _used_words(raw_spec: Raw) -> Iterator[str]:
     """Yield every word of a spec that may refer to a parameter: in an expression, a condition or a key."""
-    for path, value in leaves(raw):
+    for path, value in leaves(raw_spec):
         # The definition of a parameter, below ``parameters.NAME``, is not a use of its name.
         keys_of_use = path[2:] if path[0] == "parameters" else path
         yield from (step for step in keys_of_use if isinstance(step, str))
@@ -57,7 +57,7 @@ def _used_words(raw: Raw) -> Iterator[str]:
             yield from _WORD.findall(value)
 
 
-def _difference(device: Device, parameter: Parameter, interface: Interface, layout: Layout) -> str:
+def _describe_difference(device: Device, parameter: Parameter, interface: Interface, layout: Layout) -> str:
     """Return how a parameter differs from the width of the number of its name in a frame, or an empty string.
 
     It is empty if the encoder does not send a number of this name with this layout.
@@ -75,44 +75,46 @@ def _difference(device: Device, parameter: Parameter, interface: Interface, layo
     return ""
 
 
-def check_reach(raw: Raw, context: Context, variants: Sequence[Variant]) -> bool:
+def check_reach(raw_spec: Raw, context: Context, variants: Sequence[Variant]) -> bool:
     """Return True if every expression has a value. Report the others.
 
     An expression needs a value for each order code of the interface that uses it. A parameter with ``equals`` needs one
     for at least one order code.
     """
     problems_before = len(context.report)
-    spec = WrittenSpec(dict(raw))
-    for path, interface, expression_text in uses(spec):
+    spec = WrittenSpec(dict(raw_spec))
+    for path, interface, expression_text in parameter_uses(spec):
         parameter_names = list(all_parameters(expression_text, spec.parameters))
-        formulas_of_parameters = [
-            raw["parameters"][name]["equals"] for name in parameter_names if "equals" in raw["parameters"][name]
-        ]
+        definitions_of_parameters = [raw_spec["parameters"][name] for name in parameter_names]
+        formulas_of_parameters = [raw["equals"] for raw in definitions_of_parameters if "equals" in raw]
         sets_of_interface = context.parameter_sets.get(interface, ())
         # A number has the same value in each set.
         sets_to_check = sets_of_interface if parameter_names else sets_of_interface[:1]
         sets_and_expressions = product(sets_to_check, (expression_text, *formulas_of_parameters))
         problem = next(
-            filter(None, (_fault(expression, parameters) for parameters, expression in sets_and_expressions)), ""
+            filter(
+                None, (_error_of_expression(expression, parameters) for parameters, expression in sets_and_expressions)
+            ),
+            "",
         )
         if problem:
             context.report.add("bad-expression", path, problem)
-    for name, definition in raw["parameters"].items():
+    for name, definition in raw_spec["parameters"].items():
         if "equals" not in definition:
             continue
-        problems = [_fault(definition["equals"], variant.parameters) for variant in variants]
+        problems = [_error_of_expression(definition["equals"], variant.parameters) for variant in variants]
         if problems and all(problems):
             context.report.add("bad-expression", ("parameters", name, "equals"), problems[0])
     return len(context.report) == problems_before
 
 
-def _fault(text: int | str, parameters: Mapping[str, int]) -> str:
+def _error_of_expression(expression_text: int | str, parameters: Mapping[str, int]) -> str:
     """Return the reason why an expression has no value for these parameters, or an empty string.
 
     It is empty for an expression with a syntax error or an unknown parameter, which other rules report.
     """
     try:
-        expression = Expression.parse(text)
+        expression = Expression.parse(expression_text)
     except ExpressionError:
         return ""  # Reported by the rule on expressions.
     try:
@@ -123,22 +125,22 @@ def _fault(text: int | str, parameters: Mapping[str, int]) -> str:
     return ""
 
 
-def held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
+def held_in_registers(raw_spec: Raw, report: DocumentReport) -> Mapping[str, int]:
     """Return the parameters held in registers at run time, with their default values, and check them.
 
     Parameters whose values the order code sets are not in the result. If the default cannot be found, the highest value
     stands for it, so that the rest of the spec can be checked.
     """
     defaults: dict[str, int] = {}
-    names_set_by_codes = set_by_codes(raw)
-    for name, definition in raw["parameters"].items():
+    names_set_by_codes = set_by_codes(raw_spec)
+    for name, definition in raw_spec["parameters"].items():
         if "read_from" not in definition:
             continue
-        register, field = _register_and_field(raw, definition)
+        register, field = _register_and_field(raw_spec, definition)
         if register is None or field is None:
             defaults[name] = definition.get("max", 0)  # reported by the rule on references
             continue
-        low_and_width = _place(field)
+        low_and_width = _lowest_bit_and_width(field)
         if low_and_width is None:
             message = f"'{definition['read_from']}' must be placed with 'at' and a constant width"
             report.add("undefined-reference", ("parameters", name, "read_from"), message)
@@ -147,7 +149,7 @@ def held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
         low_bit, width = low_and_width
         _check_codes(name, definition, width, report)
         if name in names_set_by_codes:
-            _check_set_values(name, raw, coded_values(definition), report)
+            _check_set_values(name, raw_spec, coded_values(definition), report)
         elif "default" not in register:
             message = f"the register of '{definition['read_from']}' has no default"
             report.add(
@@ -158,19 +160,21 @@ def held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
             defaults[name] = definition.get("max", 0)
         else:
             number = (register["default"] >> low_bit) & ((1 << width) - 1)
-            defaults[name] = _default(name, definition, number, field.get("zero_means", 0), report)
+            defaults[name] = _default_of_parameter(name, definition, number, field.get("zero_means", 0), report)
     return MappingProxyType(defaults)
 
 
-def _register_and_field(raw: Raw, definition: Raw) -> tuple[Raw | None, Raw | None]:
+def _register_and_field(raw_spec: Raw, definition: Raw) -> tuple[Raw | None, Raw | None]:
     """Return the register and the field that a parameter is read from, each None if it does not exist."""
     register_name, _, field_name = definition["read_from"].partition(".")
-    registers = raw.get("registers", ())
+    registers = raw_spec.get("registers", ())
     register = next((candidate for candidate in registers if candidate["name"] == register_name), None)
-    return register, _field(register, field_name) if register is not None else None
+    return register, _find_raw_field(register, field_name) if register is not None else None
 
 
-def _default(name: str, definition: Raw, number: int, zero_means: int, report: DocumentReport) -> int:
+def _default_of_parameter(
+    name: str, definition: Raw, stored_number: int, zero_means: int, report: DocumentReport
+) -> int:
     """Return the value of a parameter whose field has this number by default, and check it.
 
     A parameter with codes has the value of the code, or 0 if the number is not one of them. ``zero_means`` is the value
@@ -178,13 +182,13 @@ def _default(name: str, definition: Raw, number: int, zero_means: int, report: D
     """
     codes_with_values = coded_values(definition)
     if codes_with_values:
-        value = next((coded.value for coded in codes_with_values if coded.code == number), None)
+        value = next((coded.value for coded in codes_with_values if coded.code == stored_number), None)
         if value is None:
-            message = f"the default of '{definition['read_from']}' is {number}"
+            message = f"the default of '{definition['read_from']}' is {stored_number}"
             remedy = f"which is not a code of {quoted('by_code')}"
             report.add("default-does-not-fit", ("parameters", name), f"{message}, {remedy}")
         return value or 0
-    value = number or zero_means
+    value = stored_number or zero_means
     if not definition.get("min", 0) <= value <= definition.get("max", value):
         message = f"the default of '{definition['read_from']}' is {value}, not between 'min' and 'max'"
         report.add("default-does-not-fit", ("parameters", name), message)
@@ -197,7 +201,7 @@ def coded_values(definition: Raw) -> tuple[CodedValue, ...]:
     return tuple(sorted(values, key=lambda coded: coded.code))
 
 
-def extreme_states(raw: Raw) -> Sequence[Sequence[State]]:
+def extreme_states(raw_spec: Raw) -> Sequence[Sequence[State]]:
     """Return the states of each register field that must fit: the limits of its parameter, or each of its codes.
 
     There is one list for each parameter with limits, such as ``[{"offset": 0}, {"offset": 15}]``, and one for each
@@ -205,7 +209,7 @@ def extreme_states(raw: Raw) -> Sequence[Sequence[State]]:
     """
     states_of_limits: list[list[State]] = []
     codes_by_field: dict[str, dict[str, Mapping[int, int]]] = {}
-    for name, definition in raw["parameters"].items():
+    for name, definition in raw_spec["parameters"].items():
         field = definition.get("read_from")
         if field is not None and "by_code" in definition:
             values_by_code = {coded.code: coded.value for coded in coded_values(definition)}
@@ -215,22 +219,22 @@ def extreme_states(raw: Raw) -> Sequence[Sequence[State]]:
     return [*states_of_limits, *map(coded_states, codes_by_field.values())]
 
 
-def set_by_codes(raw: Raw) -> frozenset[str]:
+def set_by_codes(raw_spec: Raw) -> frozenset[str]:
     """Return the names of the parameters that values of the order code set."""
     parameter_names: set[str] = set()
-    for part in raw["order_code"]["parts"]:
+    for part in raw_spec["order_code"]["parts"]:
         for code_value in part["values"].values():
             parameter_names.update((code_value or {}).get("sets", ()))
     return frozenset(parameter_names)
 
 
-def _check_set_values(name: str, raw: Raw, codes: Sequence[CodedValue], report: DocumentReport) -> None:
+def _check_set_values(name: str, raw_spec: Raw, codes: Sequence[CodedValue], report: DocumentReport) -> None:
     """Check that order codes set values that the register can hold, which are those with a code.
 
     Without codes, nothing is checked.
     """
     values_with_code = {coded.value for coded in codes}
-    for index, part in enumerate(raw["order_code"]["parts"]):
+    for index, part in enumerate(raw_spec["order_code"]["parts"]):
         for text_of_value, code_value in part["values"].items():
             value_set = (code_value or {}).get("sets", {}).get(name)
             if values_with_code and value_set is not None and value_set not in values_with_code:
@@ -259,20 +263,20 @@ def _check_codes(name: str, definition: Raw, width: int, report: DocumentReport)
         first_text_by_code.setdefault(code, code_text)
 
 
-def _field(register: Raw, name: str) -> Raw | None:
+def _find_raw_field(register: Raw, field_name: str) -> Raw | None:
     """Return a field of a register as in the spec, or None if there is no such field.
 
     A register without fields is one number, whose field has the name of the register. If the register uses a group, any
     other name may be a field of the group. The result is then empty.
     """
     if "fields" not in register:
-        return {"name": name, "at": f"{8 * register['length'] - 1}:0"} if name == register["name"] else None
+        return {"name": field_name, "at": f"{8 * register['length'] - 1}:0"} if field_name == register["name"] else None
     own_fields = [field for field in register["fields"] if "use" not in field]
     field_of_group: Raw | None = {} if len(own_fields) < len(register["fields"]) else None
-    return next((field for field in own_fields if field.get("name") == name), field_of_group)
+    return next((field for field in own_fields if field.get("name") == field_name), field_of_group)
 
 
-def _place(field: Raw) -> tuple[int, int] | None:
+def _lowest_bit_and_width(field: Raw) -> tuple[int, int] | None:
     """Return the lowest bit and the width of a field, such as ``(0, 8)`` for ``at: 7:0``.
 
     Return None for a field without a valid ``at``, or with a width that is an expression.
@@ -291,14 +295,17 @@ MOST_PLACES = 500_000
 
 
 def parameter_sets(
-    raw: Raw, definitions: Mapping[str, Expression], variants: Sequence[Variant], alternatives: Sequence[Alternative]
+    raw_spec: Raw,
+    definitions: Mapping[str, Expression],
+    variants: Sequence[Variant],
+    alternatives: Sequence[Alternative],
 ) -> Mapping[str, Sequence[Mapping[str, int]]]:
     """Return, by interface, every set of parameters that a layout must support.
 
     These are the sets of the order codes, the bounds of parameters held in registers, one by one and together, and each
     of these with the default answers, and with each other answer of one alternative.
     """
-    interface_names = (*raw["interfaces"], *map(interface_of, WrittenSpec(dict(raw)).registers))
+    interface_names = (*raw_spec["interfaces"], *map(interface_of, WrittenSpec(dict(raw_spec)).registers))
     if not variants:  # Parameters are unknown. Parts that do not use them can still be checked.
         return MappingProxyType({kind: ({},) for kind in interface_names})
     sets_by_interface: dict[str, list[Mapping[str, int]]] = {kind: [] for kind in interface_names}
@@ -306,10 +313,14 @@ def parameter_sets(
     for alternative in alternatives:
         # The first answer is the default, which the order codes already have.
         values_of_answers += [answer.sets for answer in alternative.answers[1:]]
-    states_by_field = extreme_states(raw)
+    states_by_field = extreme_states(raw_spec)
     # One by one first, so that messages name as few parameters as possible.
     single_states = (register_state for states in states_by_field for register_state in states)
-    register_states: list[State] = [{}, *single_states, *(corners(states_by_field) if len(states_by_field) > 1 else ())]
+    register_states: list[State] = [
+        {},
+        *single_states,
+        *(extreme_combinations(states_by_field) if len(states_by_field) > 1 else ()),
+    ]
     known_sets: set[tuple[str, tuple[int, ...]]] = set()
     sets_by_codes = _without_definitions(definitions, variants)
     for (kind, set_by_code), register_state, values_of_answer in product(
@@ -344,15 +355,15 @@ def _without_definitions(
     yield from ((interface, base) for (interface, _), base in base_by_values.items())
 
 
-def too_much_work(raw: Raw, context: Context) -> bool:
+def too_much_work(raw_spec: Raw, context: Context) -> bool:
     """Report a spec for which each field would be placed too often, and return True. Otherwise, return False.
 
     Each field is placed once for each set of parameters.
     """
     number_of_sets = sum(map(len, context.parameter_sets.values()))
-    spec = WrittenSpec(dict(raw))
+    spec = WrittenSpec(dict(raw_spec))
     groups = by_name(spec.field_groups)
-    number_of_fields = sum(1 for fields in field_lists(spec) for _ in expanded(fields, groups))
+    number_of_fields = sum(1 for fields in field_lists(spec) for _ in with_groups_expanded(fields, groups))
     if number_of_sets <= MOST_SETS and number_of_sets * number_of_fields <= MOST_PLACES:
         return False
     number_text = f"more than {MOST_SETS}" if number_of_sets > MOST_SETS else str(number_of_sets)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from itertools import pairwise
+from collections.abc import Iterator, Mapping
+from itertools import islice, pairwise
 
 from ..language.document import Path
 from ..language.problems import DocumentReport
@@ -11,6 +11,7 @@ from ..language.schema_files import is_second
 from ..model import Device, Field, Interface, Layout, Measurement, Number, Variant
 from ..model.expressions import Expression
 from ..model.record import dataclass
+from .gray_positions import KeyProblem, check_gray_positions, is_power_of_two
 
 #: From this number, a power of two minus one is assumed to be the highest count, not the number of counts.
 _SEVERAL = 15
@@ -39,31 +40,30 @@ def check_measurements(device: Device, report: DocumentReport) -> None:
     """Check scales and Gray code of positions, and report the first contradiction of each measurement."""
     reported: set[Path] = set()
     _check_scales(device, report)
-    _check_gray(device, report)
+    check_gray_positions(device, report)
     for interface in device.interfaces:
-        problem = next(_problems_of(device, interface), None)
-        if problem is not None and problem[0] not in reported:
-            path, key, message = problem
-            reported.add(path)
-            report.add("measurement-does-not-fit", (*path, key), message)
+        for path, problem in islice(_problems_of(device, interface), 1):
+            if path not in reported:
+                reported.add(path)
+                report.add("measurement-does-not-fit", (*path, problem.key), problem.message)
 
 
-def _problems_of(device: Device, interface: Interface) -> Iterator[tuple[Path, str, str]]:
-    """Yield contradictions of a measurement: the path of its definition, the wrong key there, and the message."""
+def _problems_of(device: Device, interface: Interface) -> Iterator[tuple[Path, KeyProblem]]:
+    """Yield the contradictions of a measurement, each with the path of the measurement or range that has the key."""
     measurement = device.measurement_of(interface.name)
     if measurement is None:
         return
     measurement_path: Path = ("measurement",)
     if interface.measurement is not None:
         measurement_path = ("interfaces", interface.name, "measurement")
-    for case in _cases(device, interface, measurement):
+    for case in _yield_cases(device, interface, measurement):
         range_of_layout = case.layout.position_range
         problem = _measurement_problem(device, measurement.within(range_of_layout), case)
         if problem is not None:
-            key, message = problem
             range_path: Path = ("interfaces", interface.name, "layouts", case.layout.name, "position_range")
             # A number that the range of the layout gives is wrong there, others in the measurement.
-            yield range_path if getattr(range_of_layout, key, None) is not None else measurement_path, key, message
+            is_of_range = getattr(range_of_layout, problem.key, None) is not None
+            yield range_path if is_of_range else measurement_path, problem
 
 
 def _check_scales(device: Device, report: DocumentReport) -> None:
@@ -83,122 +83,7 @@ def _check_scales(device: Device, report: DocumentReport) -> None:
                     report.add("scale-of", path, message, at_key=True)
 
 
-def _check_gray(device: Device, report: DocumentReport) -> None:
-    """Report a position in Gray code without the excess that its counts per turn need, or with one it cannot have."""
-    run_time_names = _set_at_run_time(device)
-    for interface in device.interfaces:
-        measurement = device.measurement_of(interface.name)
-        for layout in interface.layouts:
-            problem = _reason_against_excess(layout, measurement, run_time_names)
-            if problem is None and measurement is not None and _codes_position(layout, measurement):
-                variants = _gray_variants(device, interface, layout, run_time_names)
-                problem = _problem_of_counts(layout, measurement, variants)
-            if problem is not None:
-                key, message = problem
-                path: Path = ("interfaces", interface.name, "layouts", layout.name, "gray")
-                # Without a key, 'gray' itself is marked: it lacks 'excess'.
-                report.add("gray-excess", (*path, key) if key else path, message, at_key=not key)
-
-
-def _gray_variants(device: Device, interface: Interface, layout: Layout, switched: Collection[str]) -> list[Variant]:
-    """Return the order codes whose position is in Gray code, or can be if a register switches it."""
-    variants = device.variants_over(interface.name)
-    if layout.gray_when in switched:
-        return list(variants)
-    return [variant for variant in variants if layout.place(variant.parameters).gray]
-
-
-def _codes_position(layout: Layout, measurement: Measurement) -> bool:
-    """Return True if the lowest field of the measured position is in Gray code, and counts within a turn."""
-    if layout.sender != "encoder" or measurement.counts_per_turn is None:
-        return False
-    if not layout.gray_of or measurement.of not in layout.member_names:
-        return False
-    return layout.names_in(measurement.of)[-1] in layout.names_in(layout.gray_of)
-
-
-def _is_position_alone(layout: Layout, measurement: Measurement) -> bool:
-    """Return True if the number in Gray code is the whole position, one unsigned field, with ``turns: 1``."""
-    names = layout.names_in(layout.gray_of)
-    if len(names) != 1 or names != layout.names_in(measurement.of) or measurement.turns != Expression(1):
-        return False
-    kind = layout.field(names[0]).kind
-    return isinstance(kind, Number) and not kind.signed and not kind.zero_means
-
-
-def _reason_against_excess(
-    layout: Layout, measurement: Measurement | None, switched: Collection[str]
-) -> tuple[str, str] | None:
-    """Return the key and the message if the layout has an ``excess`` that cannot be checked, otherwise None.
-
-    ``switched`` are the parameters that depend on a register.
-    """
-    if layout.gray_excess is None:
-        return None
-    if measurement is None or not _codes_position(layout, measurement) or not _is_position_alone(layout, measurement):
-        problem = f"'excess' needs 'counts_per_turn' and 'turns: 1' of '{layout.gray_of}', as one unsigned field"
-        return "excess", f"{problem}; measure this field of a frame from the encoder, or leave 'excess' out"
-    if measurement.highest is not None or layout.position_range is not None:
-        problem = "'excess' is only for positions from 0 to 'counts_per_turn' - 1"
-        return "excess", f"{problem}; leave 'highest' and 'position_range' out, or leave 'excess' out"
-    counts = measurement.counts_per_turn
-    names = [*layout.gray_excess.parameters, *(counts.parameters if counts is not None else ())]
-    at_run_time = sorted({name for name in names if name in switched})
-    if at_run_time:
-        problem = f"'{at_run_time[0]}' depends on a register, but the excess of an order code is fixed"
-        return "excess", f"{problem}; leave 'gray' and 'measurement' out, and convert the position in your program"
-    return None
-
-
-def _problem_of_counts(layout: Layout, measurement: Measurement, variants: Sequence[Variant]) -> tuple[str, str] | None:
-    """Return the key and the message for the first order code without the excess that its counts per turn need."""
-    assert measurement.counts_per_turn is not None
-    counts_by_code = {variant.code: measurement.counts_per_turn.value(variant.parameters) for variant in variants}
-    for variant in variants:
-        counts = counts_by_code[variant.code]
-        bits = (counts - 1).bit_length()
-        # The codes in use are in the middle of all codes, so half of the others come before them.
-        excess = ((1 << bits) - counts) // 2
-        stated = layout.gray_excess.value(variant.parameters) if layout.gray_excess is not None else 0
-        # Counts below 1 are reported elsewhere. With an even number and the right excess, nothing is wrong.
-        if counts < 1 or (stated == excess and counts & 1 == 0):
-            continue
-        # Not a power of two, so it needs an excess, but it is odd or not alone in its number.
-        if counts & (counts - 1) and (counts & 1 or not _is_position_alone(layout, measurement)):
-            return "", _no_excess_message(layout, variant, counts)
-        formula = f"(2^{bits} - {counts}) / 2 = {excess}"
-        if layout.gray_excess is not None:
-            return "excess", f"'excess' is {stated} for {variant.code}; for {counts} counts per turn, it is {formula}"
-        remedy = f"write 'excess: {excess}' in 'gray'"
-        if len(set(counts_by_code.values())) > 1:
-            remedy = (
-                f"write 'excess: PARAMETER' in 'gray', which is {excess} for this order code and 0 for a power of two"
-            )
-        return "", f"{_counts_text(layout, variant, counts)}, so it is sent in Gray excess, {formula}; {remedy}"
-    return None
-
-
-def _counts_text(layout: Layout, variant: Variant, counts: int) -> str:
-    return f"'{layout.gray_of}' has {counts} counts per turn for {variant.code}, not a power of two"
-
-
-def _no_excess_message(layout: Layout, variant: Variant, counts: int) -> str:
-    """Return the message about counts that are not a power of two in Gray code, and cannot have an excess."""
-    reason = "and Gray excess is only for the position within a turn, in one unsigned field"
-    if counts & 1:
-        reason = "and an odd number of counts cannot be sent in Gray excess"
-    remedy = "leave 'gray' and 'measurement' out, call the field 'gray_code', and convert it in your program"
-    return f"{_counts_text(layout, variant, counts)}, {reason}; {remedy}"
-
-
-def _set_at_run_time(device: Device) -> set[str]:
-    """Return the parameters that depend on a register, directly or through other parameters."""
-    held_names = {parameter.name for parameter in device.run_time_parameters}
-    names = (parameter.name for parameter in device.parameters)
-    return {name for name in names if not held_names.isdisjoint(device.needed_parameters([name]))}
-
-
-def _cases(device: Device, interface: Interface, measurement: Measurement) -> Iterator[_Case]:
+def _yield_cases(device: Device, interface: Interface, measurement: Measurement) -> Iterator[_Case]:
     """Yield each layout that the encoder sends with each order code of the interface."""
     for layout in (candidate for candidate in interface.layouts if candidate.sender == "encoder"):
         names = layout.names_in(measurement.of)
@@ -208,88 +93,114 @@ def _cases(device: Device, interface: Interface, measurement: Measurement) -> It
             yield _Case(variant, layout, widths)
 
 
-def _measurement_problem(device: Device, measurement: Measurement, case: _Case) -> tuple[str, str] | None:
+def _measurement_problem(device: Device, measurement: Measurement, case: _Case) -> KeyProblem | None:
     """Return the wrong key and the message of the first contradiction with the layout of a case, or None."""
     # The key that gives the number of positions: per turn, or in all for a length.
     key = "counts_per_turn" if measurement.counts_per_turn is not None else "modulus"
-    expressions = {name: getattr(measurement, name) for name in ("counts_per_turn", "turns", *_STEPS, "modulus")}
-    expressions = {name: number for name, number in expressions.items() if number is not None}
-    values = {name: number.value(case.variant.parameters) for name, number in expressions.items()}
-    for name, value in values.items():
-        if value < 1:
-            return name, f"'{name}' is {value} for {case.variant.code}; it must be at least 1"
-        if name in _STEPS and value > _MOST:
-            return name, f"'{name}' is {value} for {case.variant.code}; it must be at most {_MOST}"
-    if (unit_problem := _other_unit(case, values)) is not None:
-        return unit_problem
+    expressions: dict[str, Expression] = {}
+    for name in ("counts_per_turn", "turns", *_STEPS, "modulus"):
+        expression = getattr(measurement, name)
+        if expression is not None:
+            expressions[name] = expression
+    values = {name: expression.value(case.variant.parameters) for name, expression in expressions.items()}
+    problem = _limit_problem(case, values) or _unit_problem(case, values)
+    if problem is not None:
+        return problem
     position_range = case.layout.position_range
     never_wraps = position_range is not None and not position_range.wraps
     if key not in values or not case.width or never_wraps:
         return None
-    for name, value in values.items():
-        # All bits 1, such as 4095: the highest position instead of the number of positions.
-        is_highest = name not in _STEPS and value >= _SEVERAL and value & (value + 1) == 0
-        if is_highest and not _at_run_time(device, expressions[name]):
-            message = f"'{name}' is {value} for {case.variant.code}, which is the highest count"
-            return name, f"{message}; including 0 there are {value + 1}"
+    fixed_values = {name: value for name, value in values.items() if not _at_run_time(device, expressions[name])}
     return (
-        _does_not_fit(device, measurement, case, key, values)
-        or _out_of_range(measurement, case, key)
-        or _upside_down(measurement, case, key, values)
+        _highest_count_problem(case, fixed_values)
+        or _width_problem(device, measurement, case, key, values)
+        or _range_problem(measurement, case, key)
+        or _order_problem(measurement, case, key, values)
         or _revolution_problem(case, key, values)
     )
 
 
-def _other_unit(case: _Case, values: Mapping[str, int]) -> tuple[str, str] | None:
+def _limit_problem(case: _Case, values: Mapping[str, int]) -> KeyProblem | None:
+    """Return the key and the message if a number of the measurement is below 1, or a step is too large for C."""
+    for name, value in values.items():
+        if value < 1:
+            return KeyProblem(name, f"'{name}' is {value} for {case.variant.code}; it must be at least 1")
+        if name in _STEPS and value > _MOST:
+            return KeyProblem(name, f"'{name}' is {value} for {case.variant.code}; it must be at most {_MOST}")
+    return None
+
+
+def _highest_count_problem(case: _Case, fixed_values: Mapping[str, int]) -> KeyProblem | None:
+    """Return the key and the message if a number of counts is all ones, such as 4095, and so the highest count.
+
+    ``fixed_values`` lacks numbers that depend on a register, which may be any.
+    """
+    for name, value in fixed_values.items():
+        is_highest = name not in _STEPS and value >= _SEVERAL and is_power_of_two(value + 1)
+        if is_highest:
+            message = f"'{name}' is {value} for {case.variant.code}, which is the highest count"
+            return KeyProblem(name, f"{message}; including 0 there are {value + 1}")
+    return None
+
+
+def _unit_problem(case: _Case, values: Mapping[str, int]) -> KeyProblem | None:
     """Return the key and the message if the unit of a single position field contradicts the length of a count."""
-    key = next((name for name in ("step_um", "step_nm") if name in values), "")
-    position_fields = [case.layout.field(name) for name, _ in case.fields]
-    if not key or len(position_fields) != 1 or position_fields[0].unit not in _NANOMETRES:
+    if "step_um" in values:
+        key, step_nm = "step_um", values["step_um"] * _NANOMETRES["um"]
+    elif "step_nm" in values:
+        key, step_nm = "step_nm", values["step_nm"]
+    else:
         return None
-    unit = position_fields[0].unit
-    per_counts = values.get("per_counts", 1)
+    if len(case.fields) != 1:
+        return None
+    position_name, _ = case.fields[0]
+    unit = case.layout.field(position_name).unit
+    if unit not in _NANOMETRES:
+        return None
     # The step is the length of 'per_counts' counts, and the unit of the field that of one count.
-    if values[key] * _NANOMETRES["um" if key == "step_um" else "nm"] == _NANOMETRES[unit] * per_counts:
+    if step_nm == _NANOMETRES[unit] * values.get("per_counts", 1):
         return None
-    message = f"'{key}' is {values[key]} for {case.variant.code}, but '{position_fields[0].name}' has 'unit: {unit}'"
-    return key, f"{message}, so a count is 1 {unit}; correct one of the two, or write 'unit: counts'"
+    message = f"'{key}' is {values[key]} for {case.variant.code}, but '{position_name}' has 'unit: {unit}'"
+    return KeyProblem(key, f"{message}, so a count is 1 {unit}; correct one of the two, or write 'unit: counts'")
 
 
-def _does_not_fit(
-    device: Device, measurement: Measurement, case: _Case, key: str, values: Mapping[str, int]
-) -> tuple[str, str] | None:
+def _width_problem(
+    device: Device, measurement: Measurement, case: _Case, counts_key: str, values: Mapping[str, int]
+) -> KeyProblem | None:
     """Return the key and the message if the position has too few bits, or unused bits where it must use all."""
     turns = values.get("turns", 1)
-    counts = values[key] * turns
-    counts_text = f"{values[key]} counts" + (f" × {turns} turns" if turns > 1 else "")
+    counts = values[counts_key] * turns
+    counts_text = f"{values[counts_key]} counts" + (f" × {turns} turns" if turns > 1 else "")
     width_text = f"'{measurement.of}' in '{case.layout.name}' has {case.width} bits for {case.variant.code}"
     if counts > 1 << case.width:
-        return key, f"{counts_text} do not fit, because {width_text}"
+        return KeyProblem(counts_key, f"{counts_text} do not fit, because {width_text}")
     fields = [case.layout.field(name) for name, _ in case.fields]
     is_signed = any(isinstance(field.kind, Number) and field.kind.signed for field in fields)
     end_of_width = 1 << case.width
     if len(fields) > 1 and measurement.highest is not None:
         highest = measurement.highest.value(case.variant.parameters)
         if highest >= end_of_width:
-            return "highest", f"'highest' is {highest}, but {width_text} and ends at {end_of_width - 1}"
-    width_parameters = _sources(device, *(case.layout.field(name).width for name, _ in case.fields))
-    count_parameters = _sources(
+            return KeyProblem("highest", f"'highest' is {highest}, but {width_text} and ends at {end_of_width - 1}")
+    width_parameters = _parameters_behind(device, *(case.layout.field(name).width for name, _ in case.fields))
+    count_parameters = _parameters_behind(
         device, *filter(None, (measurement.counts_per_turn, measurement.turns, measurement.modulus))
     )
     # A position of fixed width can begin with zeros, as manuals draw it. Decoders reject a position above the counts.
     # A length that wraps around at a power of two uses all bits of its field, unless 'highest' gives another range.
-    uses_all_bits = key == "modulus" and counts & (counts - 1) == 0 and not is_signed and measurement.highest is None
+    uses_all_bits = (
+        counts_key == "modulus" and is_power_of_two(counts) and not is_signed and measurement.highest is None
+    )
     must_fill = uses_all_bits or (
         width_parameters and count_parameters <= width_parameters and not (is_signed and measurement.highest)
     )
     # One bit less would be enough.
     if 2 * counts <= 1 << case.width and must_fill:
         message = f"{counts_text} need {(counts - 1).bit_length()} bits, but {width_text}"
-        return key, f"{message}; define zeros above a position as a separate field"
+        return KeyProblem(counts_key, f"{message}; define zeros above a position as a separate field")
     return None
 
 
-def _out_of_range(measurement: Measurement, case: _Case, key: str) -> tuple[str, str] | None:
+def _range_problem(measurement: Measurement, case: _Case, counts_key: str) -> KeyProblem | None:
     """Return the key and the message if the range of a position does not fit its only field, or is unknown."""
     if measurement.total is None or len(case.fields) != 1:
         return None
@@ -298,64 +209,75 @@ def _out_of_range(measurement: Measurement, case: _Case, key: str) -> tuple[str,
     field_text = f"'{name}' in '{case.layout.name}'"
     is_signed = case.layout.field(name).number.signed
     if measurement.highest is None:
-        if is_signed and total != 1 << width and not total & (total - 1):
-            return key, _too_wide(case, field_text, total)
-        if not is_signed or not total & (total - 1):
-            return None
-        message = f"{field_text} is signed, and its range does not follow from {total} counts for {case.variant.code}"
-        return key, f"{message}; add 'highest', from which the lowest position follows: highest - {total} + 1"
+        message = _message_of_signed_range(case, field_text, total) if is_signed else ""
+        return KeyProblem(counts_key, message) if message else None
     highest = measurement.highest.value(case.variant.parameters)
-    lowest, highest_possible = (-(1 << (width - 1)), (1 << (width - 1)) - 1) if is_signed else (0, (1 << width) - 1)
-    if lowest <= highest - total + 1 and highest <= highest_possible:
+    lowest = highest - total + 1
+    # In two's complement, half of the numbers are negative.
+    lowest_possible = -(1 << (width - 1)) if is_signed else 0
+    highest_possible = lowest_possible + (1 << width) - 1
+    if lowest_possible <= lowest and highest <= highest_possible:
         return None
-    positions = f"positions of {case.variant.code} are {highest - total + 1} to {highest}"
-    possible_range = f"{field_text} holds {lowest} to {highest_possible}"
-    return "highest", f"'highest' is {highest} for {total} counts, so {positions}, but {possible_range}"
+    positions = f"positions of {case.variant.code} are {lowest} to {highest}"
+    possible_range = f"{field_text} holds {lowest_possible} to {highest_possible}"
+    return KeyProblem("highest", f"'highest' is {highest} for {total} counts, so {positions}, but {possible_range}")
 
 
-def _too_wide(case: _Case, field_text: str, total: int) -> str:
-    """Return the message about a signed position that can be more numbers than the encoder has positions."""
+def _message_of_signed_range(case: _Case, field_text: str, total: int) -> str:
+    """Return the message about a signed position without ``highest``, or an empty string if it needs none.
+
+    It needs none if it has as many numbers as the encoder has positions.
+    """
+    if not is_power_of_two(total):
+        message = f"{field_text} is signed, and its range does not follow from {total} counts for {case.variant.code}"
+        return f"{message}; add 'highest', from which the lowest position follows: highest - {total} + 1"
+    if total == 1 << case.width:
+        return ""
     message = f"{field_text} is signed and has {case.width} bits, but the position wraps around after {total} counts"
     remedy = "'position_range: {wraps: false}' if it never wraps around, otherwise give 'highest'"
     return f"{message} for {case.variant.code}; give that layout {remedy}"
 
 
-def _upside_down(measurement: Measurement, case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str] | None:
+def _order_problem(
+    measurement: Measurement, case: _Case, counts_key: str, values: Mapping[str, int]
+) -> KeyProblem | None:
     """Return the key and the message if a number of revolutions is below the position within one revolution.
 
     In a frame of bytes, the order in which fields are sent does not tell which one is more significant.
     """
-    if key != "counts_per_turn":
+    if counts_key != "counts_per_turn":
         return None
     names = [name for name, _ in case.fields]
     count_turns = [case.layout.field(name).unit in _REVOLUTIONS for name in names]
     if not any(count_turns) and len(names) == 2:
         # Without units, the widths tell: the counts of a turn fit the upper field, and the turns the lower one.
         (_, upper), (_, lower) = case.fields
-        count_turns[1] = upper != lower and values[key] == 1 << upper and values.get("turns") == 1 << lower
+        count_turns[1] = upper != lower and values[counts_key] == 1 << upper and values.get("turns") == 1 << lower
     for (above_name, above_counts_turns), (name, counts_turns) in pairwise(zip(names, count_turns, strict=True)):
         if counts_turns and not above_counts_turns:
             message = f"'{measurement.of}' has '{name}', which counts revolutions, below '{above_name}'"
-            return key, f"{message}; list '{name}' first in its 'join'"
+            return KeyProblem(counts_key, f"{message}; list '{name}' first in its 'join'")
     return None
 
 
-def _revolution_problem(case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str] | None:
+def _revolution_problem(case: _Case, counts_key: str, values: Mapping[str, int]) -> KeyProblem | None:
     """Return the key and the message if the fields below a number of revolutions do not fill one revolution."""
+    if counts_key != "counts_per_turn":
+        return None
+    counts = values[counts_key]
     for index, (name, width) in enumerate(case.fields[:-1]):
-        bits_below = sum(width for _, width in case.fields[index + 1 :])
+        bits_below = sum(width_below for _, width_below in case.fields[index + 1 :])
         # Without a unit, the upper of two fields counts turns if they fit into it, and the counts into the other.
-        fits_turns = (
-            len(case.fields) == 2 and values[key] < 1 << bits_below and 1 < values.get("turns", 1) <= 1 << width
-        )
+        has_turns_that_fit = 1 < values.get("turns", 1) <= 1 << width
+        fits_turns = len(case.fields) == 2 and counts < 1 << bits_below and has_turns_that_fit
         counts_turns = case.layout.field(name).unit in _REVOLUTIONS or fits_turns
-        if counts_turns and key == "counts_per_turn" and values[key] != 1 << bits_below:
+        if counts_turns and counts != 1 << bits_below:
             message = (
                 f"'{name}' counts revolutions, and {bits_below} bits follow it for {case.variant.code}, so"
-                f" a turn must have {1 << bits_below} counts, not {values[key]}"
+                f" a turn must have {1 << bits_below} counts, not {counts}"
             )
             remedy = f"; measure '{case.fields[1][0]}' alone, with 'turns: 1'" if fits_turns else ""
-            return key, message + remedy
+            return KeyProblem(counts_key, message + remedy)
     return None
 
 
@@ -365,7 +287,7 @@ def _at_run_time(device: Device, expression: Expression) -> bool:
     return not held_names.isdisjoint(device.needed_parameters(expression.parameters))
 
 
-def _sources(device: Device, *expressions: Expression) -> frozenset[str]:
+def _parameters_behind(device: Device, *expressions: Expression) -> frozenset[str]:
     """Return the parameters behind these expressions: those set by order codes or held in registers."""
     names = (name for expression in expressions for name in expression.parameters)
     return device.needed_parameters(names) - device.definitions.keys()
@@ -416,7 +338,7 @@ def _check_width(device: Device, interface: Interface, layout: Layout, field: Fi
         ("field_groups", field.group) if field.group else ("interfaces", interface.name, "layouts", layout.name)
     )
     message = f"'{field.name}' always has {width} bits, but the counts of {code} need {bits}"
-    correct_width = _right_width(measurement, fills_width, bits)
+    correct_width = _corrected_width(measurement, fills_width, bits)
     report.add(
         "measurement-does-not-fit",
         (*owner_path, "fields", field.name),
@@ -424,7 +346,7 @@ def _check_width(device: Device, interface: Interface, layout: Layout, field: Fi
     )
 
 
-def _right_width(measurement: Measurement, fills_width: bool, bits: int) -> str:
+def _corrected_width(measurement: Measurement, fills_width: bool, bits: int) -> str:
     """Return the corrected ``bits``, such as ``bits: 24``. It is a parameter if some order code fills the width."""
     counts = measurement.counts_per_turn
     assert counts is not None
@@ -437,10 +359,10 @@ def _right_width(measurement: Measurement, fills_width: bool, bits: int) -> str:
 
 def _needed_bits(measurement: Measurement, variant: Variant) -> int | None:
     """Return the bits that the positions of an order code fill, or None if that is not a whole number."""
-    counts = _value(measurement.counts_per_turn, variant) * _value(measurement.turns, variant)
-    return counts.bit_length() - 1 if counts > 0 and not counts & (counts - 1) else None
+    counts = _value_or_one(measurement.counts_per_turn, variant) * _value_or_one(measurement.turns, variant)
+    return counts.bit_length() - 1 if is_power_of_two(counts) else None
 
 
-def _value(expression: Expression | None, variant: Variant) -> int:
+def _value_or_one(expression: Expression | None, variant: Variant) -> int:
     """Return the value of an expression for an order code, or 1 if there is none."""
     return 1 if expression is None else expression.value(variant.parameters)

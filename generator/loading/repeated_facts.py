@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import count
 from pathlib import PurePath
 
 from ..language.document import Document, Path
 from ..language.problems import DocumentReport, Report, quoted
 from ..language.rules.code_meanings import MEANING_DIFFERS
-from ..language.rules.parts import by_name, by_part_name, explained
+from ..language.rules.parts import by_name, by_part_name, has_erratum_at
 from ..language.written import Located
 from ..language.written_codes import WrittenRegister
 from ..language.written_layouts import WrittenField
@@ -41,65 +42,67 @@ def check_shared_facts(documents: Sequence[Document], report: Report) -> None:
         for kind in _COMMON:
             # ``name`` is that of a register or CRC, such as ``{"registers": ["preset"]}``.
             for name in alike_names.get(kind, ()):
-                documents_with_fact = [document for document in documents_of_maker if name in _parts(kind, document)]
-                _compare(kind, name, documents_with_fact, report)
+                specs_with_part = [device for device in documents_of_maker if name in _parts_by_name(kind, device)]
+                _report_different_facts(kind, name, specs_with_part, report)
         compare_ports(alike_names.get("ports", ()), documents_of_maker, report)
         compare_connectors(maker_document, documents_of_maker, report)
 
 
-def _parts(kind: str, document: Document) -> Mapping[str, WrittenRegister | Located[Crc]]:
+def _parts_by_name(section: str, document: Document) -> Mapping[str, WrittenRegister | Located[Crc]]:
     """Return the registers or CRCs of a spec by name."""
     spec = WrittenSpec(document.data)
-    return by_name(spec.registers) if kind == "registers" else by_part_name(spec.crcs)
+    return by_name(spec.registers) if section == "registers" else by_part_name(spec.crcs)
 
 
-def _compare(kind: str, name: str, documents_with_fact: Sequence[Document], report: Report) -> None:
+def _report_different_facts(
+    section: str, part_name: str, documents_with_fact: Sequence[Document], report: Report
+) -> None:
     """Report each device whose register or CRC differs from the most common one, fact by fact.
 
-    ``kind`` is a key of ``_COMMON``. Among equally common facts, the one of the first file applies. A difference is not
-    reported if an erratum of either device affects it.
+    ``section`` is a key of ``_COMMON``. Among equally common facts, the one of the first file applies. A difference is
+    not reported if an erratum of either device affects it.
     """
     facts_by_key: dict[tuple[str, ...], list[tuple[Document, _Fact]]] = {}
     for document in sorted(documents_with_fact, key=lambda document: document.file):
-        for key, fact in _facts(kind, _parts(kind, document)[name]):
+        for key, fact in _shared_facts(section, _parts_by_name(section, document)[part_name]):
             facts_by_key.setdefault(key, []).append((document, fact))
     for key, facts in facts_by_key.items():
-        affected_place = (kind, name, *key)
-        fact_counts = Counter(text for _, (_, text) in facts)
-        # ``max`` returns the first of several maxima, and files are in order.
-        common_document, (common_path, common_text) = max(facts, key=lambda fact: fact_counts[fact[1][1]])
+        affected_place = (section, part_name, *key)
+        (common_text, _), *_ = Counter(text for _, (_, text) in facts).most_common(1)
+        facts_in_common = [fact for fact in facts if fact[1][1] == common_text]
+        common_document, (common_path, _) = facts_in_common[0]
+        if has_erratum_at(common_document, *affected_place):
+            continue
         for document, (path, text) in facts:
-            if (
-                text == common_text
-                or explained(document, *affected_place)
-                or explained(common_document, *affected_place)
-            ):
+            if text == common_text or has_erratum_at(document, *affected_place):
                 continue
-            line = common_document.position((kind, name, *common_path))[0]
+            line = common_document.position((section, part_name, *common_path))[0]
             message = (
                 f"this is {text}, but {common_text} in {PurePath(common_document.file).name}:{line}; according to the"
-                f" manufacturer's file, {quoted(name)} is the same in all devices. If it is not, add an erratum that"
-                f" affects {'.'.join(affected_place)}"
+                f" manufacturer's file, {quoted(part_name)} is the same in all devices. If it is not, add an erratum"
+                f" that affects {'.'.join(affected_place)}"
             )
-            report.add("not-alike", document, (kind, name, *path), message)
+            report.add("not-alike", document, (section, part_name, *path), message)
 
 
-def _facts(kind: str, definition: WrittenRegister | Located[Crc]) -> Iterator[tuple[tuple[str, ...], _Fact]]:
+def _shared_facts(
+    section: str, register_or_crc: WrittenRegister | Located[Crc]
+) -> Iterator[tuple[tuple[str, ...], _Fact]]:
     """Yield the shared facts of a register or CRC, each with its place as an erratum gives it.
 
     A field has its name in that place, such as ``("warning", "at")``, and its index in the path of the fact, such as
     ``("fields", 2, "at")``.
     """
-    for key, form in _COMMON[kind].items():
-        if key in definition.data:
-            yield (key,), ((key,), _fact_text(form, definition.data[key]))
-    for index, field in enumerate(definition.fields if isinstance(definition, WrittenRegister) else ()):
+    for key, form in _COMMON[section].items():
+        if key in register_or_crc.data:
+            yield (key,), ((key,), _fact_text(form, register_or_crc.data[key]))
+    for index, field in enumerate(register_or_crc.fields if isinstance(register_or_crc, WrittenRegister) else ()):
         if field.name:
             yield from _facts_of_field(field, ("fields", index))
 
 
 def _facts_of_field(field: WrittenField, path: Path) -> Iterator[tuple[tuple[str, ...], _Fact]]:
-    """Yield the shared facts of a field, its position, width and named values, as ``_facts`` does."""
+    """Yield the shared facts of a field, its position, width and named values, as ``_shared_facts`` does."""
     for key, number_or_text in (("at", field.at), ("bits", field.bits)):
         if number_or_text is not None:
             yield (field.name, key), ((*path, key), str(number_or_text))
@@ -107,9 +110,9 @@ def _facts_of_field(field: WrittenField, path: Path) -> Iterator[tuple[tuple[str
         yield (field.name, value_name, "value"), ((*path, "values", value_name, "value"), str(value.value))
 
 
-def _fact_text(form: str, value: object) -> str:
-    """Return a value as in messages: ``true`` or ``false``, or in the format ``form``."""
-    return str(value).lower() if isinstance(value, bool) else form.format(value)
+def _fact_text(number_format: str, fact: object) -> str:
+    """Return a value as in messages: ``true`` or ``false``, or in the format ``number_format``."""
+    return str(fact).lower() if isinstance(fact, bool) else number_format.format(fact)
 
 
 #: A number of counts or revolutions in the meaning of a part of an order code, with or without commas.
@@ -125,14 +128,14 @@ _BISS_ID = {0x7E: 8, 0x7F: 0}
 _LEAST = 256
 
 
-def check_agreement(raw: Raw, device: Device, report: DocumentReport) -> None:
+def check_agreement(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
     """Report contradictions in a spec that only the model shows."""
     for register in device.registers:
         _check_default(device, register, ("registers", register.name), report)
         _check_preset(device, register, ("registers", register.name), report)
     _check_biss_id(device, report)
-    _check_meanings(raw, device, report)
-    _check_bits_named(raw, device, report)
+    _check_meanings(raw_spec, device, report)
+    _check_bits_named(raw_spec, device, report)
     _check_selectors(device, report)
 
 
@@ -152,7 +155,7 @@ def _check_default(device: Device, register: Register, path: Path, report: Docum
         contradictions = [problem.message for problem in decoded.problems if problem.fault is Fault.CONSTANT]
         for placed_field in placed.fields:
             value = decoded.values.get(placed_field.name)
-            contradictions.append(_contradiction(placed_field, default, value, variant))
+            contradictions.append(_describe_contradiction(placed_field, default, value, variant))
         problem = next(filter(None, contradictions), "")
         if problem:
             message = f"the default {default:#x} contradicts a field: {problem}"
@@ -171,11 +174,14 @@ def _check_preset(device: Device, register: Register, path: Path, report: Docume
         return
     for variant in device.variants_over(register.interface):
         measurement = device.measurement_of(variant.interface)
-        counts_expression = (measurement.counts_per_turn or measurement.modulus) if measurement is not None else None
-        if measurement is None or counts_expression is None:
+        if measurement is None:
+            continue
+        counts_expression = measurement.counts_per_turn or measurement.modulus
+        if counts_expression is None:
             continue
         number_of_positions = counts_expression.value(variant.parameters)
-        number_of_positions *= measurement.turns.value(variant.parameters) if measurement.turns is not None else 1
+        if measurement.turns is not None:
+            number_of_positions *= measurement.turns.value(variant.parameters)
         highest = register.max.value(variant.parameters)
         if highest >= number_of_positions > 1:
             message = (
@@ -185,19 +191,22 @@ def _check_preset(device: Device, register: Register, path: Path, report: Docume
             return
 
 
-def _contradiction(placed_field: PlacedField, default: int, value: int | str | None, variant: Variant) -> str:
+def _describe_contradiction(
+    placed_field: PlacedField, default: int, documented_value: int | str | None, variant: Variant
+) -> str:
     """Return how a field contradicts its number in the default of its register, or an empty string.
 
-    ``default`` is that of the register, and ``value`` the decoded value of the field, such as the name of the number.
+    ``default`` is that of the register, and ``documented_value`` the decoded value of the field, such as the name of
+    the number.
     """
     name = placed_field.name
     number = (default >> placed_field.low) & placed_field.mask
     expected = placed_field.field.documented(variant.parameters)
-    if expected is not None and expected not in (number, value):
+    if expected is not None and expected not in (number, documented_value):
         expected_text = expected if isinstance(expected, str) else hex(expected)
         return f"it sets '{name}' to {number:#x}, but '{name}' must equal {expected_text}"
     own_default = placed_field.field.default
-    if own_default is not None and own_default not in (number, value):
+    if own_default is not None and own_default not in (number, documented_value):
         return f"it sets '{name}' to {number:#x}, but the default of '{name}' is {own_default:#x}"
     return ""
 
@@ -216,14 +225,17 @@ def _check_biss_id(device: Device, report: DocumentReport) -> None:
         if register.bank is not None:
             continue
         number, mask = _documented_bits(register, variants[0])
-        byte_values, byte_masks = (
-            number_to_bytes(register.layout, bits, 8 * register.length) for bits in (number, mask)
-        )
-        # Each byte with the mask of its documented bits, by its address.
-        id_bytes = dict(enumerate(zip(byte_values, byte_masks, strict=True), register.address))
-        id_bytes = {address: pair for address, pair in id_bytes.items() if address in _BISS_ID}
-        if any((byte ^ (biss_id >> _BISS_ID[address])) & byte_mask for address, (byte, byte_mask) in id_bytes.items()):
-            bytes_text = ", ".join(f"{byte:02X}" for byte, _ in id_bytes.values())
+        bytes_of_register = number_to_bytes(register.layout, number, 8 * register.length)
+        masks_of_bytes = number_to_bytes(register.layout, mask, 8 * register.length)
+        id_bytes: list[int] = []
+        differs = False
+        for address, byte, byte_mask in zip(count(register.address), bytes_of_register, masks_of_bytes, strict=False):
+            if address in _BISS_ID:
+                id_bytes.append(byte)
+                # Only documented bits count.
+                differs = differs or bool((byte ^ _byte_of_biss_id(biss_id, address)) & byte_mask)
+        if differs:
+            bytes_text = ", ".join(f"{byte:02X}" for byte in id_bytes)
             message = (
                 f"'{register.name}' equals {bytes_text} at 7Eh and 7Fh, but 'biss_id' in the manufacturer file is"
                 f" {biss_id:#06x}; one of the two is wrong"
@@ -256,16 +268,22 @@ def _check_read_biss_id(device: Device, identity: int, report: DocumentReport) -
             continue
         addressed_bytes = enumerate(example.bytes, register.address)
         id_bytes = {address: byte for address, byte in addressed_bytes if address in _BISS_ID}
-        if any(byte ^ ((identity >> _BISS_ID[address]) & 0xFF) for address, byte in id_bytes.items()):
+        expected_bytes = {address: _byte_of_biss_id(identity, address) for address in id_bytes}
+        if id_bytes != expected_bytes:
             bytes_text = ", ".join(f"{byte:02X}" for byte in id_bytes.values())
-            text = (
+            message = (
                 f"'{example.name}' has {bytes_text} at 7Eh and 7Fh, but 'biss_id' in the manufacturer file is"
                 f" {identity:#06x}; one of the two is wrong"
             )
-            report.add("biss-id-mismatch", ("examples", example.name), text)
+            report.add("biss-id-mismatch", ("examples", example.name), message)
 
 
-def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
+def _byte_of_biss_id(biss_id: int, address: int) -> int:
+    """Return the byte of the manufacturer ID at one of its addresses."""
+    return (biss_id >> _BISS_ID[address]) & 0xFF
+
+
+def _check_meanings(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
     """Check that counts and revolutions in the meaning of a value match a quantity of its order codes.
 
     Report a value if none of the counts in its meaning is a quantity of any of its order codes. Numbers below 256 are
@@ -273,7 +291,7 @@ def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
     """
     interfaces = {interface.name for interface in device.interfaces}
     variants = [variant for variant in device.variants if variant.interface in interfaces]
-    for index, part in enumerate(raw["order_code"]["parts"]):
+    for index, part in enumerate(raw_spec["order_code"]["parts"]):
         for text_of_value, value in part["values"].items():
             meaning = _compared_meaning(value or {})
             count_texts = [meaning] if _ALONE.fullmatch(meaning) else _COUNTED.findall(meaning)
@@ -282,9 +300,10 @@ def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
             if not named_counts or not (value or {}).get("sets"):
                 continue
             variants_of_value = [variant for variant in variants if variant.parts.get(part["name"]) == text_of_value]
-            if variants_of_value and all(
-                named_counts.isdisjoint(_quantities(device, variant)) for variant in variants_of_value
-            ):
+            numbers_of_codes: set[int] = set()
+            for variant in variants_of_value:
+                numbers_of_codes |= _numbers_of_code(device, variant)
+            if variants_of_value and named_counts.isdisjoint(numbers_of_codes):
                 settings = ", ".join(f"{name} = {number}" for name, number in value["sets"].items())
                 first_count = next(number for number in numbers if number >= _LEAST)
                 message = (
@@ -296,12 +315,12 @@ def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
                 )
 
 
-def _compared_meaning(value: Raw) -> str:
+def _compared_meaning(raw_value: Raw) -> str:
     """Return the meaning of a value, or an empty string if the spec explains why it differs from the settings."""
-    return "" if "meaning_differs" in value else value.get("meaning", "")
+    return "" if "meaning_differs" in raw_value else raw_value.get("meaning", "")
 
 
-def _check_bits_named(raw: Raw, device: Device, report: DocumentReport) -> None:
+def _check_bits_named(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
     """Check that a number of bits in the meaning of a value is one that the value sets, or a width that it leads to.
 
     It may also be the sum of the bits that the value sets, or the width of the frame or position of one of its order
@@ -309,7 +328,8 @@ def _check_bits_named(raw: Raw, device: Device, report: DocumentReport) -> None:
     not checked.
     """
     units = {parameter.name: parameter.unit for parameter in device.parameters}
-    for index, part in enumerate(raw["order_code"]["parts"]):
+    built_interfaces = {interface.name for interface in device.interfaces}
+    for index, part in enumerate(raw_spec["order_code"]["parts"]):
         for text_of_value, value in part["values"].items():
             named_bits = [int(number) for number in _BITS.findall(_compared_meaning(value or {}))]
             set_values = (value or {}).get("sets", {})
@@ -321,6 +341,9 @@ def _check_bits_named(raw: Raw, device: Device, report: DocumentReport) -> None:
             ):
                 continue
             variants = [variant for variant in device.variants if variant.parts.get(part["name"]) == text_of_value]
+            # An interface with errors has no frames here, so that any number could be right.
+            if not built_interfaces.issuperset(variant.interface for variant in variants):
+                continue
             if any(named_bits[0] in _frame_and_position_widths(device, variant) for variant in variants):
                 continue
             name = next(iter(bits_by_parameter))
@@ -339,11 +362,10 @@ def _frame_and_position_widths(device: Device, variant: Variant) -> set[int]:
     Frames without the position do not count. Without a measurement, there are no widths.
     """
     measurement = device.measurement_of(variant.interface)
-    interface = next((candidate for candidate in device.interfaces if candidate.name == variant.interface), None)
     widths: set[int] = set()
-    if interface is None or measurement is None:
+    if measurement is None:
         return widths
-    for layout in interface.layouts:
+    for layout in device.interface(variant.interface).layouts:
         placed = layout.place(variant.parameters)
         position_fields = placed.find_fields(layout.names_in(measurement.of))
         if layout.sender == "encoder" and position_fields:
@@ -351,7 +373,7 @@ def _frame_and_position_widths(device: Device, variant: Variant) -> set[int]:
     return widths
 
 
-def _quantities(device: Device, variant: Variant) -> set[int]:
+def _numbers_of_code(device: Device, variant: Variant) -> set[int]:
     """Return the numbers of an order code: its parameters, their powers of two, and those of its measurement."""
     measurement = device.measurement_of(variant.interface)
     expressions = (

@@ -84,7 +84,7 @@ def revision_in(text: str) -> RevisionPath | None:
     return RevisionPath(revision, path) if colon and not is_path else None
 
 
-def write_revision(place: RevisionPath, folder: Path) -> RevisionFiles:
+def write_revision(revision_path: RevisionPath, folder: Path) -> RevisionFiles:
     """Write the specs of a revision to an empty folder, with the manufacturer's file if it is a single spec.
 
     Folders are renamed to numbers. Files keep names that are valid on every system.
@@ -92,35 +92,38 @@ def write_revision(place: RevisionPath, folder: Path) -> RevisionFiles:
     Raises:
         RevisionError: The revision cannot be read, or has names or sizes that no specs have.
     """
-    commit = _commit(place.revision)
-    path = _in_repository(place)
-    blobs_by_path = _entries(commit, path)
+    commit = _find_commit(revision_path.revision)
+    path = _path_in_repository(revision_path)
+    blobs_by_path = _list_files(commit, path)
     if not blobs_by_path:
-        raise RevisionError(f"there is no {visible(path) or 'file'} in {visible(place.revision)}")
+        raise RevisionError(f"there is no {visible(path) or 'file'} in {visible(revision_path.revision)}")
     is_single_file = path in blobs_by_path
     manufacturer_path = posixpath.join(posixpath.dirname(path), _BESIDE)
     if is_single_file and path != manufacturer_path:
-        blobs_by_path |= _entries(commit, manufacturer_path)
-    # A file given by name is a spec, whatever its suffix.
-    blobs_of_specs = {name: blob for name, blob in blobs_by_path.items() if name.endswith(SUFFIXES) or name == path}
-    _refuse_bad_names(place.revision, blobs_of_specs)  # Also those of hidden files.
+        blobs_by_path |= _list_files(commit, manufacturer_path)
+    blobs_of_specs: dict[str, str] = {}
+    for name, blob in blobs_by_path.items():
+        # A file given by name is a spec, whatever its suffix.
+        if name.endswith(SUFFIXES) or name == path:
+            blobs_of_specs[name] = blob
+    _refuse_bad_names(revision_path.revision, blobs_of_specs)  # Also those of hidden files.
     if not is_single_file:
-        blobs_of_specs = {
-            name: blob for name, blob in blobs_of_specs.items() if not _is_hidden(name.removeprefix(path))
-        }
+        for name in list(blobs_of_specs):
+            if _is_hidden(name.removeprefix(path)):
+                del blobs_of_specs[name]
     if len(blobs_of_specs) > _MOST_FILES:
         raise RevisionError(
-            f"{visible(str(place))} contains {len(blobs_of_specs)} YAML files; name the folder of the specs"
+            f"{visible(str(revision_path))} contains {len(blobs_of_specs)} YAML files; name the folder of the specs"
         )
-    _refuse_large_files(place, blobs_of_specs)
-    content_by_blob = _contents(blobs_of_specs.values())
+    _refuse_large_files(revision_path, blobs_of_specs)
+    content_by_blob = _read_contents(blobs_of_specs.values())
     target_paths = _target_paths(blobs_of_specs, folder)
     for name, file in target_paths.items():
         file.parent.mkdir(exist_ok=True)
         with open(file, "xb") as target_file:
             target_file.write(content_by_blob[blobs_of_specs[name]])
-    shown_names = {str(folder): str(RevisionPath(place.revision, path))}
-    shown_names |= {str(file): f"{place.revision}:{name}" for name, file in target_paths.items()}
+    shown_names = {str(folder): str(RevisionPath(revision_path.revision, path))}
+    shown_names |= {str(file): f"{revision_path.revision}:{name}" for name, file in target_paths.items()}
     return RevisionFiles(target_paths.get(path, folder), shown_names)
 
 
@@ -133,9 +136,9 @@ def _refuse_bad_names(revision: str, names: Iterable[str]) -> None:
             raise RevisionError(f"{problem}; '{visible(unsafe_part)}' is not a safe name, so the revision is not read")
 
 
-def _is_hidden(name: str) -> bool:
+def _is_hidden(file_name: str) -> bool:
     """Return whether a part of the name begins with a dot. Such files are ignored in folders of specs."""
-    return any(part.startswith(".") for part in name.split("/"))
+    return any(part.startswith(".") for part in file_name.split("/"))
 
 
 def _target_paths(names: Iterable[str], folder: Path) -> dict[str, Path]:
@@ -155,7 +158,7 @@ def _target_paths(names: Iterable[str], folder: Path) -> dict[str, Path]:
     return paths
 
 
-def _commit(revision: str) -> str:
+def _find_commit(revision: str) -> str:
     """Return the hash of the commit that a revision names.
 
     Raises:
@@ -165,15 +168,15 @@ def _commit(revision: str) -> str:
     if not revision or revision.startswith("-") or "\0" in revision:
         raise RevisionError(f"'{revision_text}' is not a revision; write it like v1.0:specs/my_encoder.yaml")
     try:
-        commit = _git(["rev-parse", "--verify", "--quiet", f"{revision}^{{commit}}"])
+        commit = _run_git(["rev-parse", "--verify", "--quiet", f"{revision}^{{commit}}"])
     except _Refused:
-        reference_names = _git(["for-each-ref", "--format=%(refname:short)"]).decode(errors="replace").split("\n")
+        reference_names = _run_git(["for-each-ref", "--format=%(refname:short)"]).decode(errors="replace").split("\n")
         hint = suggestion(revision, [name for name in reference_names if name][:_MOST_FILES])
         raise RevisionError(f"there is no revision '{revision_text}' in this repository{visible(hint)}") from None
     return commit.decode().strip()
 
 
-def _in_repository(place: RevisionPath) -> str:
+def _path_in_repository(revision_path: RevisionPath) -> str:
     """Return the path from the top of the repository, or an empty string for all of it.
 
     A path with a leading dot is relative to the current folder, others to the top.
@@ -181,26 +184,26 @@ def _in_repository(place: RevisionPath) -> str:
     Raises:
         RevisionError: The path is outside the repository.
     """
-    path = place.path
+    path = revision_path.path
     is_relative = path in (".", "..") or path.startswith(("./", "../"))
     if is_relative:
-        current_folder = _git(["rev-parse", "--show-prefix"]).decode().removesuffix("\n")
+        current_folder = _run_git(["rev-parse", "--show-prefix"]).decode().removesuffix("\n")
         path = posixpath.join(current_folder, path)
     if path:
         path = posixpath.normpath(path)
     if path == ".":
         path = ""
     if path.startswith(("/", "../")) or path == ".." or "\0" in path:
-        raise RevisionError(f"{visible(str(place))} is outside the repository; paths are relative to its top")
+        raise RevisionError(f"{visible(str(revision_path))} is outside the repository; paths are relative to its top")
     return path
 
 
-def _entries(commit: str, path: str) -> dict[str, str]:
+def _list_files(commit: str, path: str) -> dict[str, str]:
     """Return the regular files of a commit at or below a path, each with the hash of its content.
 
     An empty path stands for all files. Links and submodules are left out.
     """
-    listing = _git(["ls-tree", "-r", "-z", "--full-tree", commit, *(["--", path] if path else [])])
+    listing = _run_git(["ls-tree", "-r", "-z", "--full-tree", commit, *(["--", path] if path else [])])
     blobs_by_path = {}
     # A line is ``MODE TYPE HASH``, a tab and the path.
     for tree_line in filter(None, listing.split(b"\0")):
@@ -212,33 +215,33 @@ def _entries(commit: str, path: str) -> dict[str, str]:
     return blobs_by_path
 
 
-def _refuse_large_files(place: RevisionPath, specs: Mapping[str, str]) -> None:
+def _refuse_large_files(revision_path: RevisionPath, specs: Mapping[str, str]) -> None:
     """Raise a ``RevisionError`` if a file, or all files together, are too large, or if content is missing.
 
     A partial clone can lack the content of a file.
     """
     command = ["cat-file", "--batch-check=%(objectname) %(objecttype) %(objectsize)"]
     # A reply is ``HASH blob SIZE``, or ``HASH missing``.
-    replies = (line.split(" ") for line in _git(command, specs.values()).decode().splitlines())
+    replies = (line.split(" ") for line in _run_git(command, specs.values()).decode().splitlines())
     sizes = {reply[0]: int(reply[2]) for reply in replies if len(reply) == 3 and reply[1] == "blob"}
     for name, blob in specs.items():
-        file_text = f"{visible(place.revision)}:{visible(name)}"
+        file_text = f"{visible(revision_path.revision)}:{visible(name)}"
         if blob not in sizes:
             raise RevisionError(f"this repository lacks the content of {file_text}; fetch it first")
         if sizes[blob] > MAX_BYTES:
             message = f"{file_text} is larger than {MAX_BYTES // 2**20} MB and cannot be a spec"
             raise RevisionError(f"{message}; name the folder of the specs")
     if sum(sizes[blob] for blob in specs.values()) > _MOST_BYTES:
-        message = f"the YAML files of {visible(str(place))} exceed {_MOST_BYTES // 2**20} MB in total"
+        message = f"the YAML files of {visible(str(revision_path))} exceed {_MOST_BYTES // 2**20} MB in total"
         raise RevisionError(f"{message}; name the folder of the specs")
 
 
-def _contents(blobs: Iterable[str]) -> dict[str, bytes]:
+def _read_contents(blobs: Iterable[str]) -> dict[str, bytes]:
     """Return the content of each blob by its hash. Their sizes have been checked.
 
     git prints each as a line ``HASH TYPE SIZE``, then as many bytes and a newline.
     """
-    printed = _git(["cat-file", "--batch"], blobs, max_bytes=2 * _MOST_BYTES)
+    printed = _run_git(["cat-file", "--batch"], blobs, max_bytes=2 * _MOST_BYTES)
     content_by_blob = {}
     start_of_head = 0
     while start_of_head < len(printed):
@@ -253,7 +256,7 @@ class _Refused(RevisionError):
     """git failed."""
 
 
-def _git(arguments: Sequence[str], lines: Iterable[str] = (), max_bytes: int = _MOST_LISTED) -> bytes:
+def _run_git(arguments: Sequence[str], lines: Iterable[str] = (), max_bytes: int = _MOST_LISTED) -> bytes:
     """Run git with these arguments and lines of input, and return its output.
 
     Raises:
@@ -266,7 +269,7 @@ def _git(arguments: Sequence[str], lines: Iterable[str] = (), max_bytes: int = _
         with TemporaryFile() as input_file, TemporaryFile() as errors:
             input_file.write("".join(f"{line}\n" for line in lines).encode())
             input_file.seek(0)
-            code, printed = _run(command, input_file, errors, environment | _QUIET, max_bytes)
+            code, printed = _run_command(command, input_file, errors, environment | _QUIET, max_bytes)
             errors.seek(0)
             error_text = visible(errors.read(4096).decode(errors="replace").strip().split("\n")[0])
     except RevisionError:
@@ -282,7 +285,7 @@ def _git(arguments: Sequence[str], lines: Iterable[str] = (), max_bytes: int = _
     raise _Refused(f"git failed: {error_text.removeprefix('fatal: ') or f'exit code {code}'}")
 
 
-def _run(
+def _run_command(
     command: Sequence[str], input_file: IO[bytes], errors: IO[bytes], environment: Mapping[str, str], max_bytes: int
 ) -> tuple[int, bytes]:
     """Run a command, and return its exit code and output. Stop it if it takes or prints too much.
@@ -292,7 +295,7 @@ def _run(
     """
     with subprocess.Popen(command, stdin=input_file, stdout=subprocess.PIPE, stderr=errors, env=environment) as running:
         timed_out = Event()
-        timer = Timer(_PATIENCE_S, _stop, (running, timed_out))
+        timer = Timer(_PATIENCE_S, _stop_command, (running, timed_out))
         timer.start()
         try:
             # One byte more shows that there is too much.
@@ -309,7 +312,7 @@ def _run(
     return code, printed
 
 
-def _stop(running: subprocess.Popen[bytes], timed_out: Event) -> None:
+def _stop_command(running: subprocess.Popen[bytes], timed_out: Event) -> None:
     """Stop a command that takes too long, and set ``timed_out`` to tell that from its own end."""
     timed_out.set()
     running.kill()

@@ -173,7 +173,7 @@ def from_data(rows: Any) -> model.Device:
     try:
         for index, *raw_values in rows:
             part_class = _CLASSES[index]
-            values = [_rebuilt(part, built_objects) for part in raw_values]
+            values = [_rebuild_value(part, built_objects) for part in raw_values]
             if _BY_KEYWORD[index]:
                 built_objects.append(part_class(**dict(zip(_NAMES[index], values, strict=True))))
             else:
@@ -187,21 +187,21 @@ def from_data(rows: Any) -> model.Device:
     return device
 
 
-def _rebuilt(value: Any, built: Sequence[Any]) -> Any:
+def _rebuild_value(stored_value: Any, built: Sequence[Any]) -> Any:
     """Return the value of a member that ``as_data`` converted.
 
     ``built`` has the objects of the rows before. The value may refer to them by index.
     """
-    if isinstance(value, list):
-        return tuple([_rebuilt(member, built) for member in value])
-    if not isinstance(value, dict):
-        return value
-    if _OBJECT in value:
-        return built[value[_OBJECT]]
-    if _ENUM in value:
-        index, name = value[_ENUM]
+    if isinstance(stored_value, list):
+        return tuple([_rebuild_value(member, built) for member in stored_value])
+    if not isinstance(stored_value, dict):
+        return stored_value
+    if _OBJECT in stored_value:
+        return built[stored_value[_OBJECT]]
+    if _ENUM in stored_value:
+        index, name = stored_value[_ENUM]
         return _ENUMS[index][name]
-    if _BYTES in value:
-        return bytes.fromhex(value[_BYTES])
-    mapping = {_rebuilt(key, built): _rebuilt(member, built) for key, member in value[_MAP]}
-    return MappingProxyType(mapping) if value["f"] else mapping
+    if _BYTES in stored_value:
+        return bytes.fromhex(stored_value[_BYTES])
+    mapping = {_rebuild_value(key, built): _rebuild_value(member, built) for key, member in stored_value[_MAP]}
+    return MappingProxyType(mapping) if stored_value["f"] else mapping

@@ -37,7 +37,7 @@ EXPRESSION_KEYS = frozenset(
 _MOST_VALUES = 4
 
 
-def check_unused_parameters(raw: Raw, variants: Sequence[Variant], report: DocumentReport) -> None:
+def check_unused_parameters(raw_spec: Raw, variants: Sequence[Variant], report: DocumentReport) -> None:
     """Report each parameter on which nothing depends.
 
     A parameter with ``equals`` and a ``source`` is a number of the manual, which outputs print. It may be unused. If
@@ -47,9 +47,9 @@ def check_unused_parameters(raw: Raw, variants: Sequence[Variant], report: Docum
     # depends on a parameter.
     if is_second(report.document.file) or report.document.family or report.faults():
         return
-    used_names = {*_names_in_expressions(raw), *parameters_of_flags(raw, variants)}
-    names_set_by_codes = set_parameters(raw)
-    for name, definition in raw["parameters"].items():
+    used_names = {*_names_in_expressions(raw_spec), *parameters_of_flags(raw_spec, variants)}
+    names_set_by_codes = set_parameters(raw_spec)
+    for name, definition in raw_spec["parameters"].items():
         is_printed_number = "equals" in definition and "source" in definition
         if name in used_names or is_printed_number:
             continue
@@ -62,9 +62,9 @@ def check_unused_parameters(raw: Raw, variants: Sequence[Variant], report: Docum
         report.add("unused-parameter", ("parameters", name), f"{problem}; {remedy}", at_key=True)
 
 
-def _names_in_expressions(raw: Raw) -> Iterator[str]:
+def _names_in_expressions(raw_spec: Raw) -> Iterator[str]:
     """Yield the parameters in the expressions of a spec and in the verdicts that depend on an answer."""
-    for path, value in leaves(raw):
+    for path, value in leaves(raw_spec):
         if path[-1] in EXPRESSION_KEYS and isinstance(value, str):
             try:
                 yield from Expression.parse(value).parameters

@@ -34,9 +34,9 @@ class ValidParts:
     places: frozenset[Path]
     items: frozenset[Item]
 
-    def is_sound(self, kind: str, name: str) -> bool:
-        """Return True if the item of this name is valid. ``kind`` is the key of its list, such as ``registers``."""
-        return (kind, name) not in self.items
+    def is_sound(self, section: str, item_name: str) -> bool:
+        """Return True if the item of this name is valid. ``section`` is the key of its list, such as ``registers``."""
+        return (section, item_name) not in self.items
 
     @property
     def has_codes(self) -> bool:
@@ -86,29 +86,29 @@ def valid_parts(spec: WrittenSpec, faults: Iterable[Path]) -> ValidParts:
     """
     # Each faulty place with its parents.
     places = frozenset(fault[:end] for fault in faults for end in range(1, len(fault) + 1))
-    faulty_items = {item for item, path in _items(spec) if path in places}
+    faulty_items = {item for item, path in _items_with_places(spec) if path in places}
     for fields in field_lists(spec):  # Groups come first, because the others may use them.
         uses = [("field_groups", field.use) for field in fields.fields]
         uses += [("crcs", field.crc) for field in fields.fields]
         if fields.owner.path in places or not faulty_items.isdisjoint(uses):
-            faulty_items.add((fields.kind.value, _name(fields.name)))
+            faulty_items.add((fields.kind.value, _name_or_mark(fields.name)))
     for procedure in spec.procedures:
         if procedure.path in places or not faulty_items.isdisjoint(_uses_of(procedure)):
-            faulty_items.add(("procedures", _name(procedure.name)))
+            faulty_items.add(("procedures", _name_or_mark(procedure.name)))
     return ValidParts(places, frozenset(faulty_items))
 
 
-def _items(spec: WrittenSpec) -> Iterator[tuple[Item, Path]]:
+def _items_with_places(spec: WrittenSpec) -> Iterator[tuple[Item, Path]]:
     """Yield the items without references to others, each with its place, and all registers."""
     for crc in spec.crcs:
-        yield ("crcs", _name(crc.part.name)), crc.path
+        yield ("crcs", _name_or_mark(crc.part.name)), crc.path
     for example in spec.examples:
-        yield ("examples", _name(example.name)), example.path
+        yield ("examples", _name_or_mark(example.name)), example.path
     for register in spec.registers:
-        yield ("registers", _name(register.name)), register.path
+        yield ("registers", _name_or_mark(register.name)), register.path
     for _, interface in interfaces(spec):
         for data_id in WrittenRs485(interface.data, interface.path).data_ids:
-            yield ("data_ids", _name(data_id.part.name)), data_id.path
+            yield ("data_ids", _name_or_mark(data_id.part.name)), data_id.path
 
 
 def _uses_of(procedure: WrittenProcedure) -> Iterator[Item]:
@@ -119,5 +119,5 @@ def _uses_of(procedure: WrittenProcedure) -> Iterator[Item]:
         yield "registers", argument.of
 
 
-def _name(name: str) -> str:
+def _name_or_mark(name: str) -> str:
     return name or "?"  # No name, so nothing refers to it.

@@ -79,13 +79,13 @@ class PlacedChannels:
         """Number of bits of all channels together."""
         return sum(channel.bits for channel in self.channels)
 
-    def split(self, number: int) -> tuple[int, ...]:
+    def split(self, frame: int) -> tuple[int, ...]:
         """Return the bits of each channel. The first channel has the highest bits of the frame."""
         numbers = []
         low_bit = self.bits
         for channel in self.channels:
             low_bit -= channel.bits
-            numbers.append((number >> low_bit) & ((1 << channel.bits) - 1))
+            numbers.append((frame >> low_bit) & ((1 << channel.bits) - 1))
         return tuple(numbers)
 
     def join(self, numbers: Sequence[int]) -> int:
@@ -109,10 +109,10 @@ class PlacedChannels:
         first_number, *other_numbers = self.compared_numbers(values)
         return all(self._are_close(first_number, number) for number in other_numbers)
 
-    def _are_close(self, number: int, other_number: int) -> bool:
+    def _are_close(self, position: int, other_position: int) -> bool:
         """Return whether two numbers differ by no more than the tolerance, also across the end of their range."""
         modulus = 1 << self.compared_bits
-        difference = (number - other_number) % modulus
+        difference = (position - other_position) % modulus
         return min(difference, modulus - difference) <= self.tolerance
 
 

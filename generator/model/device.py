@@ -59,11 +59,13 @@ class PositionRange(NamedTuple):
     highest: Expression
 
 
-def narrower_range(measurement: Measurement, layout: Layout, sets: Sequence[Mapping[str, int]]) -> PositionRange | None:
+def narrower_range(
+    measurement: Measurement, layout: Layout, parameter_sets: Sequence[Mapping[str, int]]
+) -> PositionRange | None:
     """Return the range of a position if it is narrower than the width of its field for some order code, or None.
 
     Parts of one revolution in several fields have no range, and signed positions have none without ``highest``.
-    ``sets`` are the parameters of the order codes.
+    ``parameter_sets`` are the parameters of the order codes.
     """
     fields_by_name = {field.name: field for field in layout.fields}
     position_fields = [fields_by_name[name] for name in layout.names_in(measurement.of) if name in fields_by_name]
@@ -72,14 +74,15 @@ def narrower_range(measurement: Measurement, layout: Layout, sets: Sequence[Mapp
     if len(position_fields) == 1 and position_fields[0].number.signed:
         position_range = _signed_range(measurement, position_fields[0])
     else:
-        position_range = _unsigned_range(measurement, position_fields, sets)
+        position_range = _unsigned_range(measurement, position_fields, parameter_sets)
     if position_range is None or position_range.field.number.zero_means:
         return None
-    is_narrower = any(_is_narrower(position_range, parameters) for parameters in sets)
+    is_narrower = any(_is_narrower(position_range, parameters) for parameters in parameter_sets)
     return position_range if is_narrower else None
 
 
 def _is_narrower(position_range: PositionRange, parameters: Mapping[str, int]) -> bool:
+    """Return True if a range has fewer numbers than the width of its field allows."""
     width = position_range.field.width.value(parameters)
     highest = position_range.highest.value(parameters)
     return bool(width) and 0 <= highest - position_range.lowest.value(parameters) < (1 << width) - 1
@@ -95,7 +98,7 @@ def _signed_range(measurement: Measurement, field: Field) -> PositionRange | Non
 
 
 def _unsigned_range(
-    measurement: Measurement, fields: Sequence[Field], sets: Sequence[Mapping[str, int]]
+    measurement: Measurement, fields: Sequence[Field], parameter_sets: Sequence[Mapping[str, int]]
 ) -> PositionRange | None:
     """Return the range of a position without a sign, or None if it is unknown.
 
@@ -112,7 +115,7 @@ def _unsigned_range(
         return None
     # The fields of a position are listed from the most significant one.
     high_field, low_field = fields
-    for parameters in sets:
+    for parameters in parameter_sets:
         if counts_per_turn.value(parameters) != 1 << low_field.width.value(parameters):
             # Both fields are parts of one revolution.
             return None
@@ -283,9 +286,9 @@ class Device:
         matches = (interface for interface, candidate in self.layouts() if candidate is layout)
         return first_of(matches, f"interface with the layout '{layout.name}'")
 
-    def find_interface(self, kind: type[_Kind]) -> _Kind | None:
+    def find_interface(self, interface_class: type[_Kind]) -> _Kind | None:
         """Return the interface of this kind, or None."""
-        return next((interface for interface in self.interfaces if isinstance(interface, kind)), None)
+        return next((interface for interface in self.interfaces if isinstance(interface, interface_class)), None)
 
     def layout(self, name: str) -> Layout:
         return member_named((layout for _, layout in self.layouts()), name, "layout")
@@ -342,7 +345,7 @@ class Device:
             )
         return position_names
 
-    def tells_position(self, interface: str, layout: Layout) -> bool:
+    def sends_position(self, interface: str, layout: Layout) -> bool:
         """Return whether frames of this layout send the position, or a part of it, to the master."""
         return layout.sender == "encoder" and not layout.member_names.isdisjoint(self.position_names(interface))
 
@@ -351,25 +354,31 @@ class Device:
 
         They send it, or they are a data channel of the same frame, with bits that say whether it is usable.
         """
-        if self.tells_position(interface, layout):
+        if self.sends_position(interface, layout):
             return True
         frame = channel_frame(self.interface(interface))
-        return frame is not None and layout in frame.layouts and layout.tells_validity
+        return frame is not None and layout in frame.layouts and layout.judges_position
 
     def range_in(self, layout: Layout) -> PositionRange | None:
-        """Return the range of valid positions in a frame if its field could hold others."""
+        """Return the range of valid positions in a frame, or None if its field holds no others."""
         # The device holds its layouts, so no other layout can have the identity of one of them.
-        if id(layout) not in self._ranges:
-            interface = next((interface.name for interface, candidate in self.layouts() if candidate is layout), "")
-            if not interface:
+        if id(layout) not in self._ranges_by_layout:
+            interface_names = [interface.name for interface, candidate in self.layouts() if candidate is layout]
+            if not interface_names:
                 return None
-            measurement = self.measurement_in(interface, layout) if layout.sender == "encoder" else None
-            sets = [variant.parameters for variant in self.variants_over(interface)]
-            self._ranges[id(layout)] = narrower_range(measurement, layout, sets) if measurement is not None else None
-        return self._ranges[id(layout)]
+            self._ranges_by_layout[id(layout)] = self._range_over(interface_names[0], layout)
+        return self._ranges_by_layout[id(layout)]
+
+    def _range_over(self, interface: str, layout: Layout) -> PositionRange | None:
+        """Return the range of valid positions in a frame over an interface, or None if its field holds no others."""
+        measurement = self.measurement_in(interface, layout)
+        if layout.sender != "encoder" or measurement is None:
+            return None
+        parameter_sets = [variant.parameters for variant in self.variants_over(interface)]
+        return narrower_range(measurement, layout, parameter_sets)
 
     @cached_property
-    def _ranges(self) -> dict[int, PositionRange | None]:
+    def _ranges_by_layout(self) -> dict[int, PositionRange | None]:
         """Results of ``range_in`` so far, because each frame of many needs one."""
         return {}
 

@@ -83,7 +83,7 @@ class Expression:
             match = _TERM.match(text, position)
             if match is None:
                 raise ExpressionError(f"'{text}' is not a sum of numbers, parameters and powers of two")
-            factors = _times(factors, _atom(match))
+            factors = _multiply(factors, _parse_atom(match))
             position = match.end()
             operator = _OPERATOR.match(text, position)
             if position < len(text) and operator is None:
@@ -123,7 +123,7 @@ class Expression:
         for term in self.terms:
             number = term.multiple
             for factor in term.factors:
-                number *= _value(factor, parameters)
+                number *= _value_of_factor(factor, parameters)
                 # Products of products, each a parameter of its own, would grow until the memory is full.
                 if abs(number) >> (2 * LARGEST_EXPONENT):
                     raise ExpressionError(f"the product is larger than 2^{2 * LARGEST_EXPONENT}")
@@ -148,16 +148,16 @@ class Expression:
         return total
 
     def __add__(self, other: Expression) -> Expression:
-        return _simplified(self.constant + other.constant, self.terms + other.terms)
+        return _simplify(self.constant + other.constant, self.terms + other.terms)
 
     def __sub__(self, other: Expression) -> Expression:
         negated = tuple(Term(-term.multiple, term.factors) for term in other.terms)
-        return _simplified(self.constant - other.constant, self.terms + negated)
+        return _simplify(self.constant - other.constant, self.terms + negated)
 
     def __mul__(self, other: Expression) -> Expression:
         products = [term * factor for term, factor in itertools.product(self._all_terms, other._all_terms)]
         # The first product is that of the constants. A constant of 0 makes terms of multiple 0.
-        return _simplified(products[0].multiple, tuple(term for term in products[1:] if term.multiple))
+        return _simplify(products[0].multiple, tuple(term for term in products[1:] if term.multiple))
 
     @property
     def _all_terms(self) -> tuple[Term, ...]:
@@ -193,7 +193,7 @@ class Expression:
         return f"{text_of_terms} - {-self.constant}{suffix}" if self.constant < 0 else text_of_terms
 
 
-def _simplified(constant: int, terms: tuple[Term, ...]) -> Expression:
+def _simplify(constant: int, terms: tuple[Term, ...]) -> Expression:
     """Return the sum with opposite terms cancelled and positive terms first."""
     remaining: list[Term] = []
     for term in terms:
@@ -205,7 +205,7 @@ def _simplified(constant: int, terms: tuple[Term, ...]) -> Expression:
     return Expression(constant, tuple(sorted(remaining, key=lambda term: term.multiple < 0)))
 
 
-def _atom(match: re.Match[str]) -> Expression:
+def _parse_atom(match: re.Match[str]) -> Expression:
     """Parse a number, a parameter, or two to the power of either.
 
     Raises:
@@ -220,7 +220,7 @@ def _atom(match: re.Match[str]) -> Expression:
     return Expression(2**number if is_power else number)
 
 
-def _times(product: Expression, atom: Expression) -> Expression:
+def _multiply(product: Expression, atom: Expression) -> Expression:
     """Return the product of an expression and an atom. A product of 1, which begins a term, is the atom itself.
 
     Raises:
@@ -233,7 +233,7 @@ def _times(product: Expression, atom: Expression) -> Expression:
     return Expression(0, (Term(1, (*product.terms[0].factors, *atom.terms[0].factors)),))
 
 
-def _value(factor: Factor, parameters: Mapping[str, int]) -> int:
+def _value_of_factor(factor: Factor, parameters: Mapping[str, int]) -> int:
     """Return the value of a factor.
 
     Raises:

@@ -15,22 +15,19 @@ from .documents import (
 )
 from .expressions import Expression
 from .kinds import (
+    DATA_ROLES,
     Choice,
     Constant,
-    CrcValue,
     Decimal,
     Digits,
     Flag,
     Kind,
     Number,
-    Parity,
     Scale,
-    Text,
-    Unused,
     Value,
     Verdict,
 )
-from .lookup import assert_never, first_of, member_named
+from .lookup import first_of, member_named
 from .part import (
     CrcNumber,
     Name,
@@ -202,7 +199,7 @@ class Field:
     @property
     def carries_data(self) -> bool:
         """True if the field matters to users of a decoded frame: it is neither fixed nor derived from other fields."""
-        return not isinstance(self.kind, (Constant, Unused, CrcValue, Parity))
+        return self.kind.role in DATA_ROLES
 
     def documented(self, parameters: Mapping[str, int]) -> int | str | None:
         """Return the value of ``equals`` for an order code with these parameters."""
@@ -211,13 +208,7 @@ class Field:
     @property
     def number(self) -> Number:
         """Kind of the field if that is a number, else a plain number: limits and parameters then apply to the bits."""
-        match self.kind:
-            case Number():
-                return self.kind
-            case Flag() | Choice() | Constant() | Unused() | CrcValue() | Parity() | Decimal() | Text():
-                return Number()
-            case _:
-                assert_never(self.kind)
+        return self.kind if isinstance(self.kind, Number) else Number()
 
     @property
     def values(self) -> tuple[Value, ...]:

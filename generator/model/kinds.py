@@ -1,6 +1,14 @@
 """Kinds of fields. The kind defines how bits are converted to a value. Each kind has only its own facts.
 
-``word`` names a kind in sentences about a change of the kind.
+Each kind also states the facts that modules of all layers need, so that these need no list of kinds:
+
+- ``word`` names it in sentences about a change of the kind.
+- ``role`` is its part in a frame. Only data matter to users of a decoded frame.
+- ``is_joinable`` is true if a joined number can contain the bits, because the value of the field is that of its bits.
+- ``value_at_rest`` is a valid value of a field that has no other source: that of the bits 0 if possible.
+- ``makes_position`` is the verdict on the position while a bit differs from its normal value, or None.
+
+mypy reports a kind that lacks one of them where a module reads it.
 """
 
 from __future__ import annotations
@@ -29,6 +37,11 @@ from .record import dataclass
 if TYPE_CHECKING:
     from fractions import Fraction
 
+
+#: Part of a field in a frame: data of three forms, a check of other bits, or bits that are always the same.
+Role = Literal["data", "flag", "choice", "check", "fixed"]
+#: Roles of fields that carry data: they are neither always the same nor derived from other fields.
+DATA_ROLES: frozenset[Role] = frozenset(("data", "flag", "choice"))
 
 #: Meaning of an active flag that the manual explains only for other order codes.
 UNEXPLAINED = "the manual does not say what this bit means for this order code"
@@ -76,9 +89,21 @@ class Number:
     """An integer, in two's complement if ``signed``. If all bits are 0, the value is ``zero_means``."""
 
     word: ClassVar[str] = "number"
+    role: ClassVar[Role] = "data"
+    makes_position: ClassVar[Verdict | None] = None
     signed: bool = False
     zero_means: int = 0
     power_of_two: bool = False
+
+    @property
+    def is_joinable(self) -> bool:
+        """True if the number is that of its bits."""
+        return not self.signed and not self.zero_means
+
+    @property
+    def value_at_rest(self) -> int:
+        """The number that the bits 0 stand for. They stand for no power of two."""
+        return 1 if self.power_of_two else self.zero_means
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +117,8 @@ class Flag:
     """
 
     word: ClassVar[str] = "flag"
+    role: ClassVar[Role] = "flag"
+    value_at_rest: ClassVar[int] = 0
     active_low: bool = False
     when_active: str = ""
     when_inactive: str = ""
@@ -101,6 +128,11 @@ class Flag:
     only_while: str = ""
     verdict_parameter: str = ""
     verdict_if_set: Verdict | None = None
+
+    @property
+    def is_joinable(self) -> bool:
+        """True if the bit 1 means active."""
+        return not self.active_low
 
     @property
     def unexplained(self) -> Flag:
@@ -114,7 +146,15 @@ class Choice:
     """One of several named values."""
 
     word: ClassVar[str] = "named values"
+    role: ClassVar[Role] = "choice"
+    is_joinable: ClassVar[bool] = True
+    makes_position: ClassVar[Verdict | None] = None
     values: tuple[Value, ...]
+
+    @property
+    def value_at_rest(self) -> int:
+        """Number of the first named value, since 0 may have no name."""
+        return self.values[0].value
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,6 +167,10 @@ class Constant:
     """
 
     word: ClassVar[str] = "fixed bits"
+    role: ClassVar[Role] = "fixed"
+    is_joinable: ClassVar[bool] = False
+    value_at_rest: ClassVar[int] = 0
+    makes_position: ClassVar[Verdict | None] = None
     value: int = 0
     padding_of: str = ""
     fills_gap: bool = False
@@ -141,6 +185,9 @@ class Unused:
     """
 
     word: ClassVar[str] = "unused bits"
+    role: ClassVar[Role] = "fixed"
+    is_joinable: ClassVar[bool] = False
+    value_at_rest: ClassVar[int] = 0
     value: int = 0
     makes_position: Verdict = Verdict.USABLE_WITH_WARNING
 
@@ -150,6 +197,10 @@ class CrcValue:
     """The bits of the named CRC. It covers the adjacent fields ``of`` or, without them, everything sent before it."""
 
     word: ClassVar[str] = "CRC"
+    role: ClassVar[Role] = "check"
+    is_joinable: ClassVar[bool] = False
+    value_at_rest: ClassVar[int] = 0
+    makes_position: ClassVar[Verdict | None] = None
     crc: str
     of: tuple[str, ...] = ()
 
@@ -164,6 +215,10 @@ class Parity:
     """
 
     word: ClassVar[str] = "parity"
+    role: ClassVar[Role] = "check"
+    is_joinable: ClassVar[bool] = False
+    value_at_rest: ClassVar[int] = 0
+    makes_position: ClassVar[Verdict | None] = None
     of: tuple[str, ...]
     odd: bool = False
     over: str = ""
@@ -191,6 +246,10 @@ class Decimal:
     """A number made of runs of decimal digits, most significant run first."""
 
     word: ClassVar[str] = "decimal digits"
+    role: ClassVar[Role] = "data"
+    is_joinable: ClassVar[bool] = True
+    value_at_rest: ClassVar[int] = 0
+    makes_position: ClassVar[Verdict | None] = None
     runs: tuple[Digits, ...]
 
     @property
@@ -209,9 +268,15 @@ class Text:
     """Characters, one per byte."""
 
     word: ClassVar[str] = "text"
+    role: ClassVar[Role] = "data"
+    is_joinable: ClassVar[bool] = False
+    value_at_rest: ClassVar[int] = 0
+    makes_position: ClassVar[Verdict | None] = None
 
 
-Kind = Number | Flag | Choice | Constant | Unused | CrcValue | Parity | Decimal | Text
+#: Kinds whose value a user gives when a frame is encoded.
+DataKind = Number | Flag | Choice | Decimal | Text
+Kind = DataKind | Constant | Unused | CrcValue | Parity
 
 
 #: Widest field that can have a scale. With the limits of the schema, C computes the quantity in 64 bits.

@@ -72,9 +72,9 @@ class Layout:
         """Return the fields with these names that the layout has, in the same order."""
         return [field for field in map(self.find_field, names) if field is not None]
 
-    def names_in(self, name: str) -> tuple[str, ...]:
+    def names_in(self, field_or_join: str) -> tuple[str, ...]:
         """Return the names of the fields of a join, most significant first. For a field, return its own name."""
-        return next((join.fields for join in self.joins if join.name == name), (name,))
+        return next((join.fields for join in self.joins if join.name == field_or_join), (field_or_join,))
 
     @cached_property
     def member_names(self) -> frozenset[str]:
@@ -146,9 +146,9 @@ class Layout:
 
         A flag or value counts if its verdict is not *usable*, and if it applies to all order codes that have it.
         """
-        judging_names = {field.name for field in self.fields if _judges(field.kind)}
+        judging_names = {field.name for field in self.fields if _is_flag_with_verdict(field.kind)}
         for sign in self.signs:
-            if _judges(sign.flag.kind):
+            if _is_flag_with_verdict(sign.flag.kind):
                 # The fields of a combination are in the same frames, because their widths are the same for all order
                 # codes. So the first one is enough.
                 name, _ = sign.conditions[0]
@@ -169,7 +169,7 @@ class Layout:
         return sum(widths, Expression(0))
 
     @property
-    def tells_validity(self) -> bool:
+    def judges_position(self) -> bool:
         """True if at least for some order codes, every frame says whether the position is usable."""
         return self.judging_bits != Expression(0)
 
@@ -218,11 +218,14 @@ class Layout:
         placed_fields = (field.place(parameters) for field in self.fields)
         fields_by_name = {field.name: field for field in placed_fields if field.width > 0}
         gray = bool(self.gray_of and (not self.gray_when or parameters.get(self.gray_when)))
-        unused_with_places = tuple(
-            (fields_by_name[field.name], place) for field, place in self.unused if field.name in fields_by_name
-        )
+        remaining_unused = [(field, place) for field, place in self.unused if field.name in fields_by_name]
         return PlacedLayout(
-            self, self.bits.value(parameters), tuple(fields_by_name.values()), gray, unused_with_places, parameters
+            layout=self,
+            bits=self.bits.value(parameters),
+            fields=tuple(fields_by_name.values()),
+            gray=gray,
+            unused=tuple((fields_by_name[field.name], place) for field, place in remaining_unused),
+            parameters=parameters,
         )
 
 
@@ -300,7 +303,7 @@ class PlacedLayout:
         return tuple(flag for flag in self.layout.spoiling_flags if self.find_field(flag.name) is not None)
 
     @cached_property
-    def tells_validity(self) -> bool:
+    def judges_position(self) -> bool:
         """True if every frame of the order code says whether the position is usable."""
         return self.layout.judging_bits.value(self.parameters) > 0
 
@@ -346,9 +349,11 @@ class PlacedLayout:
         return (placed_fields[-1].low, width) if placed_fields else (0, 0)
 
 
-def _judges(kind: Kind) -> bool:
+def _is_flag_with_verdict(field_kind: Kind) -> bool:
     """Return True if a kind is a flag with a verdict other than *usable*, for all order codes that have it."""
-    return isinstance(kind, Flag) and kind.makes_position is not Verdict.USABLE and not kind.only_while
+    return (
+        isinstance(field_kind, Flag) and field_kind.makes_position is not Verdict.USABLE and not field_kind.only_while
+    )
 
 
 def _with_unknown_verdict_if_reserved(field: Field) -> Field:
@@ -388,20 +393,22 @@ def _sign_of_combination(layout: Layout, combination: Combination) -> Sign:
         remedy=combination.remedy,
         source=combination.source,
     )
-    return Sign(field, tuple(_condition(layout, text) for text in combination.when))
+    return Sign(field, tuple(_parse_condition(layout, text) for text in combination.when))
 
 
 def _flag_of_sign(
-    name: str, flag: Flag, printed_name: str, note: str = "", remedy: str = "", source: Sources = ()
+    sign_name: str, flag: Flag, printed_name: str, note: str = "", remedy: str = "", source: Sources = ()
 ) -> Field:
     """Return the flag of a sign. It has no bits in the frame."""
     nowhere = Expression(0)
-    return Field(name, flag, nowhere, nowhere, 0, printed_name=printed_name, note=note, remedy=remedy, source=source)
+    return Field(
+        sign_name, flag, nowhere, nowhere, 0, printed_name=printed_name, note=note, remedy=remedy, source=source
+    )
 
 
-def _condition(layout: Layout, text: str) -> tuple[str, int]:
+def _parse_condition(layout: Layout, condition: str) -> tuple[str, int]:
     """Return the field of a condition ``field.value`` and the number of its value, such as ``("warning", 1)``."""
-    name, _, value_name = text.partition(".")
+    name, _, value_name = condition.partition(".")
     field = layout.field(name)
     if isinstance(field.kind, Flag):
         # The value of a flag is ``active`` or ``inactive``.

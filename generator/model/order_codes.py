@@ -205,10 +205,10 @@ def fits(only: str, code: str) -> bool:
 
 @cache
 def _code_patterns(only: str) -> tuple[re.Pattern[str], ...]:
-    return tuple(_pattern(order_code.strip()) for order_code in only.split(","))
+    return tuple(_pattern_of_code(order_code.strip()) for order_code in only.split(","))
 
 
-def _pattern(order_code: str) -> re.Pattern[str]:
+def _pattern_of_code(order_code: str) -> re.Pattern[str]:
     """Return the regular expression of an abbreviated order code."""
     # As for file names, where several "..." do not try every way to share the text between them.
     wildcards = {"...": "*", "…": "*", "x": "?"}

@@ -20,10 +20,10 @@ else:
     def dataclass(*, frozen: Literal[True], **options: bool) -> Callable[[type], type]:
         """Return the decorator of ``dataclasses`` with the shared methods."""
 
-        def decorate(kind: type) -> type:
+        def decorate(decorated_class: type) -> type:
             # Without a text, dataclasses would import the signature of each class to write one.
-            kind.__doc__ = kind.__doc__ or kind.__name__
-            decorated = dataclasses.dataclass(**options, init=False, eq=False, repr=False)(kind)
+            decorated_class.__doc__ = decorated_class.__doc__ or decorated_class.__name__
+            decorated = dataclasses.dataclass(**options, init=False, eq=False, repr=False)(decorated_class)
             decorated.__init__ = _late_init(decorated)
             for name, method in _SHARED.items():
                 setattr(decorated, name, method)
@@ -51,7 +51,7 @@ def _is_equal(self: Any, other: Any) -> Any:
     return values(self) == values(other)
 
 
-def _hash(self: Any) -> int:
+def _hash_of(self: Any) -> int:
     return hash(_values_of(self.__class__)(self))
 
 
@@ -61,7 +61,7 @@ def _text_of(self: Any) -> str:
     return f"{self.__class__.__qualname__}({members})"
 
 
-def _refuse(self: Any, name: str, *_: object) -> NoReturn:
+def _refuse_change(self: Any, name: str, *_: object) -> NoReturn:
     raise FrozenInstanceError(f"cannot change field {name!r}")
 
 
@@ -104,8 +104,8 @@ def _init_of(part_class: type) -> Any:
 
 _SHARED: Mapping[str, Callable[..., Any]] = {
     "__eq__": _is_equal,
-    "__hash__": _hash,
+    "__hash__": _hash_of,
     "__repr__": _text_of,
-    "__setattr__": _refuse,
-    "__delattr__": _refuse,
+    "__setattr__": _refuse_change,
+    "__delattr__": _refuse_change,
 }

@@ -97,15 +97,15 @@ class Register:
         """Named values of a register whose only field is a choice, or none."""
         return self.layout.fields[0].values if len(self.layout.fields) == 1 else ()
 
-    def bytes_of(self, value: int) -> bytes:
+    def bytes_of(self, content: int) -> bytes:
         """Return a value as bytes in ascending order of address."""
-        return value.to_bytes(self.length, "little" if self.byte_order == "low_byte_first" else "big")
+        return content.to_bytes(self.length, "little" if self.byte_order == "low_byte_first" else "big")
 
     def default_bytes(self) -> bytes | None:
         return None if self.default is None else self.bytes_of(self.default)
 
 
-def bounded(register: Register) -> str:
+def name_with_limits(register: Register) -> str:
     """Return the name of the limited field or join, or an empty string if the limits apply to the whole register.
 
     It is ``limits_of`` if that is a field or join. Otherwise it is the only field, if there is only one.
@@ -118,13 +118,13 @@ def bounded(register: Register) -> str:
 
 def bounded_width(register: Register, placed: PlacedLayout) -> int:
     """Return the width of the limited field, join or register."""
-    return placed.place_of(bounded(register))[1] or 8 * register.length
+    return placed.place_of(name_with_limits(register))[1] or 8 * register.length
 
 
-def representable(register: Register, placed: PlacedLayout) -> tuple[int, int]:
+def numbers_that_fit(register: Register, placed: PlacedLayout) -> tuple[int, int]:
     """Return the lowest and highest number that fit in the limited field, join or register."""
     width = bounded_width(register, placed)
-    limited_field = placed.find_field(bounded(register))
+    limited_field = placed.find_field(name_with_limits(register))
     if limited_field is not None and limited_field.field.number.signed:
         return -(1 << (width - 1)), (1 << (width - 1)) - 1
     return 0, (1 << width) - 1
@@ -140,8 +140,8 @@ def bounds(
 
     ``zero_means`` of the field, the number for which a stored zero stands, may be higher than the width allows.
     """
-    lowest, highest = representable(register, placed)
-    limited_field = placed.find_field(bounded(register))
+    lowest, highest = numbers_that_fit(register, placed)
+    limited_field = placed.find_field(name_with_limits(register))
     if limited_field is not None:
         highest = max(highest, limited_field.field.number.zero_means)
     low, high = limits

@@ -121,17 +121,19 @@ _NUMBER = re.compile(r"(?:^|(?<=\s))(\d{1,3})\.\s+")
 _FEWEST = 3
 
 
-def steps_of(value: str) -> tuple[str, ...]:
+def steps_of(characteristic_value: str) -> tuple[str, ...]:
     """Return the text before the first step, then each step. Without steps numbered from one, return only the value."""
-    numbers = list(_NUMBER.finditer(value))
+    numbers = list(_NUMBER.finditer(characteristic_value))
     # Numbers that do not count from 1 are not those of steps.
-    if [int(match[1]) for match in numbers] != list(range(1, len(numbers) + 1)):
-        return (value,)
-    ends_of_steps = [*(match.start() for match in numbers[1:]), len(value)]
-    steps = (value[match.end() : end].strip() for match, end in zip(numbers, ends_of_steps, strict=True))
-    return (value[: numbers[0].start()].strip(), *steps) if numbers else (value,)
+    if not numbers or [int(match[1]) for match in numbers] != list(range(1, len(numbers) + 1)):
+        return (characteristic_value,)
+    texts = [characteristic_value[: numbers[0].start()].strip()]
+    ends_of_steps = [*(match.start() for match in numbers[1:]), len(characteristic_value)]
+    for number, end in zip(numbers, ends_of_steps, strict=True):
+        texts.append(characteristic_value[number.end() : end].strip())
+    return tuple(texts)
 
 
-def has_steps(value: str) -> bool:
+def has_steps(characteristic_value: str) -> bool:
     """Return whether a string has enough numbered steps to be a list."""
-    return len(steps_of(value)) > _FEWEST
+    return len(steps_of(characteristic_value)) > _FEWEST

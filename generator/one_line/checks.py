@@ -22,13 +22,13 @@ def problems_of_fields(fields: Sequence[LineField], interface: str) -> Iterator[
             yield LineProblem(field.column, "the CRC must be the last field; move it to the end")
         if isinstance(field, Crc) and interface == "rs485" and field.bits % 8:
             yield LineProblem(field.column, f"the CRC has {field.bits} bits; over RS-485, write whole bytes")
-        if isinstance(field, Parity) and not any(map(_changes, fields)):
+        if isinstance(field, Parity) and not any(map(_can_change, fields)):
             yield LineProblem(field.column, "a parity bit needs other fields that change; add them")
     yield from _problems_of_position(fields, interface)
     yield from _problems_of_length(fields, interface)
 
 
-def _changes(field: LineField) -> bool:
+def _can_change(field: LineField) -> bool:
     """Return True if a field is not a check or a constant."""
     is_constant = (isinstance(field, Number) and field.value is not None) or field.name == "zero"
     return not is_constant and not isinstance(field, Parity | Crc)
@@ -134,9 +134,9 @@ def _problems_of_byte_order(options: Options, fields: Sequence[LineField], inter
         bits_before += field.bits
 
 
-def _problems_of_split(field: LineField, place: int) -> Iterator[LineProblem]:
-    """Yield the problems of a number over SPI that is sent low byte first, ``place`` bits after the first one."""
-    if place % 8 or field.bits % 8:
+def _problems_of_split(field: LineField, bits_before: int) -> Iterator[LineProblem]:
+    """Yield the problems of a number over SPI that is sent low byte first, ``bits_before`` bits after the first one."""
+    if bits_before % 8 or field.bits % 8:
         message = f"'{field.name}' is not whole bytes, so low_byte_first cannot apply; add zero or unused bits"
         yield LineProblem(field.column, message)
     if isinstance(field, Number) and (field.is_signed or field.value is not None):

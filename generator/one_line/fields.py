@@ -48,38 +48,39 @@ def read_field(text: str, column: int, interface: str) -> LineField:
         raise FieldError(f"{quoted(name)} is not a name; use letters, digits and underscores, such as position=32")
     name = _spec_name(name)
     if name == "crc":
-        return _crc(values, column, interface)
+        return _read_crc(values, column, interface)
     if name == "parity":
-        return _parity(values, column)
+        return _read_parity(values, column)
     if name in ("zero", "unused"):
-        return _filler("zero" if name == "zero" else "unused", values, column)
+        return _read_filler("zero" if name == "zero" else "unused", values, column)
     if values and values[0] in ("low", "high"):
-        return _flag(name, values, column)
+        return _read_flag(name, values, column)
     if name in ("error", "warning") and (not values or values == ["1"]):
         return _flag_of_interface(name, column, interface)
-    return _number(name, values, column)
+    return _read_number(name, values, column)
 
 
-def _spec_name(name: str) -> str:
+def _spec_name(line_name: str) -> str:
     """Return a name as a spec writes it: in lower case, with single underscores between words."""
-    return "_".join(word for word in name.lower().split("_") if word)
+    return "_".join(word for word in line_name.lower().split("_") if word)
 
 
-def _bits(name: str, text: str, widest: int = WIDEST) -> int:
-    bits = number_in(text)
+def _read_width(name: str, width_text: str, widest: int = WIDEST) -> int:
+    """Return a width in bits, or raise a ``FieldError`` if the text is not a number from 1 to ``widest``."""
+    bits = number_in(width_text)
     if bits is None or not 0 < bits <= widest:
-        raise FieldError(f"{quoted(text)} is not a width of '{name}'; write 1 to {widest}", len(name) + 1)
+        raise FieldError(f"{quoted(width_text)} is not a width of '{name}'; write 1 to {widest}", len(name) + 1)
     return bits
 
 
-def _number(name: str, values: Sequence[str], column: int) -> Number:
+def _read_number(name: str, values: Sequence[str], column: int) -> Number:
     """Return a number from its values: a width, and ``signed`` or the value of a constant, such as ``24:signed``."""
     if not values or values == [""]:
         hint = suggestion(name, _KNOWN_NAMES) if name not in _KNOWN_NAMES else ""
         raise FieldError(f"'{name}' has no width; write {_FORMS}{hint}")
     if name in ("error", "warning"):
         raise FieldError(f"'{name}' is one bit; write {name}=low or {name}=high", len(name) + 1)
-    bits = _bits(name, values[0])
+    bits = _read_width(name, values[0])
     if len(values) == 1:
         return Number(name, bits, column)
     if values[1:] == ["signed"]:
@@ -96,13 +97,18 @@ def _number(name: str, values: Sequence[str], column: int) -> Number:
     return Number(name, bits, column, value=value)
 
 
-def _flag(name: str, values: Sequence[str], column: int) -> Flag:
+def _read_flag(name: str, values: Sequence[str], column: int) -> Flag:
     """Return a flag from its values: its active level, and its effect on the position, such as ``low:error``.
 
     By default, the flags ``error`` and ``warning`` have the effect of their name, and others have none (``status``).
     """
     level: Literal["low", "high"] = "low" if values[0] == "low" else "high"
-    effect = values[1] if len(values) > 1 else name if name in VERDICTS else "status"
+    if len(values) > 1:
+        effect = values[1]
+    elif name in VERDICTS:
+        effect = name
+    else:
+        effect = "status"
     if len(values) > 2 or effect not in VERDICTS:
         message = f"{quoted(':'.join(values[1:]))} is not an effect of a flag; write error, warning or status"
         raise FieldError(message, len(name) + len(values[0]) + 2)
@@ -116,13 +122,15 @@ def _flag_of_interface(name: str, column: int, interface: str) -> Flag:
     return Flag(name, column, "low", VERDICTS[name])
 
 
-def _filler(name: Literal["zero", "unused"], values: Sequence[str], column: int) -> Filler:
+def _read_filler(name: Literal["zero", "unused"], values: Sequence[str], column: int) -> Filler:
+    """Return bits without content from their only value, the width."""
     if len(values) != 1:
         raise FieldError(f"'{name}' takes only a width; write {name}=2 for two bits")
-    return Filler(name, _bits(name, values[0]), column)
+    return Filler(name, _read_width(name, values[0]), column)
 
 
-def _parity(values: Sequence[str], column: int) -> Parity:
+def _read_parity(values: Sequence[str], column: int) -> Parity:
+    """Return a parity bit from its only value: ``even`` or ``odd``."""
     if values == ["even"]:
         return Parity("parity", column, "even")
     if values == ["odd"]:
@@ -130,14 +138,14 @@ def _parity(values: Sequence[str], column: int) -> Parity:
     raise FieldError("a parity bit is even or odd; write parity=even or parity=odd")
 
 
-def _crc(values: Sequence[str], column: int, interface: str) -> Crc:
+def _read_crc(values: Sequence[str], column: int, interface: str) -> Crc:
     """Return a CRC from its values: width, polynomial, start value, and ``inverted`` or ``plain``.
 
     The last two are optional. The start value is then 0, and the CRC is inverted only over BiSS.
     """
     if len(values) < 2:
         raise FieldError("a CRC needs its width and polynomial; write crc=BITS:POLYNOMIAL, such as crc=6:0x43")
-    bits = _bits("crc", values[0], _WIDEST_CRC)
+    bits = _read_width("crc", values[0], _WIDEST_CRC)
     is_inverted = interface == "biss"
     numbers = list(values[1:])
     if numbers[-1] in ("inverted", "plain"):
@@ -145,13 +153,24 @@ def _crc(values: Sequence[str], column: int, interface: str) -> Crc:
     offset = len("crc=") + len(values[0]) + 1  # after "crc=width:"
     if not 0 < len(numbers) < 3:
         raise FieldError("write crc=BITS:POLYNOMIAL:START, with :inverted or :plain after it if needed", offset)
-    poly = number_in(numbers[0])
-    top_bit = 1 << bits
-    if poly is None or not poly & 1 or poly >= 2 * top_bit:
-        reason = f"write an odd number of at most {2 * top_bit - 1:#x}, with or without its top bit"
-        raise FieldError(f"{quoted(numbers[0])} is not a polynomial of {bits} bits; {reason}", offset)
+    poly = _read_polynomial(numbers[0], bits, offset)
     init = number_in(numbers[1]) if len(numbers) > 1 else 0
-    if init is None or init >= top_bit:
+    highest = (1 << bits) - 1
+    if init is None or init > highest:
         offset += len(numbers[0]) + 1
-        raise FieldError(f"{quoted(numbers[1])} is not a start value; write at most {top_bit - 1:#x}", offset)
-    return Crc("crc", bits, column, poly & (top_bit - 1), init, is_inverted)
+        raise FieldError(f"{quoted(numbers[1])} is not a start value; write at most {highest:#x}", offset)
+    return Crc("crc", bits, column, poly, init, is_inverted)
+
+
+def _read_polynomial(polynomial_text: str, bits: int, offset: int) -> int:
+    """Return a polynomial without its top bit, which may be written: ``0x43`` of 6 bits is 3.
+
+    Its lowest bit is always 1. ``offset`` is that of the text in the field, for the error.
+    """
+    polynomial = number_in(polynomial_text)
+    top_bit = 1 << bits
+    highest = 2 * top_bit - 1
+    if polynomial is None or polynomial % 2 == 0 or polynomial > highest:
+        reason = f"write an odd number of at most {highest:#x}, with or without its top bit"
+        raise FieldError(f"{quoted(polynomial_text)} is not a polynomial of {bits} bits; {reason}", offset)
+    return polynomial & (top_bit - 1)

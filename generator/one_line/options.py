@@ -26,27 +26,28 @@ _WORDS: Mapping[str, tuple[tuple[str, ...], Mapping[str, Any]]] = {
 }
 
 
-def _hertz(text: str) -> int | None:
+def _read_frequency(option_text: str) -> int | None:
     """Return the frequency in Hz of a text such as ``1.5MHz`` or ``800k``, or None if it is not 1 Hz to 1 GHz."""
-    match = _HERTZ.fullmatch(text)
+    match = _HERTZ.fullmatch(option_text)
     if match is None:
         return None
     hertz = round(float(match[1] + (match[2] or "")) * _FACTORS[match[3]])
     return hertz if 0 < hertz <= 1_000_000_000 else None
 
 
-def _mode(text: str) -> int | None:
-    return int(text) if text in ("0", "1", "2", "3") else None
+def _read_spi_mode(option_text: str) -> int | None:
+    return int(option_text) if option_text in ("0", "1", "2", "3") else None
 
 
-def _positive(text: str) -> int | None:
-    number = number_in(text)
+def _read_positive_number(option_text: str) -> int | None:
+    """Return the number in a text, or None if it is 0, too large, or not a number."""
+    number = number_in(option_text)
     return number if number and number < 1 << 63 else None
 
 
-def _hex_bytes(text: str) -> bytes | None:
+def _read_hex_bytes(option_text: str) -> bytes | None:
     """Return the bytes of a text such as ``1A`` or ``0x1A02``, or None if it has other characters or is too long."""
-    digits = text.removeprefix("0x")
+    digits = option_text.removeprefix("0x")
     if not re.fullmatch(r"(?:[0-9A-Fa-f]{2})+", digits) or len(digits) > 2 * _LONGEST_REQUEST:
         return None
     return bytes.fromhex(digits)
@@ -54,12 +55,12 @@ def _hex_bytes(text: str) -> bytes | None:
 
 #: Options with a value: the interfaces that have them, the member, its reader, and an example.
 _SETTINGS: Mapping[str, tuple[tuple[str, ...], str, Callable[[str], Any], str]] = {
-    "clock": (("biss", "ssi", "spi"), "clock_hz", _hertz, "clock=1MHz"),
-    "mode": (("spi",), "mode", _mode, "mode=1"),
-    "baud": (("rs485",), "baud", _positive, "baud=2500000"),
-    "request": (("rs485",), "request", _hex_bytes, "request=1A"),
-    "counts": (("biss", "ssi", "spi", "rs485"), "counts", _positive, "counts=4096"),
-    "turns": (("biss", "ssi", "spi", "rs485"), "turns", _positive, "turns=4096"),
+    "clock": (("biss", "ssi", "spi"), "clock_hz", _read_frequency, "clock=1MHz"),
+    "mode": (("spi",), "mode", _read_spi_mode, "mode=1"),
+    "baud": (("rs485",), "baud", _read_positive_number, "baud=2500000"),
+    "request": (("rs485",), "request", _read_hex_bytes, "request=1A"),
+    "counts": (("biss", "ssi", "spi", "rs485"), "counts", _read_positive_number, "counts=4096"),
+    "turns": (("biss", "ssi", "spi", "rs485"), "turns", _read_positive_number, "turns=4096"),
 }
 
 

@@ -38,11 +38,11 @@ def parse_line(text: str) -> Line:
         message = f"{quoted(text[allowed.end()])} is not a character of a line; write {_EXAMPLE}"
         raise LineError(text, [LineProblem(allowed.end() + 1, message)])
     problems: list[LineProblem] = []
-    interface, head_end = _interface(text, problems)
-    options, option_columns = _options(text[:head_end], interface, problems)
+    interface, head_end = _read_interface(text, problems)
+    options, option_columns = _read_options(text[:head_end], interface, problems)
     fields_start = head_end + 1 if head_end else 0  # after the colon
     has_fields = fields_start <= len(text)  # False without a colon, which is a problem already.
-    fields = _fields(text[fields_start:], fields_start + 1, interface, problems) if has_fields else []
+    fields = _read_fields(text[fields_start:], fields_start + 1, interface, problems) if has_fields else []
     if fields:
         problems += problems_of_fields(fields, interface)
         problems += problems_of_options(options, option_columns, fields, interface)
@@ -54,7 +54,7 @@ def parse_line(text: str) -> Line:
 _EXAMPLE = "INTERFACE:FIELD,FIELD, such as biss:position=32,error,warning,crc=6:0x43"
 
 
-def _interface(text: str, problems: list[LineProblem]) -> tuple[str, int]:
+def _read_interface(text: str, problems: list[LineProblem]) -> tuple[str, int]:
     """Return the interface, and the offset of the colon after its options, or 0 if the line begins with a field.
 
     A line without an interface is read as one for BiSS, to find its other problems.
@@ -76,7 +76,7 @@ def _interface(text: str, problems: list[LineProblem]) -> tuple[str, int]:
     return "biss", len(head)
 
 
-def _pieces(text: str, column: int) -> Iterator[tuple[int, str]]:
+def _split_at_commas(text: str, column: int) -> Iterator[tuple[int, str]]:
     """Yield the parts of a text between commas, each with the column of its first character that is not a space."""
     for piece in text.split(","):
         leading_spaces = len(piece) - len(piece.lstrip())
@@ -84,11 +84,11 @@ def _pieces(text: str, column: int) -> Iterator[tuple[int, str]]:
         column += len(piece) + 1
 
 
-def _options(head: str, interface: str, problems: list[LineProblem]) -> tuple[Options, dict[str, int]]:
+def _read_options(head: str, interface: str, problems: list[LineProblem]) -> tuple[Options, dict[str, int]]:
     """Return the options, and the column of each by its name. ``head`` is the line up to the colon."""
     options = Options()
     columns: dict[str, int] = {}
-    for column, piece in list(_pieces(head, 1))[1:]:  # The first one is the interface.
+    for column, piece in list(_split_at_commas(head, 1))[1:]:  # The first one is the interface.
         try:
             options = with_option(options, piece, interface)
             columns[piece.partition("=")[0].strip()] = column
@@ -97,13 +97,13 @@ def _options(head: str, interface: str, problems: list[LineProblem]) -> tuple[Op
     return options, columns
 
 
-def _fields(text: str, column: int, interface: str, problems: list[LineProblem]) -> list[LineField]:
+def _read_fields(text: str, column: int, interface: str, problems: list[LineProblem]) -> list[LineField]:
     """Return the valid fields, and add the problems of the others. ``column`` is that of the first character."""
     fields: list[LineField] = []
     if not text.strip():
         problems.append(LineProblem(column, f"the line has no fields; write {_EXAMPLE}"))
         return fields
-    pieces = list(_pieces(text, column))
+    pieces = list(_split_at_commas(text, column))
     if len(pieces) > _MOST_FIELDS:
         problems.append(LineProblem(pieces[_MOST_FIELDS][0], f"write at most {_MOST_FIELDS} fields"))
     for piece_column, piece in pieces[:_MOST_FIELDS]:

@@ -28,19 +28,27 @@ SCHEMA = "device.schema.json"
 
 def spec_text(line: Line, name: str, manufacturer: str, schema: str = SCHEMA) -> str:
     """Return the text of a spec of the family ``name``, which ``check`` accepts."""
-    return "\n".join([*_head(line, name, manufacturer, schema), *_crcs(line), *_interface(line), *_errata(line), ""])
+    return "\n".join(
+        [
+            *_write_head(line, name, manufacturer, schema),
+            *_write_crc(line),
+            *_write_interface(line),
+            *_write_erratum(line),
+            "",
+        ]
+    )
 
 
 def order_code(line: Line, name: str) -> str:
     """Return the only order code of the spec of a line."""
-    return f"{_label(name)}-{line.interface.upper()}"
+    return f"{_fixed_text_of_code(name)}-{line.interface.upper()}"
 
 
-def _label(name: str) -> str:
-    return name.replace("_", "-").upper()
+def _fixed_text_of_code(family_name: str) -> str:
+    return family_name.replace("_", "-").upper()
 
 
-def _head(line: Line, name: str, manufacturer: str, schema: str) -> Iterator[str]:
+def _write_head(line: Line, family_name: str, manufacturer: str, schema: str) -> Iterator[str]:
     """Yield the spec up to its measurement."""
     yield f"# yaml-language-server: $schema={schema}"
     yield "#"
@@ -48,9 +56,9 @@ def _head(line: Line, name: str, manufacturer: str, schema: str) -> Iterator[str
     yield "# of the manual, and raise the grade when the manual confirms the others."
     yield ""
     yield "codewheel: 1"
-    yield f"device: {name}"
+    yield f"device: {family_name}"
     yield f"manufacturer: {manufacturer}"
-    yield f"title: {_label(name)}, described in one line"
+    yield f"title: {_fixed_text_of_code(family_name)}, described in one line"
     yield "movement: rotary"
     yield "evidence:"
     yield "  grade: uncorroborated"
@@ -70,16 +78,16 @@ def _head(line: Line, name: str, manufacturer: str, schema: str) -> Iterator[str
     yield "parameters: {}"
     yield ""
     yield "order_code:"
-    yield f'  pattern: "{_label(name)}-{{output}}"'
+    yield f'  pattern: "{_fixed_text_of_code(family_name)}-{{output}}"'
     yield f"  source: {_LINE}"
     yield "  parts:"
     value = f"{{{line.interface.upper()}: {{meaning: The interface of the line, interface: {line.interface}}}}}"
     yield f"    - {{name: output, meaning: Interface, values: {value}}}"
     yield ""
-    yield from _measurement(line)
+    yield from _write_measurement(line)
 
 
-def _measurement(line: Line) -> Iterator[str]:
+def _write_measurement(line: Line) -> Iterator[str]:
     """Yield the size of a count, if the line states it."""
     widths = {field.name: field.bits for field in line.fields}
     if IN_TURN in widths:
@@ -96,7 +104,7 @@ def _measurement(line: Line) -> Iterator[str]:
     yield ""
 
 
-def _crcs(line: Line) -> Iterator[str]:
+def _write_crc(line: Line) -> Iterator[str]:
     """Yield the definition of the CRC, if the line has one."""
     for field in line.fields:
         if isinstance(field, Crc):
@@ -108,15 +116,15 @@ def _crcs(line: Line) -> Iterator[str]:
             yield ""
 
 
-def _interface(line: Line) -> Iterator[str]:
+def _write_interface(line: Line) -> Iterator[str]:
     """Yield the interface with its layouts. What the line does not state has a placeholder as its source."""
     options = line.options
     yield "interfaces:"
     yield f"  {line.interface}:"
     if line.interface == "rs485":
-        yield from _rs485(line)
+        yield from _write_serial_port(line)
     else:
-        yield from _clocked(line)
+        yield from _write_clock(line)
     if line.interface == "spi":
         yield f"    word_bits: {line.bits}"
         yield "    reply: same_word"
@@ -127,11 +135,11 @@ def _interface(line: Line) -> Iterator[str]:
         yield f"    output_code: {'gray' if options.is_gray else 'binary'}"
     yield "    layouts:"
     if line.interface == "rs485":
-        yield from _request(line)
-    yield from _layout(line)
+        yield from _write_request(line)
+    yield from _write_layout(line)
 
 
-def _clocked(line: Line) -> Iterator[str]:
+def _write_clock(line: Line) -> Iterator[str]:
     """Yield the clock of an interface, and the mode of SPI."""
     options = line.options
     is_mode_unknown = line.interface == "spi" and options.mode is None
@@ -144,7 +152,7 @@ def _clocked(line: Line) -> Iterator[str]:
         yield f"    clock: {{source: {_NOT_STATED}}}"
 
 
-def _rs485(line: Line) -> Iterator[str]:
+def _write_serial_port(line: Line) -> Iterator[str]:
     """Yield the serial port, and the exchange that has the reply."""
     source = _LINE if line.options.baud else _NOT_STATED
     port = f"baud: {line.options.baud or 115200}, data_bits: 8, parity: none, stop_bits: 1"
@@ -156,7 +164,7 @@ def _rs485(line: Line) -> Iterator[str]:
     yield f"      - {{request: position_request, reply: reply, purpose: {purpose}, source: {_LINE}}}"
 
 
-def _request(line: Line) -> Iterator[str]:
+def _write_request(line: Line) -> Iterator[str]:
     """Yield the request. If the line does not state it, it is one byte of any value."""
     request = line.options.request
     content = f"constant: {int.from_bytes(request, 'big'):#x}" if request else "meaning: Request"
@@ -168,7 +176,7 @@ def _request(line: Line) -> Iterator[str]:
     yield f"          - {{name: request, bits: {8 * (len(request) or 1)}, {content}}}"
 
 
-def _layout(line: Line) -> Iterator[str]:
+def _write_layout(line: Line) -> Iterator[str]:
     """Yield the layout of the frame."""
     yield f"      - name: {_LAYOUTS[line.interface]}"
     yield "        from: encoder"
@@ -177,7 +185,7 @@ def _layout(line: Line) -> Iterator[str]:
         yield f"        byte_order: {line.options.byte_order or 'high_byte_first'}"
     elif any(_byte_names(field, line) for field in line.fields):
         yield "        byte_order: low_byte_first"
-    joins = list(_joins(line))
+    joins = list(_write_joins(line))
     if joins:
         yield "        join:"
         yield from joins
@@ -188,7 +196,7 @@ def _layout(line: Line) -> Iterator[str]:
     # A parity bit covers all other fields but the CRC.
     parity_fields = [name for name in _field_names(line) if name not in ("parity", "crc")]
     for field, name in zip(line.fields, _names_in_spec(line), strict=True):
-        for keys in _entries(field, name, line, parity_fields):
+        for keys in _write_field(field, name, line, parity_fields):
             yield f"          - {{{keys}}}"
 
 
@@ -226,7 +234,7 @@ def _byte_names(field: LineField, line: Line) -> list[str]:
     return [f"{field.name}_byte_{index}" for index in range(field.bits // 8)]
 
 
-def _joins(line: Line) -> Iterator[str]:
+def _write_joins(line: Line) -> Iterator[str]:
     """Yield the numbers that consist of several fields: split numbers, and the position made of the turns and the rest.
 
     Their fields are listed most significant first.
@@ -241,7 +249,7 @@ def _joins(line: Line) -> Iterator[str]:
         yield f"          {POSITION}: [{', '.join([*fields_of_number[TURNS], *fields_of_number[IN_TURN]])}]"
 
 
-def _errata(line: Line) -> Iterator[str]:
+def _write_erratum(line: Line) -> Iterator[str]:
     """Yield an erratum for a frame that differs from those of BiSS, so that ``check`` accepts it."""
     places = list(_places_unlike_biss(line)) if line.interface == "biss" else []
     if not places:
@@ -283,7 +291,7 @@ def _places_unlike_biss(line: Line) -> Iterator[str]:
         yield f"{frame}.fields"
 
 
-def _entries(field: LineField, name: str, line: Line, parity_fields: Sequence[str]) -> Iterator[str]:
+def _write_field(field: LineField, name: str, line: Line, parity_fields: Sequence[str]) -> Iterator[str]:
     """Yield the keys of a field in the spec, ``name: zero_bits, bits: 2, constant: 0``, or those of each split byte.
 
     Effects on the position are left out of a frame without one.
@@ -297,7 +305,7 @@ def _entries(field: LineField, name: str, line: Line, parity_fields: Sequence[st
     match field:
         case Number():
             has_counts = field.name == POSITION and line.options.counts
-            yield _number(field) + (", note: The line states its bits and its counts." if has_counts else "")
+            yield _keys_of_number(field) + (", note: The line states its bits and its counts." if has_counts else "")
         case Flag():
             effect = f", makes_position: {field.verdict}" if has_position else ""
             yield f"name: {name}, active: {field.level}{effect}, when_active: {_MEANINGS[field.verdict]}"
@@ -312,7 +320,7 @@ def _entries(field: LineField, name: str, line: Line, parity_fields: Sequence[st
             yield f"name: {name}, crc: {_CRC_NAME}"
 
 
-def _number(field: Number) -> str:
+def _keys_of_number(field: Number) -> str:
     """Return the keys of a number in the spec. Only the parts of the position have a unit and a meaning."""
     keys = f"name: {field.name}, bits: {field.bits}"
     if field.is_signed:

@@ -91,11 +91,19 @@ class Match:
     written_as_in: str = ""
 
 
-def combinations(order_code: OrderCode) -> Iterator[tuple[str, Mapping[str, str], str, Mapping[str, int]]]:
-    """Yield every listed code: its text, the text of each part, the interface, and the parameters that the parts set.
+class ListedCode(NamedTuple):
+    """A listed order code: ``("X-24-B", {"bits": "24", "output": "B"}, "biss", {"singleturn_bits": 24})``."""
 
-    For example, ``("X-24-B", {"singleturn": "24", "output": "B"}, "biss", {"singleturn_bits": 24})``.
-    """
+    text: str
+    #: The text of each part, by the name of the part.
+    parts: Mapping[str, str]
+    interface: str
+    #: The parameters that the parts set.
+    parameters: Mapping[str, int]
+
+
+def listed_codes(order_code: OrderCode) -> Iterator[ListedCode]:
+    """Yield every combination of values of the parts that is allowed, as an order code."""
     values_of_parts = [part.values for part in order_code.parts]
     for values in itertools.product(*values_of_parts):
         texts = {part.name: value.text for part, value in zip(order_code.parts, values, strict=True)}
@@ -106,7 +114,8 @@ def combinations(order_code: OrderCode) -> Iterator[tuple[str, Mapping[str, str]
             parameters |= value.sets
         interfaces = [value.interface for value in values if value.interface]
         interface = interfaces[0] if interfaces else ""
-        yield filled(order_code.pattern, texts), texts, interface, parameters
+        code = fill_pattern(order_code.pattern, texts)
+        yield ListedCode(text=code, parts=texts, interface=interface, parameters=parameters)
 
 
 def _can_be_combined(value: CodeValue, texts: Mapping[str, str]) -> bool:
@@ -114,12 +123,12 @@ def _can_be_combined(value: CodeValue, texts: Mapping[str, str]) -> bool:
     return all(texts.get(name) in allowed_texts for name, allowed_texts in value.only_with.items())
 
 
-def filled(pattern: str, texts: Mapping[str, str]) -> str:
+def fill_pattern(pattern: str, texts: Mapping[str, str]) -> str:
     """Return a pattern with the names in braces replaced by the texts of these parts."""
     return _BRACES.sub(lambda brace: texts[brace[1]], pattern)
 
 
-def find(device: Device, text: str) -> Match:
+def find_code(device: Device, text: str) -> Match:
     """Parse the label ``text`` for this family. Text after ``-`` and ``/Sxxx`` are accepted, and spaces are ignored.
 
     Raises:
@@ -130,7 +139,7 @@ def find(device: Device, text: str) -> Match:
     label = without_blanks(text).upper()
     # A part of the code itself may look like /Sxxx, which is a special model only after the code.
     for spelling in (as_listed(device.order_code), *device.order_code.also_written):
-        label_match = re.fullmatch(regex(device.order_code, spelling) + AFTER, label, re.IGNORECASE)
+        label_match = re.fullmatch(expression_of_code(device.order_code, spelling) + AFTER, label, re.IGNORECASE)
         if label_match is None:
             continue
         # A spelling may have texts of its own for the values of a part. Others are as listed.
@@ -155,7 +164,7 @@ def without_blanks(text: str) -> str:
     return "".join(text.split())
 
 
-def spelled(part: CodePart, spelling: Spelling) -> Mapping[str, str]:
+def values_by_spelling(part: CodePart, spelling: Spelling) -> Mapping[str, str]:
     """Return the listed values of ``part`` by their texts in this spelling."""
     spellings_of_part = {value.text: value.value for value in spelling.values if value.part == part.name}
     return spellings_of_part or {value.text: value.text for value in part.values}
@@ -186,7 +195,7 @@ def _first_texts(code: OrderCode, spelling: Spelling) -> list[str]:
     if text_before_parts.strip():
         return [text_before_parts]
     first_part = member_named(code.parts, names_and_texts[0], "part of the order code")
-    first_texts = list(spelled(first_part, spelling))
+    first_texts = list(values_by_spelling(first_part, spelling))
     has_own_spelling = any(value.part == first_part.name for value in spelling.values)
     if first_part.open and not has_own_spelling:
         first_texts.append("")
@@ -195,7 +204,7 @@ def _first_texts(code: OrderCode, spelling: Spelling) -> list[str]:
 
 def as_listed(order_code: OrderCode) -> Spelling:
     """Return, as a spelling, the notation in which the manual lists order codes."""
-    return Spelling(order_code.pattern, "", (), "", ())
+    return Spelling(pattern=order_code.pattern, where="", values=(), then="", source=())
 
 
 def _variant_with_parts(
@@ -217,7 +226,7 @@ def _variant_with_parts(
     if unlisted_parts:
         printed_values = {name: value or value_by_part[name] for name, value in listed_values.items()}
         variant = Variant(
-            code=filled(device.order_code.pattern, printed_values),
+            code=fill_pattern(device.order_code.pattern, printed_values),
             parts=MappingProxyType(printed_values),
             interface=variant.interface,
             parameters=variant.parameters,
@@ -258,7 +267,7 @@ def _can_be_open(part: CodePart, listed_values: Mapping[str, str | None]) -> boo
     return True
 
 
-def regex(order_code: OrderCode, spelling: Spelling, anything: str = "") -> str:
+def expression_of_code(order_code: OrderCode, spelling: Spelling, anything: str = "") -> str:
     """Return a regular expression for the whole code in this spelling, with a group for each part.
 
     The part named ``anything`` can have any text.
@@ -269,7 +278,7 @@ def regex(order_code: OrderCode, spelling: Spelling, anything: str = "") -> str:
         if part.name == anything:
             pattern_by_part[part.name] = "[A-Z0-9]*"
         elif part.name in spelled_parts:
-            pattern_by_part[part.name] = _any_of(spelled(part, spelling))
+            pattern_by_part[part.name] = _any_of(values_by_spelling(part, spelling))
         else:
             pattern_by_part[part.name] = _value_pattern(part)
     expression = ""
@@ -345,7 +354,7 @@ def _unknown_code_error(device: Device, label: str) -> UnknownOrderCode:
 def _possible_wrong_parts(device: Device, label: str) -> Iterator[_WrongPart]:
     """Yield each part of the order code with which the label would match the family if the part had any text."""
     for position, part in enumerate(device.order_code.parts):
-        pattern = regex(device.order_code, as_listed(device.order_code), anything=part.name) + AFTER
+        pattern = expression_of_code(device.order_code, as_listed(device.order_code), anything=part.name) + AFTER
         label_match = re.fullmatch(pattern, label, re.IGNORECASE)
         if label_match is None or not _has_more_than(label_match, part, label):
             continue
@@ -377,7 +386,7 @@ def closest_reason(devices: Iterable[Device], text: str) -> str | None:
     """
     for device in devices:
         try:
-            find(device, text)
+            find_code(device, text)
         except UnknownOrderCode as reason:
             if reason.close:
                 return str(reason)

@@ -12,21 +12,21 @@ from ..model import Device, Layout, Measurement, Parameter, Register, Variant, n
 from ..model.expressions import Expression, resolve_parameters
 
 
-def parameters_of(device: Device, kind: str) -> tuple[Parameter, ...]:
-    """Return the parameters that matter for the interface ``kind``, such as ``biss``.
+def parameters_of(device: Device, interface_name: str) -> tuple[Parameter, ...]:
+    """Return the parameters that matter for the interface ``interface_name``, such as ``biss``.
 
     Parameters used only by other interfaces are omitted, unless they are calculated from the parameters kept.
     Parameters that no interface uses are kept, since they are for information.
     """
     # Both include the parameters from which those used are calculated.
-    used_by_interface = _used_parameters(device, kind)
+    used_by_interface = _used_parameters(device, interface_name)
     used_by_any: set[str] = set()
     for interface in device.interfaces:
         used_by_any |= _used_parameters(device, interface.name)
     formulas: dict[str, Expression] = {}
     selected_names: set[str] = set()
     for parameter in device.parameters:
-        if parameter.interface not in ("", kind):
+        if parameter.interface not in ("", interface_name):
             continue
         if parameter.equals is not None:
             formulas[parameter.name] = parameter.equals
@@ -72,29 +72,29 @@ def run_time_widths(device: Device, layout: Layout) -> tuple[str, ...]:
     return tuple(dict.fromkeys(parameter.read_from for parameter in deciding))
 
 
-def _used_parameters(device: Device, kind: str) -> frozenset[str]:
+def _used_parameters(device: Device, interface_name: str) -> frozenset[str]:
     """Return the names of the parameters used in frames, registers and measurement of an interface.
 
     Parameters from which these are calculated are included.
     """
-    used_names = {name for expression in _expressions_over(device, kind) for name in expression.parameters}
-    used_names |= {layout.gray_when for layout in device.interface(kind).layouts if layout.gray_when}
+    used_names = {name for expression in _expressions_over(device, interface_name) for name in expression.parameters}
+    used_names |= {layout.gray_when for layout in device.interface(interface_name).layouts if layout.gray_when}
     return device.needed_parameters(used_names)
 
 
-def _expressions_over(device: Device, kind: str) -> Iterator[Expression]:
-    """Yield the expressions in frames, registers and measurement of the interface named ``kind``."""
-    for layout in device.interface(kind).layouts:
+def _expressions_over(device: Device, interface_name: str) -> Iterator[Expression]:
+    """Yield the expressions in frames, registers and measurement of the interface named ``interface_name``."""
+    for layout in device.interface(interface_name).layouts:
         yield from _expressions_of_layout(layout)
         if layout.position_range is not None:
             yield from layout.position_range.numbers
-    for register in device.registers_over(kind):
+    for register in device.registers_over(interface_name):
         yield from _expressions_of_layout(register.layout)
         bounds = [register.min, register.max]
         for meaning in register.meanings:
             bounds += [meaning.min, meaning.max]
         yield from (bound for bound in bounds if bound is not None)
-    measurement = device.measurement_of(kind)
+    measurement = device.measurement_of(interface_name)
     if measurement is not None:
         yield from _expressions_of_measurement(measurement)
 
@@ -139,7 +139,7 @@ State = Mapping[str, int]
 _MOST_CORNERS = 64
 
 
-def corners(states_by_field: Sequence[Sequence[State]]) -> Iterator[State]:
+def extreme_combinations(states_by_field: Sequence[Sequence[State]]) -> Iterator[State]:
     """Yield combined states of register fields, since a value may fit with one extreme but not with two.
 
     Each is a map such as ``{"singleturn_bits": 16, "multiturn_bits": 12}``. If there are more than ``_MOST_CORNERS``,
@@ -188,7 +188,7 @@ def coded_states(codes: Mapping[str, Mapping[int, int]]) -> Sequence[State]:
 
 def extreme_states(device: Device) -> Sequence[Sequence[State]]:
     """Return the extreme states of each field that holds a parameter: the limits of its value, or each of its codes."""
-    return _states_of_fields(device.run_time_parameters, _limits)
+    return _states_of_fields(device.run_time_parameters, _limits_of_parameter)
 
 
 def possible_states(parameters: Sequence[Parameter]) -> Sequence[Sequence[State]]:
@@ -196,7 +196,7 @@ def possible_states(parameters: Sequence[Parameter]) -> Sequence[Sequence[State]
     return _states_of_fields(parameters, lambda parameter: range(parameter.min or 0, (parameter.max or 0) + 1))
 
 
-def _limits(parameter: Parameter) -> Iterable[int]:
+def _limits_of_parameter(parameter: Parameter) -> Iterable[int]:
     """Return the minimum and the maximum of a parameter that it has, each once if they are equal."""
     return dict.fromkeys(limit for limit in (parameter.min, parameter.max) if limit is not None)
 
@@ -224,7 +224,7 @@ def _states_of_fields(
 
 def parameters_at_run_time(device: Device, variant: Variant) -> Iterator[Mapping[str, int]]:
     """Yield the parameters of a variant with factory defaults, and with the extremes of those held in registers."""
-    for changed in ({}, *corners(extreme_states(device))):  # {} leaves the factory defaults.
+    for changed in ({}, *extreme_combinations(extreme_states(device))):  # {} leaves the factory defaults.
         yield with_changed(device, variant, changed)
 
 

@@ -61,7 +61,7 @@ def reduced_to_codes(device: Device, codes: Collection[str]) -> Device:
     # Questions with a default decide only verdicts, so they remain if a flag that they concern does.
     remaining_names = {alternative.name for alternative in reduced.alternatives if not alternative.default}
     for _, layout in reduced.layouts():
-        remaining_names |= _names(reduced.verdict_alternatives(layout))
+        remaining_names |= _names_of_parts(reduced.verdict_alternatives(layout))
     remaining = tuple(alternative for alternative in reduced.alternatives if alternative.name in remaining_names)
     return replace(reduced, alternatives=remaining)
 
@@ -113,11 +113,11 @@ def parts_of(part: Any) -> Iterator[tuple[str, Any]]:
 
 
 @cache
-def names_of_members(kind: type) -> tuple[str, ...]:
+def names_of_members(part_class: type) -> tuple[str, ...]:
     """Return the names of the members of a class of the model that can be replaced. Other classes have none."""
-    if not is_dataclass(kind):
+    if not is_dataclass(part_class):
         return ()
-    return tuple(field.name for field in fields(kind) if field.init)
+    return tuple(field.name for field in fields(part_class) if field.init)
 
 
 def _applies_only_to_others(part: Any, codes: Collection[str]) -> bool:
@@ -131,7 +131,7 @@ def for_codes(device: Device, codes: Collection[str]) -> Device:
     variants = tuple(variant for variant in device.variants if variant.code in codes)
     interface_names = {variant.interface for variant in variants}
     # The kind of an interface is its name, such as "biss".
-    has_all_interfaces = interface_names == _names(device.interfaces)
+    has_all_interfaces = interface_names == _names_of_parts(device.interfaces)
     with_interfaces = device if has_all_interfaces else for_interfaces(device, interface_names)
     reduced = reduced_to_codes(with_interfaces, [variant.code for variant in variants])
     parameter_names = _names_of_parameters(device, interface_names)
@@ -157,9 +157,9 @@ def _with_used_values(part: CodePart, variants: Collection[Variant]) -> CodePart
     return replace(part, values=tuple(value for value in part.values if value.text in used_texts))
 
 
-def for_interface(device: Device, kind: str) -> Device:
+def for_interface(device: Device, interface_name: str) -> Device:
     """Return the device with only one of its interfaces, and without parts that belong to the others."""
-    return for_interfaces(device, {kind})
+    return for_interfaces(device, {interface_name})
 
 
 def for_interfaces(device: Device, kinds: Collection[str]) -> Device:
@@ -171,20 +171,22 @@ def for_interfaces(device: Device, kinds: Collection[str]) -> Device:
     reduced = _with_used_parts(with_interfaces, all_sent_crcs=sent_crcs(device.interfaces))
     # By the list of the device, which is the beginning of a path in an erratum.
     remaining_names = {
-        "interfaces": _names(reduced.interfaces),
-        "registers": _names(reduced.registers),
-        "procedures": _names(reduced.procedures),
-        "crcs": _names(reduced.crcs),
-        "field_groups": _names(reduced.field_groups),
-        "alarms": _names(reduced.alarms),
-        "connectors": _names(reduced.connectors),
+        "interfaces": _names_of_parts(reduced.interfaces),
+        "registers": _names_of_parts(reduced.registers),
+        "procedures": _names_of_parts(reduced.procedures),
+        "crcs": _names_of_parts(reduced.crcs),
+        "field_groups": _names_of_parts(reduced.field_groups),
+        "alarms": _names_of_parts(reduced.alarms),
+        "connectors": _names_of_parts(reduced.connectors),
         "parameters": _names_of_parameters(device, kinds),
-        "alternatives": _names(reduced.alternatives),
+        "alternatives": _names_of_parts(reduced.alternatives),
     }
     layout_names = {layout.name for interface in reduced.interfaces for layout in interface.layouts}
     names_in_examples = remaining_names | {"layouts": layout_names}
-    examples = tuple(example for example in device.examples if _holds_for(example, kinds, device, names_in_examples))
-    remaining_names["examples"] = _names(examples)
+    examples = tuple(
+        example for example in device.examples if _concerns_interfaces(example, kinds, device, names_in_examples)
+    )
+    remaining_names["examples"] = _names_of_parts(examples)
     errata = tuple(erratum for erratum in device.errata if _concerns_remaining(erratum, remaining_names))
     return replace(reduced, examples=examples, errata=errata)
 
@@ -228,11 +230,11 @@ def _with_used_parts(device: Device, all_sent_crcs: Collection[str]) -> Device:
         for layout in interface.layouts:
             used_groups |= {field.group for field in layout.fields}
     layouts += [register.layout for register in device.registers]
-    used_registers = {"", *_names(device.registers)}
+    used_registers = {"", *_names_of_parts(device.registers)}
     used_alternatives: set[str] = set()
     for layout in layouts:
-        used_alternatives |= _names(device.alternatives_of(layout))
-        used_alternatives |= _names(device.verdict_alternatives(layout))
+        used_alternatives |= _names_of_parts(device.alternatives_of(layout))
+        used_alternatives |= _names_of_parts(device.verdict_alternatives(layout))
     alarms = [alarm for alarm in device.alarms if alarm.group in used_groups and alarm.register in used_registers]
     return replace(
         device,
@@ -262,7 +264,7 @@ class _Named(Protocol):
     def name(self) -> str: ...
 
 
-def _names(named_parts: Iterable[_Named]) -> set[str]:
+def _names_of_parts(named_parts: Iterable[_Named]) -> set[str]:
     return {part.name for part in named_parts}
 
 
@@ -284,7 +286,7 @@ def _leads_to_remaining_part(path: str, remaining_names: Mapping[str, set[str]])
     return list_name not in remaining_names or part_name in remaining_names[list_name]
 
 
-def _holds_for(
+def _concerns_interfaces(
     example: Example, interfaces: Collection[str], device: Device, remaining_names: Mapping[str, set[str]]
 ) -> bool:
     """Return whether an example is about a remaining part, and its order code has one of these interfaces.
@@ -408,7 +410,7 @@ def _without_empty_fields(layout: Layout) -> Layout:
         joins=tuple(join for join in joins if len(join.fields) > 1),
         gray_of=field_by_join.get(layout.gray_of, layout.gray_of),
     )
-    has_lost_validity = reduced.tells_validity != layout.tells_validity
+    has_lost_validity = reduced.judges_position != layout.judges_position
     return reduced.with_unknown_verdicts() if has_lost_validity else reduced
 
 

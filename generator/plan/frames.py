@@ -28,7 +28,7 @@ from ..model import (
 from ..model.record import dataclass
 from .codec import bits_of
 from .operations import Bits
-from .values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
+from .values import Raw, ZeroMeans, meaning_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -392,10 +392,5 @@ def _unsigned_meaning(field: Field) -> Raw | ZeroMeans:
 
     Apart from zero that stands for a number, the bits are the number itself.
     """
-    match meaning_of(field):
-        case ZeroMeans() as meaning:
-            return meaning
-        case Raw() | TwosComplement() | Active() | Named() | DigitRuns() | Characters():
-            return Raw()
-        case never:
-            assert_never(never)
+    meaning = meaning_of(field)
+    return meaning if isinstance(meaning, ZeroMeans) else Raw()

@@ -13,8 +13,7 @@ from typing import NamedTuple
 
 from ..model import Device, Field, Flag, Interface, Layout, Verdict
 from ..model.expressions import Expression
-from ..model.kinds import Choice, Constant, CrcValue, Decimal, Number, Parity, Text, Unused
-from ..model.lookup import assert_never
+from ..model.kinds import Unused
 from ..model.record import dataclass
 from .codec import Codec, codec_of
 from .operations import Part, Reserved
@@ -141,7 +140,7 @@ def judgement_of(codec: Codec) -> Judgement:
     not_usable = tuple(causes_by_verdict[Verdict.NOT_USABLE])
     with_warning: tuple[VerdictCause, ...] = ()
     otherwise = Verdict.UNKNOWN
-    if codec.layout.tells_validity:
+    if codec.layout.judges_position:
         with_warning = tuple(causes_by_verdict[Verdict.USABLE_WITH_WARNING])
         otherwise = Verdict.USABLE
     return Judgement(
@@ -216,13 +215,7 @@ def verdict_of(field: Field) -> Verdict | None:
 
     Return None for all other fields, and for those in a frame without the position.
     """
-    match field.kind:
-        case Flag(makes_position=verdict) | Unused(makes_position=verdict):
-            return verdict
-        case Number() | Choice() | Constant() | CrcValue() | Parity() | Decimal() | Text():
-            return None
-        case _:
-            assert_never(field.kind)
+    return field.kind.makes_position
 
 
 def verdict_causes(codec: Codec) -> Iterator[Cause]:

@@ -17,7 +17,7 @@ from ..language.schema_check import FileKind, check_schema
 from ..language.schema_files import word_sheet_path
 from ..loading.overlays import Family
 from ..say.plain_text import counted
-from .texts import dotted, is_source, prose_texts
+from .texts import dotted_path, is_source, prose_texts
 from .turning_words import SIGNAL, ClozeText, Vocabulary
 
 RULE = "words-disagree"
@@ -45,11 +45,11 @@ def clozes(spec: Document) -> dict[str, _SpecText]:
             continue
         cloze = vocabulary.cloze(text)
         if cloze.gaps:
-            path = dotted(place)
+            path = dotted_path(place)
             repetition = 1
             while path in spec_texts:
                 repetition += 1
-                path = f"{dotted(place)} {repetition}"
+                path = f"{dotted_path(place)} {repetition}"
             spec_texts[path] = _SpecText(place, cloze)
     return spec_texts
 
@@ -135,12 +135,12 @@ def compare_words(spec: Document, sheet_document: Document, report: Report) -> N
         filled_text = sheet_texts.get(path)
         if filled_text is None:
             word_count_text = counted(len(cloze.gaps), "turning word")
-            message = f"{sheet_name} lacks this text, which has {word_count_text}; {_refill(spec)}"
+            message = f"{sheet_name} lacks this text, which has {word_count_text}; {_advice_to_refill(spec)}"
             report.add(OUTDATED_RULE, spec, place, message, cause=sheet_name)
             is_outdated = True
         elif filled_text["text"] != cloze.text or len(filled_text["words"]) != len(cloze.gaps):
             line, _ = sheet_document.position(("texts", path))
-            message = f"this text has changed since {sheet_name}:{line} was filled; {_refill(spec)}"
+            message = f"this text has changed since {sheet_name}:{line} was filled; {_advice_to_refill(spec)}"
             report.add(OUTDATED_RULE, spec, place, message, cause=sheet_name)
             is_outdated = True
         else:
@@ -149,11 +149,11 @@ def compare_words(spec: Document, sheet_document: Document, report: Report) -> N
         return
     for path in sheet_texts:
         if path not in spec_texts:
-            message = f"the spec has no such text with turning words; {_refill(spec)}"
+            message = f"the spec has no such text with turning words; {_advice_to_refill(spec)}"
             report.add(OUTDATED_RULE, sheet_document, ("texts", path), message, at_key=True, cause=sheet_name)
 
 
-def _refill(spec: Document) -> str:
+def _advice_to_refill(spec: Document) -> str:
     return f"run 'codewheel cloze {File(spec.file).stem}' and fill it again from the manual"
 
 
@@ -177,7 +177,7 @@ def _compare_gaps(
             continue
         line, _ = sheet_document.position(word_place)
         sheet_text = f"{quoted(word)} in {File(sheet_document.file).name}:{line}"
-        context = _context(cloze, number)
+        context = _text_around_gap(cloze, number)
         message = f"{context}: {quoted(gap.word)} here, {sheet_text}; check the manual and correct one of them"
         report.add(RULE, spec, place, message, cause=f"{gap.word} {word}" if gap.kind == SIGNAL else "")
 
@@ -188,7 +188,7 @@ _AROUND = 30
 _GAP = re.compile(r"\{(\d+) (\w+)\}")
 
 
-def _context(cloze: ClozeText, number: int) -> str:
+def _text_around_gap(cloze: ClozeText, gap_number: int) -> str:
     """Return up to 30 characters on each side of a gap, in quotes: ``"the position [change] when turned clockwise"``.
 
     The gap is shown as its kind. Other gaps have their words.
@@ -197,10 +197,10 @@ def _context(cloze: ClozeText, number: int) -> str:
     def fill_gaps(text: str) -> str:
         return _GAP.sub(lambda gap: cloze.gaps[int(gap[1]) - 1].word, text)
 
-    text_before, text_behind = re.split(rf"\{{{number} \w+\}}", cloze.text, maxsplit=1)
+    text_before, text_behind = re.split(rf"\{{{gap_number} \w+\}}", cloze.text, maxsplit=1)
     before = fill_gaps(text_before)[-_AROUND:]
     behind = fill_gaps(text_behind)[:_AROUND]
-    kind = cloze.gaps[number - 1].kind
+    kind = cloze.gaps[gap_number - 1].kind
     return quoted(f"{before}[{kind}]{behind}".strip())
 
 
@@ -220,5 +220,6 @@ def as_lines(sheet_data: Mapping[str, Any], spec_name: str) -> Iterator[str]:
 
 
 def _in_quotes(text: str) -> str:
+    """Return a text as a YAML scalar in double quotes."""
     escaped = text.replace("\\", "\\\\").replace('"', '\\"')
     return f'"{escaped}"'

@@ -16,7 +16,7 @@ from .compare_words import compare_word
 from .comparison import Comparison, Disagreement, Read
 from .connector_order import with_order_of
 from .reading import NOTHING, Fact, Facts, Key, Sort, use_same_names
-from .texts import NUMBERS, dotted
+from .texts import NUMBERS, dotted_path
 
 #: Classes of facts in texts, which a second reading can also give by their paths.
 _TEXT_SORTS = frozenset((Sort.TEXT, Sort.SECTION))
@@ -77,19 +77,19 @@ def _nearest_place(comparison: Comparison, spec: Facts, second: Facts, second_fa
             unmatched_facts.append(spec_fact)
     if len(unmatched_facts) == 1:
         return unmatched_facts[0].place
-    return _container(second_fact.place)
+    return _nearest_container(second_fact.place)
 
 
-def _container(place: Path) -> Path:
+def _nearest_container(fact_place: Path) -> Path:
     """Return the nearest list or map around a place that exists in any spec.
 
     This is its first step, such as ``("registers",)``. In interfaces and the manual, it has three steps, such as
     ``("interfaces", "ssi", "layouts")``, or two if there is no third one or that is an index.
     """
-    if place[0] not in ("interfaces", "manual"):
-        return place[:1]
-    has_name_inside = len(place) > 2 and isinstance(place[2], str)
-    return place[:3] if has_name_inside else place[:2]
+    if fact_place[0] not in ("interfaces", "manual"):
+        return fact_place[:1]
+    has_name_inside = len(fact_place) > 2 and isinstance(fact_place[2], str)
+    return fact_place[:3] if has_name_inside else fact_place[:2]
 
 
 def _facts_by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, Fact]]:
@@ -98,24 +98,24 @@ def _facts_by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, Fact]]:
     These are numbers in texts, and sections of sources. A path that the spec lacks gives a fact of its own.
     """
     text_facts = [fact for fact in spec.facts.values() if fact.sort in _TEXT_SORTS]
-    spec_fact_by_path = {dotted(fact.place): fact for fact in text_facts}
+    spec_fact_by_path = {dotted_path(fact.place): fact for fact in text_facts}
     for path, (numbers, second_place) in second.printed_numbers.items():
         spec_fact = spec_fact_by_path.get(path)
         if spec_fact is None:
             spec_fact = Fact(sort=Sort.TEXT, key=(NUMBERS, path), value="", description=f"numbers in {path}", place=())
         yield spec_fact.key, replace(spec_fact, value=numbers, place=second_place)
     for key, spec_fact in spec.facts.items():
-        if spec_fact.sort is Sort.SECTION and dotted(spec_fact.place) not in second.printed_numbers:
+        if spec_fact.sort is Sort.SECTION and dotted_path(spec_fact.place) not in second.printed_numbers:
             sections = _sections_at(spec_fact.place, second)
             if sections:
                 second_place = ("sections", sections[0])
                 yield key, replace(spec_fact, value=", ".join(sorted(sections)), place=second_place)
 
 
-def _sections_at(place: Path, second: Facts) -> Sequence[str]:
+def _sections_at(fact_place: Path, second: Facts) -> Sequence[str]:
     """Return the sections that the second reading gives for a place, or else for the nearest place around it."""
-    for length in range(len(place), 0, -1):
-        path = dotted(place[:length])
+    for length in range(len(fact_place), 0, -1):
+        path = dotted_path(fact_place[:length])
         if path in second.sections:
             return second.sections[path]
     return ()
@@ -130,7 +130,7 @@ def _count_undecided(comparison: Comparison, spec: Facts, second: Facts) -> None
     for (sort, place), read in comparison.read_by_place.items():
         if read is not Read.TWICE:
             continue
-        path = dotted(place)
+        path = dotted_path(place)
         # The place of a characteristic itself, such as ("characteristics", "weight").
         is_characteristic = sort is Sort.CHARACTERISTIC and len(place) == 2
         is_only_name = is_characteristic and (NUMBERS, *place, "value") not in spec.facts

@@ -89,19 +89,19 @@ def _compare_values(comparison: Comparison, spec_fact: Fact, second_fact: Fact) 
         yield _different_values(spec_fact, spec_text, second_fact, second_text)
 
 
-def _common_value(value: Value) -> Value:
+def _common_value(value_or_cases: Value) -> Value:
     """Return the common value if all cases have the same one, or else the values of all cases."""
-    if isinstance(value, str):
-        return value
-    distinct_values = set(value.values())
-    return distinct_values.pop() if len(distinct_values) == 1 else value
+    if isinstance(value_or_cases, str):
+        return value_or_cases
+    distinct_values = set(value_or_cases.values())
+    return distinct_values.pop() if len(distinct_values) == 1 else value_or_cases
 
 
-def value_text(value: Value) -> str:
+def value_text(value_or_cases: Value) -> str:
     """Return a value, or that of the first case if there are several."""
-    if isinstance(value, str):
-        return value
-    return next(iter(value.values()), NOTHING)
+    if isinstance(value_or_cases, str):
+        return value_or_cases
+    return next(iter(value_or_cases.values()), NOTHING)
 
 
 def _compare_cases(
@@ -147,15 +147,15 @@ def _different_values(spec_fact: Fact, spec_text: str, second_fact: Fact, second
     )
 
 
-def _frame_text(key: Key) -> str:
+def _frame_text(frame_key: Key) -> str:
     """Return the words for a frame in descriptions of its bits: ``of the encoder's frame with 0x1A``.
 
-    ``key`` is that of the frame's length. For a register, the text is empty.
+    ``frame_key`` is that of the frame's length. For a register, the text is empty.
     """
-    if key[0] != "frame":
+    if frame_key[0] != "frame":
         return ""
     # ("frame", interface, sender, channel, selector value or other identity, "length")
-    _, _, sender, _, selector_value, _ = key
+    _, _, sender, _, selector_value, _ = frame_key
     frame_text = f"of the {sender}'s frame"
     # A frame without a selector has a text or a negative number here.
     if isinstance(selector_value, int) and selector_value >= 0:

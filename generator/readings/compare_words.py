@@ -64,7 +64,7 @@ def _disagreements_with_cases(
 ) -> Iterable[tuple[Disagreement, list[Case]]]:
     """Return each disagreement as it is in the first case that shows it, with all cases that do.
 
-    Disagreements in two cases are one if their keys are equal: places, class and number (see ``_numbered``).
+    Disagreements in two cases are one if their keys are equal: places, class and number (see ``_with_keys``).
     """
     # Most cases share one word, so each pair of words is compared once.
     disagreements_by_pair: dict[tuple[int, int], list[Disagreement]] = {}
@@ -76,13 +76,13 @@ def _disagreements_with_cases(
         pair = id(spec_case), id(second_case)
         if pair not in disagreements_by_pair:
             disagreements_by_pair[pair] = list(_compare_in_case(comparison, spec_word, spec_case, second_case))
-        for key, disagreement in _numbered(disagreements_by_pair[pair]):
+        for key, disagreement in _with_keys(disagreements_by_pair[pair]):
             _, cases = disagreement_and_cases.setdefault(key, (disagreement, []))
             cases.append(case)
     return disagreement_and_cases.values()
 
 
-def _numbered(disagreements: Iterable[Disagreement]) -> Iterator[tuple[_DisagreementKey, Disagreement]]:
+def _with_keys(disagreements: Iterable[Disagreement]) -> Iterator[tuple[_DisagreementKey, Disagreement]]:
     """Yield the disagreements of one case, each with the key by which it is recognised in other cases.
 
     Those with the same places and class are numbered from 1.

@@ -6,7 +6,7 @@ from collections import defaultdict
 from dataclasses import replace
 from typing import Any
 
-from .reading import Facts, Key
+from .reading import Fact, Facts, Key
 
 #: Steps of the key that identifies a connector: ``("connector", "ssi", "cable", 1)``.
 _STEPS = 4
@@ -19,8 +19,8 @@ def with_order_of(spec: Facts, second: Facts) -> Facts:
     the spec, because each reader chooses names freely.
     """
     new_keys: dict[Key, Key] = {}
-    for (_, interface, kind), keys_by_name in _connectors(spec).items():
-        second_keys_by_name = _connectors(second).get(("connector", interface, kind), {})
+    for (_, interface, kind), keys_by_name in _connector_keys(spec).items():
+        second_keys_by_name = _connector_keys(second).get(("connector", interface, kind), {})
         if not second_keys_by_name or not second_keys_by_name.keys() <= keys_by_name.keys():
             continue
         numbered_names = list(second_keys_by_name)
@@ -33,18 +33,18 @@ def with_order_of(spec: Facts, second: Facts) -> Facts:
     def renumbered(key: Key) -> Key:
         return (*new_keys.get(key[:_STEPS], key[:_STEPS]), *key[_STEPS:])
 
-    facts = {
-        renumbered(key): replace(fact, key=renumbered(fact.key), depends_on=renumbered(fact.depends_on))
-        for key, fact in spec.facts.items()
-    }
-    names = {
-        kind: {renumbered(key): replace(name, key=renumbered(name.key)) for key, name in names_of_kind.items()}
-        for kind, names_of_kind in spec.names.items()
-    }
+    facts: dict[Key, Fact] = {}
+    for key, fact in spec.facts.items():
+        facts[renumbered(key)] = replace(fact, key=renumbered(fact.key), depends_on=renumbered(fact.depends_on))
+    names: dict[Key, dict[Key, Fact]] = {}
+    for kind, names_of_kind in spec.names.items():
+        names[kind] = {}
+        for key, name_fact in names_of_kind.items():
+            names[kind][renumbered(key)] = replace(name_fact, key=renumbered(name_fact.key))
     return replace(spec, facts=facts, names=names)
 
 
-def _connectors(facts: Facts) -> dict[tuple[Any, ...], dict[str, Key]]:
+def _connector_keys(facts: Facts) -> dict[tuple[Any, ...], dict[str, Key]]:
     """Return the key of each connector by its name, by interface and kind, in the order of their numbers."""
     keys_by_kind: dict[tuple[Any, ...], dict[str, Key]] = defaultdict(dict)
     for kind, names in facts.names.items():

@@ -8,10 +8,8 @@ from dataclasses import replace
 from ..language.document import Path
 from ..language.problems import listed
 from ..model import (
-    Choice,
     Constant,
     CrcValue,
-    Decimal,
     Field,
     Flag,
     Kind,
@@ -23,7 +21,6 @@ from ..model import (
     Register,
     Text,
     Unused,
-    assert_never,
 )
 from ..order_codes.parameters import deciding_parameters
 from ..say.names_and_places import bits
@@ -163,7 +160,7 @@ def _word_case(
     for placed_field in placed_layout.fields:
         place = owner.reading.field_place(owner.place, placed_field.field)
         description = f"{bits(placed_field.high, placed_field.low)} of {owner.description}"
-        bits_by_number[placed_field.low : placed_field.high + 1] = _bits(placed_field, placed_layout, place)
+        bits_by_number[placed_field.low : placed_field.high + 1] = _yield_bits(placed_field, placed_layout, place)
         subject = Subject(owner.reading, key=(), place=place, description=description, interface=owner.interface)
         facts = properties(subject, placed_field, parameters, register)
         properties_by_low_and_width[placed_field.low, placed_field.width] = {fact.key: fact for fact in facts}
@@ -171,7 +168,7 @@ def _word_case(
     return WordCase(bits=tuple(bits_by_number), fields=properties_by_low_and_width, names=name_facts.names)
 
 
-def _bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: Path) -> Iterator[Bit]:
+def _yield_bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: Path) -> Iterator[Bit]:
     """Yield each bit of a field, lowest first, with its meaning.
 
     Constants and unused bits have a fixed value. The bits of a number have weights, which continue across the fields of
@@ -182,7 +179,7 @@ def _bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: Path) -
     weight_in_join = _weight_in_join(placed_field, placed_layout)
     # In a field of its own, or of another kind, the lowest bit has weight 0.
     lowest_weight = 0
-    if weight_in_join is not None and isinstance(kind, (Number, Choice, Decimal, Flag)):
+    if weight_in_join is not None and placed_field.field.carries_data:
         lowest_weight = weight_in_join
     for index in range(placed_field.width):
         match kind:
@@ -201,8 +198,6 @@ def _owner_text(kind: Kind, placed_field: PlacedField, placed_layout: PlacedLayo
     match kind:
         case Number(signed=True):
             return "a signed number" + _gray_suffix(placed_field, placed_layout)
-        case Number() | Choice() | Decimal():
-            return "a number" + _gray_suffix(placed_field, placed_layout)
         case Flag():
             return "a flag"
         case Constant():
@@ -219,20 +214,20 @@ def _owner_text(kind: Kind, placed_field: PlacedField, placed_layout: PlacedLayo
         case Text():
             return "a character"
         case _:
-            assert_never(kind)
+            return "a number" + _gray_suffix(placed_field, placed_layout)
 
 
 def _parity_text(parity: Parity, placed_layout: PlacedLayout) -> str:
     """Return text such as ``odd parity of bits 7:0``, or of their ``one bits`` if the parity is over those."""
     polarity = "odd" if parity.odd else "even"
-    covered_bits = listed([_bits_of(placed_layout, name) for name in parity.of])
+    covered_bits = listed([_text_of_bits(placed_layout, name) for name in parity.of])
     if not parity.over:
         return f"{polarity} parity of {covered_bits}"
     counted_words = parity.over.replace("_", " ")
     return f"{polarity} parity of the {counted_words} of {covered_bits}"
 
 
-def _bits_of(placed_layout: PlacedLayout, name: str) -> str:
+def _text_of_bits(placed_layout: PlacedLayout, name: str) -> str:
     """Return the bits of a field, or its name if the order code has no such field."""
     placed_field = placed_layout.find_field(name)
     return bits(placed_field.high, placed_field.low) if placed_field is not None else name

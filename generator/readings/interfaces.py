@@ -32,9 +32,9 @@ from .reading import (
     Reading,
     Sort,
     Value,
+    comparable_text,
     in_hex,
     interface_label,
-    plain,
 )
 from .stated import Subject
 
@@ -75,10 +75,11 @@ def _exchange_constants(interface: Interface) -> dict[str, str]:
     layouts = {layout.name: layout for layout in interface.layouts}
     for exchange in interface.exchanges:
         fields = layouts[exchange.request].fields
-        constants = [(field.low, field.kind.value) for field in fields if isinstance(field.kind, Constant)]
-        constants_text = ", ".join(
-            f"{in_hex(constant_value)} from bit {low_bit.render()}" for low_bit, constant_value in constants
-        )
+        constant_texts: list[str] = []
+        for field in fields:
+            if isinstance(field.kind, Constant):
+                constant_texts.append(f"{in_hex(field.kind.value)} from bit {field.low.render()}")
+        constants_text = ", ".join(constant_texts)
         constants_by_frame[exchange.request] = constants_text
         # A reply to several requests is identified by the first one.
         constants_by_frame.setdefault(exchange.reply, constants_text)
@@ -159,13 +160,13 @@ def _combination_facts(frame: Subject, layout: Layout) -> Iterator[Fact]:
         yield from subject.stated_facts(combination)
 
 
-def _condition_text(field: PlacedField, value: int) -> str:
+def _condition_text(field: PlacedField, needed_value: int) -> str:
     """Return the bits of a field and their value: ``bit 3 = 0``.
 
-    ``value`` says whether a flag is active. The bit of an active-low flag has the opposite value.
+    ``needed_value`` says whether a flag is active. The bit of an active-low flag has the opposite value.
     """
     is_active_low = isinstance(field.field.kind, Flag) and field.field.kind.active_low
-    bit_value = 1 - value if is_active_low else value
+    bit_value = 1 - needed_value if is_active_low else needed_value
     return f"{bits(field.high, field.low)} = {bit_value}"
 
 
@@ -287,7 +288,7 @@ def _rs485_facts(reading: Reading, interface: Rs485) -> Iterator[Fact]:
         yield Fact(
             sort=Sort.SETTING,
             key=("memory", access.access, access.busy),
-            value=f"address {plain(access.address)}, data {plain(access.data)}",
+            value=f"address {comparable_text(access.address)}, data {comparable_text(access.data)}",
             description=f"reply to a {access.access} while the busy flag is {access.busy}",
             place=(*place, "memory_access", index),
         )
@@ -344,7 +345,7 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
                 name=name,
             )
             continue
-        symbol = plain(timing.symbol).replace(" ", "")
+        symbol = comparable_text(timing.symbol).replace(" ", "")
         for bound_name, bound_time in time_by_bound.items():
             yield Fact(
                 sort=Sort.TIME,

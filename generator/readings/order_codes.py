@@ -7,9 +7,9 @@ from dataclasses import replace
 
 from ..language.problems import Path
 from ..model import CodePart, Interface, Layout, Parameter, Spelling, Variant
-from ..order_codes.labels import spelled
+from ..order_codes.labels import values_by_spelling
 from ..say.names_and_places import bits
-from .reading import FACTORY_DEFAULTS, Case, Fact, Facts, Reading, Sort, short
+from .reading import FACTORY_DEFAULTS, Case, Fact, Facts, Reading, Sort, count_text
 from .stated import Subject
 
 
@@ -102,7 +102,7 @@ def _parameter_facts(reading: Reading) -> Iterator[Fact]:
         for interface in reading.device.interfaces:
             for case, parameters in reading.cases(interface.name).items():
                 if parameter.name in parameters:
-                    value_by_case[case] = short(parameters[parameter.name])
+                    value_by_case[case] = count_text(parameters[parameter.name])
         place = ("parameters", parameter.name)
         subject = Subject(
             reading, key=("parameter", parameter.name), place=place, description=f"the parameter '{parameter.name}'"
@@ -157,11 +157,9 @@ def _label_with_spelling(spelling: Spelling, variant: Variant, parts: Iterable[C
     label = spelling.pattern
     for part in parts:
         placeholder = f"{{{part.name}}}"
-        spelled_texts = [
-            spelled_text
-            for spelled_text, listed_value in spelled(part, spelling).items()
-            if listed_value == variant.parts[part.name]
-        ]
+        value_by_spelled_text = values_by_spelling(part, spelling)
+        value = variant.parts[part.name]
+        spelled_texts = [text for text, listed_value in value_by_spelled_text.items() if listed_value == value]
         if spelled_texts:
             label = label.replace(placeholder, spelled_texts[0])
         elif placeholder in label:
@@ -178,7 +176,7 @@ def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[Fa
             yield Fact(
                 sort=Sort.LIMIT,
                 key=("held", bits_text, bound_name),
-                value=short(bound),
+                value=count_text(bound),
                 description=f"{bound_name}imum held in {bits_text}",
                 place=("parameters", parameter.name, bound_name),
                 depends_on=reading.key_of(register) if register is not None else (),

@@ -277,10 +277,10 @@ class Reading:
         The cases of an order code are the factory defaults, both ends of the range of each parameter in a register, and
         each other answer of an alternative.
         """
-        return self._cases.get(interface, {})
+        return self._parameters_by_case.get(interface, {})
 
     @cached_property
-    def _cases(self) -> Mapping[str, Mapping[Case, Parameters]]:
+    def _parameters_by_case(self) -> Mapping[str, Mapping[Case, Parameters]]:
         """The parameters of every order code by its interface and by case, first with the factory defaults."""
         interfaces = {variant.interface for variant in self.device.variants}
         states_by_interface = {interface: list(self._states_to_compare(interface)) for interface in interfaces}
@@ -370,10 +370,10 @@ class Reading:
     def printed_names(self, part: Any) -> Mapping[str, str]:
         """Return the printed names of an item by language. Alternatives are joined: ``{"en": "turn | rev"}``."""
         translations: Mapping[str, str] = getattr(part, "names", {})
-        names_by_language = {language: [plain(name)] for language, name in translations.items()}
+        names_by_language = {language: [comparable_text(name)] for language, name in translations.items()}
         printed_name = getattr(part, "printed_name", "")
         if printed_name:
-            names_by_language.setdefault(self.device.manual.language, []).append(plain(printed_name))
+            names_by_language.setdefault(self.device.manual.language, []).append(comparable_text(printed_name))
         return {language: _OR.join(names) for language, names in names_by_language.items()}
 
     def first_existing(self, *places: Path) -> Path:
@@ -410,7 +410,7 @@ def in_hex(value: int) -> str:
     return f"0x{value:02X}" if value > 9 else str(value)
 
 
-def short(value: int) -> str:
+def count_text(value: int) -> str:
     """Return a number in the notation for counts."""
     return str(value) if value < _LEAST_IN_HEX else f"0x{value:X}"
 
@@ -444,7 +444,7 @@ def same_name(names: str, other_names: str) -> bool:
     return bool(common_names)
 
 
-def plain(text: str) -> str:
+def comparable_text(text: str) -> str:
     """Return text without the differences between readers: capitals and punctuation."""
     without_punctuation = _PUNCTUATION.sub(" ", text).strip()
     return without_punctuation.casefold() or text

@@ -8,7 +8,7 @@ from ..model import (
     Register,
     RegisterMeaning,
 )
-from ..model.registers import bounded
+from ..model.registers import name_with_limits
 from ..say.names_and_places import bits
 from ..say.plain_text import counted
 from .frame_bits import word
@@ -117,6 +117,6 @@ def _limit_facts(subject: Subject, register: Register) -> Iterator[Fact]:
 
 def _limited_bits_text(register: Register, parameters: Mapping[str, int]) -> str:
     """Return the bits of a register that its limits apply to: ``bits 7:0``, or ``all bits`` if they name no field."""
-    names = register.layout.names_in(bounded(register))
+    names = register.layout.names_in(name_with_limits(register))
     fields = register.layout.place(parameters).find_fields(names)
     return " and ".join(bits(field.high, field.low) for field in fields) or "all bits"

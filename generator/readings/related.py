@@ -35,7 +35,7 @@ class Related:
         return self.first_disagreement.sort in _TEXTS and self.first_disagreement.spec_value == NOTHING
 
 
-def related(disagreements: Sequence[Disagreement]) -> list[Related]:
+def group_by_cause(disagreements: Sequence[Disagreement]) -> list[Related]:
     """Return the disagreements in groups with the same cause. Names come first in a group.
 
     A known cause is looked up first, then the disagreement's own cause (``_own_cause``) is used. One without a cause is

@@ -21,7 +21,7 @@ from . import interfaces, order_codes, registers, stated, surroundings, texts
 from .compare import compare
 from .comparison import Comparison, Disagreement, Read
 from .reading import NOTHING, Facts, Reading, Sort
-from .related import Related, related
+from .related import Related, group_by_cause
 
 
 def facts_of(reading: Reading) -> Facts:
@@ -35,8 +35,8 @@ def facts_of(reading: Reading) -> Facts:
     registers.add_registers(reading, facts)
     facts.add(stated.procedures(reading))
     facts.add(surroundings.surroundings(reading))
-    facts.add(texts.contents(reading))
-    facts.add(texts.texts(reading))
+    facts.add(texts.content_facts(reading))
+    facts.add(texts.text_facts(reading))
     facts.printed_numbers = texts.by_path(reading)
     facts.sections = texts.sections_by_path(reading)
     facts.decided = reading.document.data.get("decided", ())
@@ -58,9 +58,9 @@ class Coverage:
     @cached_property
     def counts(self) -> Mapping[Sort, TimesRead]:
         """Counts of each class."""
-        return {sort: self._count(sort) for sort in Sort}
+        return {sort: self._count_times_read(sort) for sort in Sort}
 
-    def _count(self, sort: Sort) -> TimesRead:
+    def _count_times_read(self, sort: Sort) -> TimesRead:
         """Return how many facts of a class were read how often. Facts that were read differently are not counted."""
         all_reads = self.outcome.read_by_place.items()
         reads_of_sort = [read for (read_sort, _), read in all_reads if read_sort is sort]
@@ -75,7 +75,7 @@ class Coverage:
     @property
     def total(self) -> TimesRead:
         """Counts of all classes together."""
-        return added(self.counts.values())
+        return add_counts(self.counts.values())
 
     @cached_property
     def once(self) -> Sequence[tuple[Sort, Path]]:
@@ -94,7 +94,7 @@ class Coverage:
         return [(sort, place) for sort, place in self.once if sort.is_needed]
 
 
-def added(counts: Iterable[TimesRead]) -> TimesRead:
+def add_counts(counts: Iterable[TimesRead]) -> TimesRead:
     """Return the sum of several counts."""
     all_counts = list(counts)
     return TimesRead(
@@ -185,7 +185,7 @@ def explain(spec: Document, second: Document, outcome: Comparison, report: Repor
     An erratum explains a disagreement with exactly its two values at a place that it affects. An erratum that explains
     nothing is also reported.
     """
-    explanations = list(_explanations(spec))
+    explanations = list(_explained_differences(spec))
     used_explanations: set[Path] = set()
     unexplained: list[Disagreement] = []
     for disagreement in outcome.disagreements:
@@ -197,7 +197,7 @@ def explain(spec: Document, second: Document, outcome: Comparison, report: Repor
         # A fact that the spec lacks is counted at its place in the second reading.
         counted_place = disagreement.spec_place or ("second", *disagreement.second_place)
         outcome.read_by_place[disagreement.sort, counted_place] = Read.EXPLAINED
-    for disagreements in related(unexplained):
+    for disagreements in group_by_cause(unexplained):
         _report_disagreements(disagreements, spec, second, report)
     for explanation in explanations:
         _check_explanation(explanation, spec, report, is_used=explanation.place in used_explanations)
@@ -220,7 +220,7 @@ class _Explanation:
         return any(touches(path, disagreement.spec_place_or_nearest) for path in self.affected_paths)
 
 
-def _explanations(spec: Document) -> Iterator[_Explanation]:
+def _explained_differences(spec: Document) -> Iterator[_Explanation]:
     """Yield each pair of values that the errata of a spec explain, under ``readings``.
 
     Several pairs of an erratum are separate explanations with the same printed text and affected paths.
@@ -308,24 +308,24 @@ def _check_explanation(explanation: _Explanation, spec: Document, report: Report
         report.add("readings-unused", spec, (*erratum_place, "printed"), message)
 
 
-def _lacks_number(text: str, value: str) -> bool:
+def _lacks_number(printed_text: str, value_with_unit: str) -> bool:
     """Return whether a text lacks the number of a value such as ``5 ms``, but has another value with its unit.
 
     A value without a unit is not checked.
     """
-    quantity = _QUANTITY.fullmatch(value)
+    quantity = _QUANTITY.fullmatch(value_with_unit)
     if quantity is None:
         return False
     number, unit = quantity.groups()
-    units_in_text = {text_unit for _, text_unit in _QUANTITY.findall(text)}
+    units_in_text = {text_unit for _, text_unit in _QUANTITY.findall(printed_text)}
     if unit not in units_in_text:
         return False
-    return _parse_number(number) not in map(_parse_number, _NUMBER.findall(text))
+    return _parse_number(number) not in map(_parse_number, _NUMBER.findall(printed_text))
 
 
-def _parse_number(text: str) -> Decimal:
+def _parse_number(number_text: str) -> Decimal:
     """Return the number that a text such as ``1,000.5`` stands for."""
-    return Decimal(text.replace(",", ""))
+    return Decimal(number_text.replace(",", ""))
 
 
 #: Keys of lists and maps that a path of an erratum omits.

@@ -26,7 +26,7 @@ from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS, Member
 from ..model.order_codes import facts_for_code
 from ..model.record import dataclass
-from .reading import Case, Fact, Key, Reading, Sort, Value, in_hex, interface_label, register_text, short
+from .reading import Case, Fact, Key, Reading, Sort, Value, count_text, in_hex, interface_label, register_text
 
 
 class _Detail(NamedTuple):
@@ -45,7 +45,7 @@ def procedures(reading: Reading) -> Iterator[Fact]:
     A procedure is identified by its interface and the text of its steps, such as ``write 0x49 = 05; read 0x4A``.
     """
     for procedure in reading.device.procedures:
-        steps_text = program(reading, procedure)
+        steps_text = program_text(reading, procedure)
         procedure_key: Key = ("procedure", procedure.interface, steps_text)
         procedure_place: Path = ("procedures", procedure.name)
         yield Fact(
@@ -125,10 +125,12 @@ def _waits_and_repetitions(reading: Reading, procedure: Procedure) -> Iterator[_
                 description=description,
             )
         if isinstance(step, SendStep):
-            yield from _repetitions(step, step_number, step_place, f"{step_text} in the procedure '{procedure.name}'")
+            yield from _repetition_details(
+                step, step_number, step_place, f"{step_text} in the procedure '{procedure.name}'"
+            )
 
 
-def _repetitions(step: SendStep, step_number: int, place: Path, request_text: str) -> Iterator[_Detail]:
+def _repetition_details(step: SendStep, step_number: int, place: Path, request_text: str) -> Iterator[_Detail]:
     """Yield how often a request is sent, at which interval, and whether in succession without other requests."""
     yield _Detail(
         sort=Sort.PROCEDURE,
@@ -155,7 +157,7 @@ def _repetitions(step: SendStep, step_number: int, place: Path, request_text: st
         )
 
 
-def program(reading: Reading, procedure: Procedure) -> str:
+def program_text(reading: Reading, procedure: Procedure) -> str:
     """Return the steps of a procedure as text, without waits and repetitions: ``write 0x49 = 05; read 0x4A``."""
     texts = (_step_text(reading, step, procedure) for step in procedure.steps)
     return "; ".join(text for text in texts if text)
@@ -187,10 +189,10 @@ def _step_text(reading: Reading, step: Step, procedure: Procedure) -> str:
             assert_never(step)
 
 
-def _argument_text(procedure: Procedure, name: str) -> str:
+def _argument_text(procedure: Procedure, value_name: str) -> str:
     """Return ``argument 2`` for an argument of the procedure, or the name if it is not an argument."""
     names = [argument.name for argument in procedure.arguments]
-    return f"argument {names.index(name) + 1}" if name in names else name
+    return f"argument {names.index(value_name) + 1}" if value_name in names else value_name
 
 
 def _register_and_bits(reading: Reading, register_name: str, field_name: str) -> str:
@@ -204,10 +206,10 @@ def _register_and_bits(reading: Reading, register_name: str, field_name: str) ->
     return f"{register_text(register).removeprefix('register ')}{bits_text}"
 
 
-def programs(reading: Reading, names: tuple[str, ...]) -> str:
+def program_texts(reading: Reading, names: tuple[str, ...]) -> str:
     """Return the steps of several procedures as text, in the order of these texts: ``read 0x4A | write 0x49 = 05``."""
     procedures_by_name = {procedure.name: procedure for procedure in reading.device.procedures}
-    texts = [program(reading, procedures_by_name[name]) for name in names if name in procedures_by_name]
+    texts = [program_text(reading, procedures_by_name[name]) for name in names if name in procedures_by_name]
     return " | ".join(sorted(texts))
 
 
@@ -321,34 +323,36 @@ class Subject:
                 yield self.detail_fact(Sort(member.read), member.name, values, member.noun or member.words, self.place)
 
 
-def _value_text(reading: Reading, member: Member, value: Any, interface: str) -> Value:
+def _value_text(reading: Reading, member: Member, member_value: Any, interface: str) -> Value:
     """Return a stated value in words without names, or a text for each case if it is an expression.
 
     Numbers come with the unit of the member: ``16 µs``, ``0x1A``, ``yes``.
     """
     if member.refers_to:
-        return _referred_text(reading, member, value, interface)
-    if isinstance(value, Expression):
-        return {case: short(value.value(parameters)) for case, parameters in reading.cases(interface).items()}
-    if isinstance(value, bool):
-        return _bool_text(member, value)
-    if isinstance(value, int):
-        return in_hex(value) if member.notation == "hex" else f"{value}{_UNITS.get(member.notation, '')}"
-    if isinstance(value, float):
-        return f"{value:g}"
-    if isinstance(value, Enum):
-        return str(value.value)
-    if isinstance(value, tuple):
-        return f"{' '.join(map(_part_text, value))}{_UNITS.get(member.notation, '')}"
-    if isinstance(value, Scale):
+        return _referred_text(reading, member, member_value, interface)
+    if isinstance(member_value, Expression):
+        return {
+            case: count_text(member_value.value(parameters)) for case, parameters in reading.cases(interface).items()
+        }
+    if isinstance(member_value, bool):
+        return _bool_text(member, member_value)
+    if isinstance(member_value, int):
+        return in_hex(member_value) if member.notation == "hex" else f"{member_value}{_UNITS.get(member.notation, '')}"
+    if isinstance(member_value, float):
+        return f"{member_value:g}"
+    if isinstance(member_value, Enum):
+        return str(member_value.value)
+    if isinstance(member_value, tuple):
+        return f"{' '.join(map(_part_text, member_value))}{_UNITS.get(member.notation, '')}"
+    if isinstance(member_value, Scale):
         # Two readers may write the same formula with different numbers.
-        factor = value.quantity(1) - value.quantity(0)
-        offset = value.quantity(0)
-        return f"number * {factor} + {offset} {value.unit}"
+        factor = member_value.quantity(1) - member_value.quantity(0)
+        offset = member_value.quantity(0)
+        return f"number * {factor} + {offset} {member_value.unit}"
     # Of any other part, the first member is its value.
-    if is_dataclass(value):
-        return str(getattr(value, fields(value)[0].name))
-    return kind_of_unit(value) if member.form == "unit" else str(value)
+    if is_dataclass(member_value):
+        return str(getattr(member_value, fields(member_value)[0].name))
+    return kind_of_unit(member_value) if member.form == "unit" else str(member_value)
 
 
 def _bool_text(member: Member, is_true: bool) -> str:
@@ -361,23 +365,23 @@ def _bool_text(member: Member, is_true: bool) -> str:
     return "true" if is_true else "false"
 
 
-def _part_text(part: object) -> str:
-    return str(part.digits if isinstance(part, Digits) else part)
+def _part_text(value_or_part: object) -> str:
+    return str(value_or_part.digits if isinstance(value_or_part, Digits) else value_or_part)
 
 
-def _referred_text(reading: Reading, member: Member, value: Any, interface: str) -> str:
+def _referred_text(reading: Reading, member: Member, referred_names: Any, interface: str) -> str:
     """Return the things that a member names, in words without names, sorted.
 
     Registers give their addresses, register fields and flags of frames their bits, and procedures their steps.
     """
-    names = (value,) if isinstance(value, str) else value
+    names = (referred_names,) if isinstance(referred_names, str) else referred_names
     match member.refers_to.removesuffix("s"):
         case "register":
             thing_texts = {_register_text(reading, name) for name in names}
         case "dotted":
             thing_texts = {reading.bits_at(name) for name in names}
         case "procedure":
-            return programs(reading, names)
+            return program_texts(reading, names)
         case _:
             # All other members name fields of the frames of the interface.
             thing_texts = set()
@@ -388,7 +392,7 @@ def _referred_text(reading: Reading, member: Member, value: Any, interface: str)
     return ", ".join(sorted(thing_texts))
 
 
-def _register_text(reading: Reading, name: str) -> str:
+def _register_text(reading: Reading, register_name: str) -> str:
     """Return the address of a register, or its name if there is no such register."""
-    register = reading.register(name)
-    return register_text(register) if register is not None else name
+    register = reading.register(register_name)
+    return register_text(register) if register is not None else register_name

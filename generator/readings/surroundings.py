@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from ..language.document import Path
 from ..model import Alarm, Connector, Edition, Manual
-from .reading import Fact, Key, Reading, Sort, interface_label, plain, register_text
+from .reading import Fact, Key, Reading, Sort, comparable_text, interface_label, register_text
 from .stated import Subject
 from .texts import numbers_in
 
@@ -51,21 +51,21 @@ def _connector_facts(reading: Reading) -> Iterator[Fact]:
             yield from _contact_facts(reading, connector, interface, counts[interface, connector.kind])
 
 
-def _contact_facts(reading: Reading, connector: Connector, interface: str, number: int) -> Iterator[Fact]:
+def _contact_facts(reading: Reading, connector: Connector, interface: str, connector_number: int) -> Iterator[Fact]:
     """Yield a connector or cable of an interface, and its contacts with their signals.
 
     A contact is identified by its pin or colour, such as ``("connector", "ssi", "connector", 1, "3")``.
     """
-    connector_text = f"{connector.kind} {number}"
+    connector_text = f"{connector.kind} {connector_number}"
     if interface:
         connector_text += f" for {interface_label(interface)}"
-    key: Key = ("connector", interface, connector.kind, number)
+    key: Key = ("connector", interface, connector.kind, connector_number)
     owner = Subject(reading, key=key, place=("connectors", connector.name), description=connector_text)
     yield from owner.all_facts(Sort.PIN, connector)
     for contact in connector.contacts:
         subject = Subject(
             reading,
-            key=(*owner.key, plain(contact.contact)),
+            key=(*owner.key, comparable_text(contact.contact)),
             place=(*owner.place, "contacts", contact.contact),
             description=f"contact {contact.contact} of {connector_text}",
             joint=" with ",

@@ -32,7 +32,7 @@ def numbers_in(text: str) -> str:
     return " ".join(numbers).replace("−", "-")
 
 
-def contents(reading: Reading) -> Iterator[Fact]:
+def content_facts(reading: Reading) -> Iterator[Fact]:
     """Yield the page of every section and of every entry in the table of contents, if it has one."""
     for section, section_contents in reading.document.data["manual"].get("contents", {}).items():
         place: Path = ("manual", "contents", section)
@@ -41,7 +41,7 @@ def contents(reading: Reading) -> Iterator[Fact]:
             pages[(*place, "entries", entry)] = page
         for page_place, page in pages.items():
             if page is not None:
-                description = f"page of {dotted(page_place[2:])} in the contents"
+                description = f"page of {dotted_path(page_place[2:])} in the contents"
                 yield Fact(
                     sort=Sort.CONTENTS,
                     key=("contents", *page_place),
@@ -51,7 +51,7 @@ def contents(reading: Reading) -> Iterator[Fact]:
                 )
 
 
-def texts(reading: Reading) -> Iterator[Fact]:
+def text_facts(reading: Reading) -> Iterator[Fact]:
     """Yield a fact for every text with numbers, and one for every source with sections, identified by their places."""
     for place, text in prose_texts((), reading.document.data):
         numbers_or_sections = _compared_text(place[-1], text)
@@ -62,7 +62,7 @@ def texts(reading: Reading) -> Iterator[Fact]:
                 sort=Sort.SECTION,
                 key=(CITED, *place),
                 value=numbers_or_sections,
-                description=f"section cited at {dotted(place)}",
+                description=f"section cited at {dotted_path(place)}",
                 place=place,
             )
         else:
@@ -70,7 +70,7 @@ def texts(reading: Reading) -> Iterator[Fact]:
                 sort=Sort.TEXT,
                 key=(NUMBERS, *place),
                 value=numbers_or_sections,
-                description=f"numbers in {dotted(place)}",
+                description=f"numbers in {dotted_path(place)}",
                 place=place,
             )
 
@@ -123,6 +123,6 @@ def prose_texts(place: Path, node: Any) -> Iterator[tuple[Path, str]]:
         yield place, node
 
 
-def dotted(place: Path) -> str:
+def dotted_path(place: Path) -> str:
     """Return a place as a path with dots."""
     return ".".join(map(str, place))

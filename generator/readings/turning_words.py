@@ -69,14 +69,16 @@ class Vocabulary:
         self._add_kind(SIGNAL, [[signal] for signal in sorted(set(signals)) if len(signal) > 2])
         # The regular expression takes the first alternative that matches, so "no longer" must come before "no".
         spellings = sorted(self._senses, key=len, reverse=True)
-        self._pattern = re.compile(rf"(?<![\w/])(?:{'|'.join(map(_pattern, spellings))})(?!\w)", re.IGNORECASE)
+        self._pattern_of_word = re.compile(
+            rf"(?<![\w/])(?:{'|'.join(map(_pattern_of_word, spellings))})(?!\w)", re.IGNORECASE
+        )
 
-    def _add_kind(self, kind: str, senses: Sequence[Sequence[str]]) -> None:
+    def _add_kind(self, kind_of_turn: str, senses: Sequence[Sequence[str]]) -> None:
         """Add the words of each sense. A word of several kinds belongs to the first one."""
-        self.choices[kind] = [words[0] for words in senses]
+        self.choices[kind_of_turn] = [words[0] for words in senses]
         for words in senses:
             for word in words:
-                self._senses.setdefault(word.casefold(), Gap(kind, words[0]))
+                self._senses.setdefault(word.casefold(), Gap(kind_of_turn, words[0]))
 
     def cloze(self, text: str) -> ClozeText:
         """Return a text with numbered gaps instead of its turning words, and the gaps.
@@ -89,10 +91,10 @@ class Vocabulary:
             gaps.append(self._senses[match[0].casefold()])
             return f"{{{len(gaps)} {gaps[-1].kind}}}"
 
-        return ClozeText(self._pattern.sub(numbered_gap, " ".join(text.split())), tuple(gaps))
+        return ClozeText(self._pattern_of_word.sub(numbered_gap, " ".join(text.split())), tuple(gaps))
 
 
-def _pattern(word: str) -> str:
+def _pattern_of_word(word: str) -> str:
     """Return the regular expression of a word.
 
     A word of ``_ONLY_AFTER`` matches only directly after one of its words: ``(?:(?<=count )|(?<=counts ))up``.

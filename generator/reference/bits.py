@@ -151,14 +151,14 @@ def to_gray(placed: PlacedLayout, number: int) -> int:
     return _with_gray_part_converted(placed, number, to_excess_gray)
 
 
-def _with_gray_part_converted(placed: PlacedLayout, number: int, convert: Callable[[int], int]) -> int:
-    """Return the frame ``number`` with the fields sent in Gray code, if any, converted and cut to their width."""
+def _with_gray_part_converted(placed: PlacedLayout, frame: int, convert: Callable[[int], int]) -> int:
+    """Return the frame ``frame`` with the fields sent in Gray code, if any, converted and cut to their width."""
     if not placed.gray:
-        return number
+        return frame
     low, width = placed.place_of(placed.layout.gray_of)
     mask = (1 << width) - 1
-    other_bits = number & ~(mask << low)
-    converted_part = convert((number >> low) & mask) & mask
+    other_bits = frame & ~(mask << low)
+    converted_part = convert((frame >> low) & mask) & mask
     return other_bits | (converted_part << low)
 
 

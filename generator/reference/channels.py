@@ -45,7 +45,7 @@ def channel_findings(
         agree = frame.agree([decoded.values for decoded in decoded_channels])
     verdicts = [] if agree is not False else [Verdict.NOT_USABLE]
     for placed, channel in zip(frame.channels, findings_by_channel, strict=True):
-        has_position = device.tells_position(variant.interface, placed.layout)
+        has_position = device.sends_position(variant.interface, placed.layout)
         if channel.verdict is not None and (has_position or channel.verdict is not Verdict.UNKNOWN):
             verdicts.append(channel.verdict)
     from_worst_to_best = list(Verdict)

@@ -87,7 +87,7 @@ class Decoded:
         return {field.name: field.value for field in self.fields}
 
 
-def select(
+def select_layout(
     device: Device, variant: Variant, sender: str, data: bytes
 ) -> tuple[PlacedLayout | None, tuple[Problem, ...]]:
     """Return the layout of ``data`` and no problems, or None and the reason why there is none.
@@ -139,7 +139,7 @@ def _selector_value(placed: PlacedLayout, data: bytes) -> int | None:
 
 def decode_bytes(device: Device, variant: Variant, sender: str, data: bytes) -> Decoded:
     """Decode a frame of whole bytes whose selector field identifies the layout."""
-    placed, problems = select(device, variant, sender, data)
+    placed, problems = select_layout(device, variant, sender, data)
     if placed is None:
         return Decoded(layout=None, number=0, fields=(), crc=None, problems=problems)
     return decode_placed(device, placed, data)
@@ -149,22 +149,22 @@ def decode_placed(device: Device, placed: PlacedLayout, data: bytes) -> Decoded:
     """Decode a frame of whole bytes with a known layout."""
     number = number_from_bytes(placed.layout, data)
     if 8 * len(data) != placed.bits:
-        return _of_wrong_length(placed, number, counted(placed.bits // 8, "byte"), len(data))
+        return _result_of_wrong_length(placed, number, counted(placed.bits // 8, "byte"), len(data))
     return decode(device, placed, number)
 
 
 def decode_bits(device: Device, placed: PlacedLayout, number: int, bits: int) -> Decoded:
     """Decode a frame of this many bits with a known layout."""
     if bits != placed.bits:
-        return _of_wrong_length(placed, number, f"{placed.bits} bits", bits)
+        return _result_of_wrong_length(placed, number, f"{placed.bits} bits", bits)
     return decode(device, placed, number)
 
 
-def _of_wrong_length(placed: PlacedLayout, number: int, needed_length: str, actual_length: int) -> Decoded:
+def _result_of_wrong_length(placed: PlacedLayout, frame: int, needed_length: str, actual_length: int) -> Decoded:
     """Return the result for a frame of the wrong length: one problem and no fields."""
     message = report.length(placed.name, needed_length, f"{actual_length}")
     problem = Problem(Fault.LENGTH, field="", message=message)
-    return Decoded(layout=placed, number=number, fields=(), crc=None, problems=(problem,))
+    return Decoded(layout=placed, number=frame, fields=(), crc=None, problems=(problem,))
 
 
 def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
@@ -173,7 +173,7 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
     Errors are in the order of ``Fault``. A number with more bits than the frame has the wrong length.
     """
     if number >> placed.bits:
-        return _of_wrong_length(placed, number, f"{placed.bits} bits", number.bit_length())
+        return _result_of_wrong_length(placed, number, f"{placed.bits} bits", number.bit_length())
     problems: list[Problem] = []
     fields: list[DecodedField] = []
     binary_number = from_gray(placed, number)
@@ -199,16 +199,16 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
 
 
 def _problems_with_other_fields(
-    placed: PlacedLayout, placed_field: PlacedField, sent_value: int, number: int
+    placed: PlacedLayout, placed_field: PlacedField, sent_value: int, frame: int
 ) -> Iterator[Problem]:
-    """Yield the problem of a parity bit that is wrong in the frame ``number``, or of a selector of another layout.
+    """Yield the problem of a parity bit that is wrong in the frame ``frame``, or of a selector of another layout.
 
     The parity bit covers the bits as they are sent, so ``sent_value`` may be in Gray code.
     """
     name = placed_field.name
     kind = placed_field.field.kind
     if isinstance(kind, Parity):
-        correct_bit = parity_bit(placed, kind, number)
+        correct_bit = parity_bit(placed, kind, frame)
         if sent_value != correct_bit:
             message = report.parity(name, f"{sent_value}", ", ".join(kind.of), f"{correct_bit}")
             yield Problem(Fault.CONSTANT, name, message)
@@ -245,29 +245,29 @@ def _range_message(position_range: PositionRange, placed_field: PlacedField, raw
     return report.too_high(placed_field.name, f"{position}", f"{highest}")
 
 
-def _decode_crc(device: Device, placed: PlacedLayout, number: int) -> CrcResult | None:
-    """Return the received and the computed CRC of the frame ``number``, or None if it has no CRC."""
+def _decode_crc(device: Device, placed: PlacedLayout, frame: int) -> CrcResult | None:
+    """Return the received and the computed CRC of the frame ``frame``, or None if it has no CRC."""
     placed_field = placed.crc_field
     crc = device.crc_of(placed)
     if placed_field is None or crc is None:
         return None
-    received = (number >> placed_field.low) & placed_field.mask
-    return CrcResult(crc.name, received=received, computed=compute(crc, placed, number))
+    received = (frame >> placed_field.low) & placed_field.mask
+    return CrcResult(crc.name, received=received, computed=compute(crc, placed, frame))
 
 
 def _name_of_crc_field(placed: PlacedLayout) -> str:
     return placed.crc_field.name if placed.crc_field is not None else ""
 
 
-def _decode_join(placed: PlacedLayout, join: Join, number: int, binary_number: int) -> DecodedField:
+def _decode_join(placed: PlacedLayout, join: Join, frame: int, binary_frame: int) -> DecodedField:
     """Return fields that form one number, such as multiturn and singleturn, as one field.
 
-    ``number`` is the frame as it is sent, and ``binary_number`` the frame with its Gray code converted to binary.
+    ``frame`` is the frame as it is sent, and ``binary_frame`` the frame with its Gray code converted to binary.
     """
     field_names = " and ".join(field.name for field in placed.find_fields(join.fields))
     meaning = as_one_number(field_names) if len(join.fields) > 1 else ""
-    value = join_value(placed, join, binary_number)
-    raw = join_value(placed, join, number) if placed.gray else value
+    value = join_value(placed, join, binary_frame)
+    raw = join_value(placed, join, frame) if placed.gray else value
     return _computed_field(join.name, raw, value, meaning)
 
 

@@ -12,7 +12,6 @@ from ..model import (
     Device,
     Field,
     Flag,
-    Kind,
     Layout,
     PlacedField,
     PlacedLayout,
@@ -106,7 +105,7 @@ def _active_fields(placed: PlacedLayout, decoded_fields: Mapping[str, DecodedFie
 def _reports_of_frame(device: Device, variant: Variant, active_fields: Sequence[Field]) -> Iterator[Report]:
     """Yield a report for each active field, except those with which the position stays usable without a warning."""
     for field in active_fields:
-        if _verdict_of_kind(field.kind) is not Verdict.USABLE:
+        if field.kind.makes_position is not Verdict.USABLE:
             yield _build_report(field, _alarm_for(device, variant, field, register=""))
 
 
@@ -158,11 +157,6 @@ def _decoded_value(field: Field, number: int) -> str | bool:
     return field.value_of(number).name
 
 
-def _verdict_of_kind(kind: Kind) -> Verdict | None:
-    """Return the verdict to which a flag or unused bits lead, or None for any other field."""
-    return kind.makes_position if isinstance(kind, (Flag, Unused)) else None
-
-
 def _build_report(field: Field, alarm: Alarm | None) -> Report:
     """Return the report of an active field, with the texts of its alarm if the manual has one."""
     return Report(
@@ -170,7 +164,7 @@ def _build_report(field: Field, alarm: Alarm | None) -> Report:
         printed_name=field.printed_name,
         meaning=meaning(field, alarm),
         remedy=remedy(field, alarm),
-        makes_position=_verdict_of_kind(field.kind),
+        makes_position=field.kind.makes_position,
         source=cite(source(field, alarm)),
     )
 
@@ -181,11 +175,11 @@ def _find_worst_verdict(placed: PlacedLayout, active_fields: Sequence[Field]) ->
     The layout has UNKNOWN if no bit of its frames judges the position, and else USABLE.
     """
     active_names = {field.name for field in active_fields}
-    verdicts = [Verdict.USABLE if placed.tells_validity else Verdict.UNKNOWN]
+    verdicts = [Verdict.USABLE if placed.judges_position else Verdict.UNKNOWN]
     for field in active_fields:
         # A flag that sums up others adds no information if one of them is active.
         is_redundant = isinstance(field.kind, Flag) and not active_names.isdisjoint(field.kind.sums_up)
-        verdict = _verdict_of_kind(field.kind)
+        verdict = field.kind.makes_position
         if verdict is not None and not is_redundant:
             verdicts.append(verdict)
     from_worst_to_best = list(Verdict)
@@ -225,8 +219,8 @@ def _difference_message(
     return report.other_value(name, actual_text, documented_text)
 
 
-def _quoted_or_hex(value: int | str) -> str:
-    return f'"{value}"' if isinstance(value, str) else f"{value:#04x}"
+def _quoted_or_hex(field_value: int | str) -> str:
+    return f'"{field_value}"' if isinstance(field_value, str) else f"{field_value:#04x}"
 
 
 def _identity_registers(device: Device, variant: Variant) -> Iterator[Register]:
@@ -266,10 +260,13 @@ def _compare_register(
     The message shows the whole field in hexadecimal, or dots for digits that are unknown.
     """
     placed = register.layout.place(variant.parameters)
-    register_bytes = bytes(bytes_by_address.get(address, 0) for address in _list_addresses(register))
-    byte_masks = bytes(0xFF if address in bytes_by_address else 0 for address in _list_addresses(register))
+    addresses = _list_addresses(register)
+    register_bytes = bytes(bytes_by_address.get(address, 0) for address in addresses)
+    masks_of_bytes = bytearray()  # 0xFF for each byte that is known.
+    for address in addresses:
+        masks_of_bytes.append(0xFF if address in bytes_by_address else 0)
     content = number_from_bytes(register.layout, register_bytes)
-    known_mask = number_from_bytes(register.layout, byte_masks)
+    known_mask = number_from_bytes(register.layout, bytes(masks_of_bytes))
     for placed_field in placed.fields:
         documented = placed_field.field.documented(variant.parameters)
         if documented is None:
@@ -289,13 +286,13 @@ def _compare_register(
         yield Difference(path, actual=actual_bits, documented=documented_bits, message=message, is_register=True)
 
 
-def _known_digits(value: int, known_bits: int, width: int) -> str:
+def _known_digits(field_bits: int, known_bits: int, width: int) -> str:
     """Return the hexadecimal digits of a field, with dots for unknown digits, such as ``..A3h``."""
     digits = ""
     highest_digit_shift = (width - 1) // 4 * 4  # A digit is 4 bits. The highest one may have fewer.
     for shift in range(highest_digit_shift, -1, -4):
         is_known = (known_bits >> shift) & 0xF != 0
-        digits += f"{(value >> shift) & 0xF:X}" if is_known else "."
+        digits += f"{(field_bits >> shift) & 0xF:X}" if is_known else "."
     return digits + "h"
 
 

@@ -21,7 +21,7 @@ from ..model import (
     number_to_bytes,
 )
 from ..model.expressions import Expression
-from ..model.registers import bounded, bounds
+from ..model.registers import bounds, name_with_limits
 from ..order_codes.parameters import RegisterError, after_write
 from ..say import report
 from ..say.plain_text import counted
@@ -118,7 +118,7 @@ def _value_of_step(step: WriteStep | ModifyStep, arguments: Mapping[str, int]) -
 
 
 def _name_of_written_field(register: Register, step: WriteStep | ModifyStep) -> str:
-    return step.field if isinstance(step, ModifyStep) else bounded(register)
+    return step.field if isinstance(step, ModifyStep) else name_with_limits(register)
 
 
 def _writes_of_register(register: Register, content: int) -> list[Write]:
@@ -129,46 +129,46 @@ def _writes_of_register(register: Register, content: int) -> list[Write]:
     return [Write(register.address + offset, byte) for offset, byte in enumerate(data)]
 
 
-def _with_field_changed(placed: PlacedLayout, field_name: str, value: int, old_content: int) -> int:
-    """Return the content of a register with ``value`` in one of its fields, and the other bits as they were."""
+def _with_field_changed(placed: PlacedLayout, field_name: str, field_value: int, old_content: int) -> int:
+    """Return the content of a register with ``field_value`` in one of its fields, and the other bits as they were."""
     placed_field = placed.find_field(field_name)
-    if placed_field is None or value & ~placed_field.mask:
-        raise codec.EncodeError(f"{value} does not fit '{field_name}'")
+    if placed_field is None or field_value & ~placed_field.mask:
+        raise codec.EncodeError(f"{field_value} does not fit '{field_name}'")
     other_bits = old_content & ~(placed_field.mask << placed_field.low)
-    return other_bits | (value << placed_field.low)
+    return other_bits | (field_value << placed_field.low)
 
 
-def _content_for_argument(device: Device, register: Register, placed: PlacedLayout, value: int) -> int:
+def _content_for_argument(device: Device, register: Register, placed: PlacedLayout, argument: int) -> int:
     """Return the content of a register to which an argument is written: as its limited number, or as the whole content.
 
     Raises:
         EncodeError: The argument does not fit, or is not a valid content.
     """
-    name = bounded(register)
+    name = name_with_limits(register)
     names_of_numbers = {field.name for field in register.layout.fields if isinstance(field.kind, Number)}
     names_of_numbers |= {join.name for join in register.layout.joins}
     if name in names_of_numbers or register.limits_of == name:
-        return codec.encode(device, placed, {name: value})
+        return codec.encode(device, placed, {name: argument})
     # If a register has several fields and no limits on one of them, the argument is the number in the whole register.
-    problems = codec.decode(device, placed, value).problems
+    problems = codec.decode(device, placed, argument).problems
     if problems:
-        raise codec.EncodeError(f"{value:#x} is not a value of '{register.name}': {problems[0].message}")
-    return value
+        raise codec.EncodeError(f"{argument:#x} is not a value of '{register.name}': {problems[0].message}")
+    return argument
 
 
-def _check_argument(register: Register, name: str, value: int, placed: PlacedLayout, limits: Limits) -> None:
-    """Check that an argument is a value of the field ``name``, and within the limits if they apply to this field.
+def _check_argument(register: Register, field_name: str, argument: int, placed: PlacedLayout, limits: Limits) -> None:
+    """Check that an argument is a value of the field ``field_name``, and within the limits if they apply to this field.
 
     Raises:
         EncodeError: It is not.
     """
-    fields = (field for field in register.layout.fields if field.name == name)
+    fields = (field for field in register.layout.fields if field.name == field_name)
     allowed_values = [choice.value for field in fields for choice in field.values]
-    if allowed_values and value not in allowed_values:
-        raise codec.EncodeError(f"{value} is not a value of '{name}'")
+    if allowed_values and argument not in allowed_values:
+        raise codec.EncodeError(f"{argument} is not a value of '{field_name}'")
     lowest, highest = bounds(register, placed, limits, placed.parameters)
     # The limits of a meaning apply to the field or register to which the argument is written.
     has_limits_of_meaning = limits != (register.min, register.max)
-    is_limited = has_limits_of_meaning or name == bounded(register)
-    if is_limited and not lowest <= value <= highest:
-        raise codec.EncodeError(report.outside(f"{value}", f"{lowest}", f"{highest}"))
+    is_limited = has_limits_of_meaning or field_name == name_with_limits(register)
+    if is_limited and not lowest <= argument <= highest:
+        raise codec.EncodeError(report.outside(f"{argument}", f"{lowest}", f"{highest}"))

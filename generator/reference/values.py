@@ -19,6 +19,7 @@ from ..model import (
     Value,
     assert_never,
 )
+from ..model.kinds import DataKind
 from ..say import report
 
 Values = Mapping[str, "int | str | bool"]
@@ -65,9 +66,7 @@ def signed_or_plain(number: Number, raw: int, width: int) -> int:
     return raw or number.zero_means
 
 
-def encode_value(
-    kind: Number | Flag | Choice | Text | Decimal, placed_field: PlacedField, value: int | str | bool
-) -> int:
+def encode_value(kind: DataKind, placed_field: PlacedField, value: int | str | bool) -> int:
     """Return the number that stands for a value of a field. Named values and texts may also be given as numbers."""
     match kind:
         case Number():
@@ -115,6 +114,7 @@ def encode_digits(decimal: Decimal, values: Values) -> int:
 
 
 def checked_number(value: int | str | bool) -> int:
+    """Return a value as a number, or raise an ``EncodeError`` if it is a text."""
     if isinstance(value, str):
         raise EncodeError(f"'{value}' is not a number")
     return int(value)

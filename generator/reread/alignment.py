@@ -62,7 +62,7 @@ def _without_equal_ends(old: Sequence[str], new: Sequence[str], ranges: Ranges) 
         low, new_low = low + 1, new_low + 1
     while low < high and new_low < new_high and old[high - 1] == new[new_high - 1]:
         high, new_high = high - 1, new_high - 1
-    return Ranges(low, high, new_low, new_high)
+    return Ranges(low=low, high=high, new_low=new_low, new_high=new_high)
 
 
 def _has_few_equal_pairs(old: Sequence[str], new: Sequence[str], ranges: Ranges, most_pairs: int) -> bool:
@@ -82,7 +82,7 @@ def _differences_within(old: Sequence[str], new: Sequence[str], ranges: Ranges) 
     matcher = SequenceMatcher(None, old[low:high], new[new_low:new_high], autojunk=False)
     for tag, start, end, new_start, new_end in matcher.get_opcodes():
         if tag != "equal":
-            yield Ranges(low + start, low + end, new_low + new_start, new_low + new_end)
+            yield Ranges(low=low + start, high=low + end, new_low=new_low + new_start, new_high=new_low + new_end)
 
 
 def _divide_at_phrases(old: Sequence[str], new: Sequence[str], ranges: Ranges, phrase_length: int) -> list[Ranges]:

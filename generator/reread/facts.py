@@ -14,7 +14,7 @@ from ..language.document import Document, Path
 from ..loading.from_mapping import parse_sources
 from ..model import Sources
 from .passages import Passage
-from .sections import COVER, WORD, plain
+from .sections import COVER, WORD, plain_line
 
 #: Keys that hold no fact of the manual: places, names, and the judgement of an erratum.
 _NO_FACTS = frozenset({"source", "name", "erratum", "affects", "severity", "status"})
@@ -151,18 +151,18 @@ def _words_of_name(name: str) -> list[str]:
 
 def spaced(text: str) -> str:
     """Return the words of a text or of an identifier, with spaces between them and around them."""
-    words = " ".join(_words_of_name(plain(text)))
+    words = " ".join(_words_of_name(plain_line(text)))
     return f" {words} "
 
 
-def _is_order_code_label(text: str) -> bool:
+def _is_order_code_label(words_text: str) -> bool:
     """Return whether a text can only be a label of an order code.
 
     This is one of 4 or more digits, or another one with 3 or more characters or a digit. A, TO or 21 can be any word.
     """
-    if text.isdigit():
-        return len(text) > 3
-    return len(text) > 2 or any(letter.isdigit() for letter in text)
+    if words_text.isdigit():
+        return len(words_text) > 3
+    return len(words_text) > 2 or any(letter.isdigit() for letter in words_text)
 
 
 def _last_digits(words: Iterable[str]) -> set[str]:
@@ -191,7 +191,7 @@ def _printed_words(value: object) -> Iterator[str]:
     if isinstance(value, bool) or value is None:
         return
     if not isinstance(value, int):
-        for word in WORD.findall(plain(str(value))):
+        for word in WORD.findall(plain_line(str(value))):
             yield word.casefold()
         yield from _PRINTED_FOR_VALUE.get(str(value), ())
         return
@@ -237,7 +237,7 @@ class _Surroundings:
     refers_to: frozenset[str] = frozenset()
 
 
-def citing(document: Document) -> list[Citing]:
+def facts_with_citations(document: Document) -> list[Citing]:
     """Return the facts of a spec with what they cite. A fact without a source has that of the item around it."""
     return list(_facts_in(document, document.data, path=(), around=_Surroundings()))
 
@@ -247,76 +247,76 @@ def _parse_source(source: str) -> Sources:
     return parse_sources(source.replace("TODO ", ""))
 
 
-def _facts_in(document: Document, data: Any, path: Path, around: _Surroundings) -> Iterator[Citing]:
+def _facts_in(document: Document, node: Any, path: Path, around: _Surroundings) -> Iterator[Citing]:
     """Yield the facts in part of a spec, with names, source and references from the items around them.
 
     A fact is a value, neither map nor list, with a source, or any value about the manual. Keys of ``_NO_FACTS`` and
     sources themselves are left out.
     """
-    if isinstance(data, dict):
-        in_map = _surroundings_in(data, path, around)
-        for key, member in data.items():
+    if isinstance(node, dict):
+        in_map = _surroundings_in(node, path, around)
+        for key, member in node.items():
             is_fact = key not in _NO_FACTS and not str(key).endswith("_source")
             if is_fact:
                 printed_key = _PRINTED_FOR_KEY.get(str(key), str(key))
                 around_member = replace(
-                    in_map, source=_source_of_member(data, path, key, in_map), names=(*in_map.names, printed_key)
+                    in_map, source=_source_of_member(node, path, key, in_map), names=(*in_map.names, printed_key)
                 )
                 yield from _facts_in(document, member, (*path, key), around_member)
-    elif isinstance(data, list):
-        for index, member in enumerate(data):
+    elif isinstance(node, list):
+        for index, member in enumerate(node):
             # A row of a table is an item without a name.
             is_row = isinstance(member, list)
             around_member = replace(around, item=(*path, index)) if is_row else around
             yield from _facts_in(document, member, (*path, index), around_member)
     elif around.source or path[:1] == ("manual",):
-        yield _fact(document, data, path, around)
+        yield _build_fact(document, node, path, around)
 
 
-def _source_of_member(data: Mapping[str, Any], path: Path, key: str, in_map: _Surroundings) -> Sources:
+def _source_of_member(item: Mapping[str, Any], path: Path, member_name: str, in_map: _Surroundings) -> Sources:
     """Return what a member of a map cites: its own source, ``<key>_source``, or else that of the map.
 
     Contents without a source cite their section, which is the step after ``manual.contents`` in the path of the member.
     """
-    own_source = data.get(f"{key}_source")
+    own_source = item.get(f"{member_name}_source")
     source = _parse_source(own_source) if isinstance(own_source, str) else in_map.source
     if path[:2] == ("manual", "contents") and not source:
-        section = path[2] if len(path) > 2 else key
+        section = path[2] if len(path) > 2 else member_name
         return _parse_source(str(section))
     return source
 
 
-def _surroundings_in(data: Mapping[str, Any], path: Path, around: _Surroundings) -> _Surroundings:
+def _surroundings_in(item: Mapping[str, Any], path: Path, around: _Surroundings) -> _Surroundings:
     """Return what the facts in a map have from it and from the items around it.
 
     An item is a map in a list, with a source, or in a map of items. Other maps belong to the item around them.
     """
     is_in_map_of_items = len(path) > 1 and path[-2] in _MAPS_OF_ITEMS
-    is_item = bool(path) and (isinstance(path[-1], int) or "source" in data or is_in_map_of_items)
-    own_source = data.get("source")
-    references = frozenset(_references_in(data))
+    is_item = bool(path) and (isinstance(path[-1], int) or "source" in item or is_in_map_of_items)
+    own_source = item.get("source")
+    references = frozenset(_references_in(item))
     # An item with its own references has only these.
     if not is_item or not references:
         references |= around.refers_to
     return _Surroundings(
         item=path if is_item else around.item,
         source=_parse_source(own_source) if isinstance(own_source, str) else around.source,
-        names=(*around.names, *_labels(data)),
+        names=(*around.names, *_names_of_item(item)),
         refers_to=references,
     )
 
 
-def _references_in(data: Mapping[str, Any]) -> Iterator[str]:
+def _references_in(item: Mapping[str, Any]) -> Iterator[str]:
     """Yield the names and paths of the parts to which a map refers by the keys ``_REFERENCES``."""
     for key in _REFERENCES:
-        name_or_names = data.get(key)
+        name_or_names = item.get(key)
         names = name_or_names if isinstance(name_or_names, list) else [name_or_names]
         for name in names:
             if isinstance(name, str):
                 yield name
 
 
-def _fact(document: Document, value: object, path: Path, around: _Surroundings) -> Citing:
+def _build_fact(document: Document, fact_value: object, path: Path, around: _Surroundings) -> Citing:
     """Return the value at a path as a fact, with the sections and pages of the manual that it cites.
 
     Citations of other documents are left out.
@@ -326,24 +326,24 @@ def _fact(document: Document, value: object, path: Path, around: _Surroundings) 
         file=document.file,
         line=document.position(path)[0],
         path=document.name_path(path),
-        value=value,
+        value=fact_value,
         sections=frozenset(citation.section for citation in in_manual if citation.section),
         pages=frozenset(citation.page for citation in in_manual if citation.page is not None),
         names=around.names,
-        spelling=_spelling(document, value, path),
+        spelling=_spelling_in_spec(document, fact_value, path),
         item=document.name_path(around.item),
         refers_to=around.refers_to,
     )
 
 
-def _spelling(document: Document, value: object, path: Path) -> str:
+def _spelling_in_spec(document: Document, fact_value: object, path: Path) -> str:
     """Return a number or truth value as in the spec, such as ``0x1F`` or ``true``, or "" for another value."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    return document.spelling_at(path) if isinstance(value, int) else ""
+    if isinstance(fact_value, bool):
+        return str(fact_value).lower()
+    return document.spelling_at(path) if isinstance(fact_value, int) else ""
 
 
-def _labels(item: Mapping[str, Any]) -> list[str]:
+def _names_of_item(item: Mapping[str, Any]) -> list[str]:
     """Return the names of an item: those that the manual may print next to its values, and translations."""
     labels = [item.get(key) for key in _LABELS]
     names_by_language = item.get("names")

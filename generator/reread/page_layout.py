@@ -128,11 +128,12 @@ def find_heads_at_edges(pages: Sequence[Sequence[str]]) -> set[str]:
         bottom = below_top[-_PAGE_EDGE:]
         counts_anywhere.update(map(without_digits, page))
         counts_at_edges.update(map(without_digits, (*top, *bottom)))
-    return {
-        head
-        for head, count in counts_at_edges.items()
-        if count >= max(LEAST_REPETITIONS, _MOSTLY * counts_anywhere[head])
-    }
+    heads: set[str] = set()
+    for head, count in counts_at_edges.items():
+        is_mostly_at_edges = count >= _MOSTLY * counts_anywhere[head]
+        if count >= LEAST_REPETITIONS and is_mostly_at_edges:
+            heads.add(head)
+    return heads
 
 
 def without_edges(pages: Sequence[Sequence[str]], heads: Collection[str]) -> Iterator[Sequence[str]]:
@@ -157,8 +158,8 @@ def _counts_pages(lines: Sequence[str]) -> bool:
     # The first numbers of all lines, the second numbers of all lines, and so on.
     columns = zip(*numbers_by_line, strict=False)
     changing_columns = [column for column in columns if len(set(column)) > 1]
-    return bool(changing_columns) and all(map(_increases, changing_columns))
+    return bool(changing_columns) and all(map(_do_increase, changing_columns))
 
 
-def _increases(numbers: Sequence[int]) -> bool:
+def _do_increase(numbers: Sequence[int]) -> bool:
     return all(number < following for number, following in pairwise(numbers))

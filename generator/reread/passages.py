@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from .alignment import Ranges, differing_ranges
-from .sections import WORD, Manual, Section, letters, pair_sections
+from .sections import WORD, Manual, Section, joined_letters, pair_sections
 
 #: Differences with no more equal words between them are one passage.
 _TOGETHER = 6
@@ -53,7 +53,7 @@ def same_language(old: Manual, new: Manual) -> bool:
     return common_count >= _SAME_LANGUAGE * min(old_words.total(), new_words.total())
 
 
-def changed(old: Manual, new: Manual) -> Iterator[Passage]:
+def differing_passages(old: Manual, new: Manual) -> Iterator[Passage]:
     """Yield the passages that differ. A section that only one edition has is one passage.
 
     Sections that were only renumbered or moved do not differ. A running head of one edition can be the title on the
@@ -63,8 +63,8 @@ def changed(old: Manual, new: Manual) -> Iterator[Passage]:
     for old_section, new_section in pair_sections(old, new):
         if old_section is not None and new_section is not None:
             old_title, new_title = WORD.findall(old_section.title), WORD.findall(new_section.title)
-            yield from _in_section(old_section, old_title, new_title, heads)
-            yield from _in_section(old_section, old_section.words, new_section.words, heads)
+            yield from _passages_of_section(old_section, old_title, new_title, heads)
+            yield from _passages_of_section(old_section, old_section.words, new_section.words, heads)
         elif old_section is not None:
             yield Passage(
                 section=old_section,
@@ -89,7 +89,9 @@ def _whole_section_text(section: Section) -> str:
     return f"section {section.shown}, {len(section.words)} words"
 
 
-def _in_section(section: Section, old: Sequence[str], new: Sequence[str], heads: Collection[str]) -> Iterator[Passage]:
+def _passages_of_section(
+    section: Section, old: Sequence[str], new: Sequence[str], heads: Collection[str]
+) -> Iterator[Passage]:
     """Yield the passages that differ between the words ``old`` and ``new`` of a section.
 
     ``heads`` has the letters of running heads, which are skipped if only one edition has them here.
@@ -102,7 +104,7 @@ def _in_section(section: Section, old: Sequence[str], new: Sequence[str], heads:
         if "".join(old_words) == "".join(new_words):
             continue
         is_in_one_edition = not old_words or not new_words
-        if is_in_one_edition and letters((*old_words, *new_words)) in heads:
+        if is_in_one_edition and joined_letters((*old_words, *new_words)) in heads:
             continue
         old_row = _with_words_around(old, low, high, count_before=_CLOSE, count_after=_CLOSE)
         new_row = _with_words_around(new, new_low, new_high, count_before=_CLOSE, count_after=_CLOSE)
@@ -157,7 +159,7 @@ def numbers_changed(old: Manual, new: Manual) -> Iterator[Passage]:
     for old_section, new_section in pair_sections(old, new):
         if old_section is None or new_section is None:
             continue
-        old_numbers, new_numbers = _numbers(old_section), _numbers(new_section)
+        old_numbers, new_numbers = _count_numbers(old_section), _count_numbers(new_section)
         removed_numbers = tuple((old_numbers - new_numbers).elements())
         added_numbers = tuple((new_numbers - old_numbers).elements())
         changed_numbers = (*removed_numbers, *added_numbers)
@@ -172,7 +174,7 @@ def numbers_changed(old: Manual, new: Manual) -> Iterator[Passage]:
             )
 
 
-def _numbers(section: Section) -> Counter[str]:
+def _count_numbers(section: Section) -> Counter[str]:
     """Return the numbers in a section, with a decimal point in every language."""
     return Counter(word.replace(",", ".") for word in section.words if _is_number(word))
 

@@ -61,7 +61,7 @@ class SectionFacts:
         """Return the facts whose value or name occurs in a passage with their scores, the highest first.
 
         A word counts more if fewer of the facts have it, and more in the old words than in those near them (see
-        ``_score``). Facts with the same score are in the order of the spec.
+        ``_score_of_fact``). Facts with the same score are in the order of the spec.
         """
         passage_words = _PassageWords(
             differing=_comparable_words(passage.old or passage.new),
@@ -73,7 +73,7 @@ class SectionFacts:
         )
         scored_facts: list[tuple[float, Citing]] = []
         for fact in self.facts:
-            score = _score(fact, passage_words, self.counts)
+            score = _score_of_fact(fact, passage_words, self.counts)
             if score > 0:
                 scored_facts.append((score, fact))
 
@@ -292,23 +292,23 @@ def _differing_values(likely_by_item: Mapping[str, Sequence[Citing]], passage: P
     return differing_facts[:_MOST_DIFFERING_VALUES]
 
 
-def _score(fact: Citing, passage: _PassageWords, fact_counts: Mapping[str, int]) -> float:
+def _score_of_fact(fact: Citing, passage: _PassageWords, fact_counts: Mapping[str, int]) -> float:
     """Return how much of a fact occurs in a passage. It is 0 if the passage is not about the fact.
 
     Words that differ count most, then those in the same row, then those in the same paragraph. ``fact_counts`` has the
     number of facts of the section with each word, by which rare words count more.
     """
-    difference_score = _rarity(fact.words & passage.differing, fact_counts)
-    difference_score += _rarity(fact.named & passage.differing, fact_counts) / 2
-    difference_score += _rarity(fact.named & passage.next_to, fact_counts) * _NEXT_TO
-    paragraph_name_share = _share(fact.named, passage.paragraph, passage.section, fact_counts)
-    paragraph_value_share = _share(fact.words, passage.paragraph, passage.section, fact_counts)
+    difference_score = _weight_by_rarity(fact.words & passage.differing, fact_counts)
+    difference_score += _weight_by_rarity(fact.named & passage.differing, fact_counts) / 2
+    difference_score += _weight_by_rarity(fact.named & passage.next_to, fact_counts) * _NEXT_TO
+    paragraph_name_share = _share_near_passage(fact.named, passage.paragraph, passage.section, fact_counts)
+    paragraph_value_share = _share_near_passage(fact.words, passage.paragraph, passage.section, fact_counts)
     # If the section prints words of the name elsewhere, the paragraph may be about another item.
     is_named_elsewhere = bool((fact.named & passage.section) - passage.paragraph)
     if is_named_elsewhere and not difference_score and not paragraph_value_share:
         return 0
-    row_name_share = _share(fact.named, passage.row, passage.section, fact_counts)
-    row_value_share = _share(fact.words, passage.row, passage.section, fact_counts)
+    row_name_share = _share_near_passage(fact.named, passage.row, passage.section, fact_counts)
+    row_value_share = _share_near_passage(fact.words, passage.row, passage.section, fact_counts)
     if fact.words & passage.differing:
         # The value differs in a row with the name of the fact.
         difference_score += row_name_share
@@ -334,18 +334,20 @@ def _comparable_words(words: Iterable[str]) -> set[str]:
     return comparable_words | numbers_in_words
 
 
-def _rarity(words: Set[str], fact_counts: Mapping[str, int]) -> float:
+def _weight_by_rarity(words: Set[str], fact_counts: Mapping[str, int]) -> float:
     """Return the sum of the weights of words. The weight is 1 divided by the number of facts that have the word."""
     return sum(1 / fact_counts[word] for word in words)
 
 
-def _share(words: frozenset[str], near: set[str], section: set[str], fact_counts: Mapping[str, int]) -> float:
+def _share_near_passage(
+    words: frozenset[str], near: set[str], section: set[str], fact_counts: Mapping[str, int]
+) -> float:
     """Return the share of a fact's words that are near a passage, weighted by rarity, from 0 to 1.
 
     Only words that its section prints count, so that a word that the manual does not use does not lower the share.
     """
     words_in_section = words & section
-    rarity_in_section = _rarity(words_in_section, fact_counts)
+    rarity_in_section = _weight_by_rarity(words_in_section, fact_counts)
     if not rarity_in_section:
         return 0
-    return _rarity(words_in_section & near, fact_counts) / rarity_in_section
+    return _weight_by_rarity(words_in_section & near, fact_counts) / rarity_in_section

@@ -97,7 +97,7 @@ class Manual:
         return {missing_number for missing_number in self.missing if start_key < _number_key(missing_number) < end_key}
 
 
-def read(path: Path) -> Manual:
+def read_manual(path: Path) -> Manual:
     """Read the text of a manual from a text file in UTF-8 or from a PDF.
 
     Raises:
@@ -116,7 +116,7 @@ def read(path: Path) -> Manual:
             manual_text = file_bytes.decode("utf-8-sig")
         except UnicodeDecodeError:
             raise NoText(f"{path} is not text in UTF-8; convert it, or give the PDF") from None
-    manual = divide(manual_text)
+    manual = divide_into_sections(manual_text)
     if not manual.words:
         raise NoText(f"{path} has no text; a scanned manual must be recognised (OCR) first")
     return manual
@@ -142,7 +142,7 @@ def _text_of_pdf(path: Path) -> str:
 _Heading = tuple[str, str]
 
 
-def divide(text: str) -> Manual:
+def divide_into_sections(text: str) -> Manual:
     """Return a manual divided into its sections, without the contents, page numbers and running heads.
 
     Pages are separated by form feeds. With at least 4 of them, running heads are found at their edges, otherwise by
@@ -162,19 +162,21 @@ def divide(text: str) -> Manual:
     contents_lines = _contents_lines(lines, numbered_lines)
     # Later pairs replace earlier ones, so with the last line first, the first of two entries with one number counts.
     title_by_number = dict(numbered_lines[index] for index in sorted(contents_lines, reverse=True))
-    headings, page_by_title = _headings(lines, numbered_lines, contents_lines, title_by_number)
+    headings, page_by_title = _find_headings(lines, numbered_lines, contents_lines, title_by_number)
     running_heads: set[int] = set()
     page_numbers: set[int] = set()
     if not has_pages:
         running_heads = find_running_heads(lines, set(headings))
         page_numbers = find_page_numbers(lines)
     sections: list[Section] = []
-    for (number, title), body_lines in _bodies(lines, headings, contents_lines, running_heads | page_numbers):
-        words = tuple(_words(body_lines, title_by_number))
+    for (number, title), body_lines in _lines_below_headings(
+        lines, headings, contents_lines, running_heads | page_numbers
+    ):
+        words = tuple(_words_without_numbers(body_lines, title_by_number))
         sections.append(Section(number=number, title=title, words=words, page=page_by_title.get(number)))
     # Running heads are compared by their letters, since their page numbers change.
     letters_of_running_heads = {
-        letters([line]) for line in (*heads_at_edges, *(lines[index] for index in running_heads))
+        joined_letters([line]) for line in (*heads_at_edges, *(lines[index] for index in running_heads))
     }
     return Manual(
         sections=tuple(sections),
@@ -183,7 +185,7 @@ def divide(text: str) -> Manual:
     )
 
 
-def _bodies(
+def _lines_below_headings(
     lines: Sequence[str], headings: Mapping[int, _Heading], contents_lines: set[int], left_out: set[int]
 ) -> list[tuple[_Heading, list[str]]]:
     """Return each heading with the lines below it, the cover first, without the contents and the lines to leave out.
@@ -226,10 +228,10 @@ def _missing_titles(title_by_number: Mapping[str, str], headings: Mapping[int, _
 
 
 def _plain_lines(page: str) -> list[str]:
-    return [line for line in map(plain, page.split("\n")) if line.strip()]
+    return [line for line in map(plain_line, page.split("\n")) if line.strip()]
 
 
-def plain(line: str) -> str:
+def plain_line(line: str) -> str:
     """Return a line without markup, with ASCII dashes and quotes, and a tab before each cell or page number."""
     with_tabs = line.strip().strip("|").replace("|", "\t")
     ascii_line = unicodedata.normalize("NFKC", with_tabs).translate(_DASHES)
@@ -266,7 +268,7 @@ def _continues_entry(line_before: str, first_line: str, second_line: str) -> boo
     return is_after_entry and begins_entry and ends_entry
 
 
-def _words(lines: Iterable[str], title_by_number: Mapping[str, str]) -> list[str]:
+def _words_without_numbers(lines: Iterable[str], title_by_number: Mapping[str, str]) -> list[str]:
     """Return the words of lines, without the numbers of pages and sections in references.
 
     A word that is hyphenated at the end of a line is one word. The number of a reference such as ``"4.3 Preset"`` is
@@ -284,12 +286,12 @@ def _words(lines: Iterable[str], title_by_number: Mapping[str, str]) -> list[str
     return WORD.findall(_SECTION_REFERENCE.sub(without_number, without_pages))
 
 
-def letters(words: Iterable[str]) -> str:
+def joined_letters(words: Iterable[str]) -> str:
     """Return the letters of words as one text, such as those of a running head without its page."""
     return re.sub(r"[\W\d_]+", "", "".join(words))
 
 
-def _headings(
+def _find_headings(
     lines: Sequence[str],
     numbered_lines: Mapping[int, _Heading],
     contents_lines: set[int],
@@ -331,13 +333,13 @@ def _headings(
 
 
 def _is_skipped_in_contents(
-    key: tuple[int, ...], last_key: tuple[int, ...], title_by_number: Mapping[str, str]
+    number_key: tuple[int, ...], last_key: tuple[int, ...], title_by_number: Mapping[str, str]
 ) -> bool:
     """Return whether the contents list the sections before and after a number, but not the number itself.
 
-    ``key`` is the number, such as ``(4, 3)``. ``last_key`` must be ``(4, 2)``, and the contents must list 4.4.
+    ``number_key`` is the number, such as ``(4, 3)``. ``last_key`` must be ``(4, 2)``, and the contents must list 4.4.
     """
-    *chapter, last_number = key
+    *chapter, last_number = number_key
     key_before = (*chapter, last_number - 1)
     number_after = ".".join(map(str, (*chapter, last_number + 1)))
     return bool(chapter) and last_key == key_before and number_after in title_by_number
@@ -367,9 +369,9 @@ def _contents_lines(lines: Sequence[str], numbered_lines: Mapping[int, _Heading]
     return contents_lines | lines_with_page
 
 
-def _number_key(number: str) -> tuple[int, ...]:
+def _number_key(section_number: str) -> tuple[int, ...]:
     """Return the number of a section in a form that sorts: ``(4, 3, 2)`` for ``4.3.2``."""
-    return tuple(map(int, number.split(".")))
+    return tuple(map(int, section_number.split(".")))
 
 
 def _numbered_heading(line: str) -> _Heading | None:

@@ -6,25 +6,18 @@ from collections.abc import Iterator, Sequence
 
 from ..model import (
     Alternative,
-    Choice,
     Combination,
     Constant,
     Crc,
-    CrcValue,
-    Decimal,
     Device,
     Field,
-    Flag,
     Interface,
     Join,
     Layout,
-    Number,
     Parity,
     Rs485,
     Sign,
-    Text,
     Unused,
-    assert_never,
     choices,
 )
 from ..model.expressions import Expression
@@ -252,19 +245,7 @@ DATA = "data"
 
 def box_colour(field: Field) -> str:
     """Return the colour class of a field in pictures, one for similar kinds of fields."""
-    match field.kind:
-        case Flag():
-            return "flag"
-        case Choice():
-            return "choice"
-        case CrcValue() | Parity():
-            return "check"
-        case Constant() | Unused():
-            return "fixed"
-        case Number() | Decimal() | Text():
-            return DATA
-        case _:
-            assert_never(field.kind)
+    return field.kind.role
 
 
 def is_reserved(field: Field) -> bool:
@@ -286,10 +267,8 @@ def box_label(field: Field) -> str:
             if value == 0 and has_no_name:
                 return value_text
             return f"{name_as_words(field.name)} = {value_text}"
-        case Number() | Flag() | Choice() | Unused() | CrcValue() | Parity() | Decimal() | Text():
-            return name_as_words(field.name)
         case _:
-            assert_never(field.kind)
+            return name_as_words(field.name)
 
 
 def name_as_words(name: str) -> str:

@@ -276,7 +276,7 @@ def _unused_rules(device: Device, frame_field: Field, unused: Unused) -> Iterato
 def _is_in_frame_with_position(device: Device, frame_field: Field) -> bool:
     """Return whether any frame contains both the field and the position."""
     for interface, layout in device.layouts():
-        if frame_field in layout.fields and device.tells_position(interface.name, layout):
+        if frame_field in layout.fields and device.sends_position(interface.name, layout):
             return True
     return False
 

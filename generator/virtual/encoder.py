@@ -9,22 +9,13 @@ from time import monotonic
 
 from ..model import (
     Biss,
-    Choice,
-    Constant,
-    CrcValue,
-    Decimal,
     Field,
     Flag,
     Layout,
     Measurement,
-    Number,
-    Parity,
     PlacedField,
     PlacedLayout,
-    Text,
-    Unused,
     Variant,
-    assert_never,
     channel_frame,
 )
 from ..order_codes.parameters import with_answers
@@ -330,7 +321,7 @@ class VirtualEncoder:
             elif documented_value is not None:
                 values[name] = documented_value
             else:
-                values[name] = _value_at_rest(field)
+                values[name] = field.kind.value_at_rest
         return values
 
     def _compared_parts(self, layout: Layout) -> dict[str, int]:
@@ -411,7 +402,7 @@ class VirtualEncoder:
                 options_text = " or ".join(options) or "none"
                 raise ValueError(f"'{chosen_option}' answers no question of {variant.code}; write {options_text}")
         for layout in self.device.interface(variant.interface).layouts:
-            if self.device.tells_position(variant.interface, layout):
+            if self.device.sends_position(variant.interface, layout):
                 self._check_choices(layout)
 
     def _check_choices(self, layout: Layout) -> None:
@@ -428,18 +419,3 @@ def _number_from_bits(placed_field: PlacedField, bits: int) -> int:
     if placed_field.field.number.signed and sign_bit:
         return bits - (1 << placed_field.width)
     return bits
-
-
-def _value_at_rest(field: Field) -> int:
-    """Return the value of a field that has no other source: that of the bits 0 if they are valid."""
-    match field.kind:
-        case Choice(values):
-            return values[0].value
-        case Number(power_of_two=True):
-            return 1
-        case Number(zero_means=number):
-            return number
-        case Flag() | Decimal() | Text() | Constant() | Unused() | CrcValue() | Parity():
-            return 0
-        case _:
-            assert_never(field.kind)

@@ -11,7 +11,7 @@ from ..loading.library import Family, in_edition, load_families, sound_families
 from ..model import Device
 from ..one_line.encoder import device_of_line
 from ..one_line.parse import is_line
-from ..order_codes.labels import Match, UnknownOrderCode, find
+from ..order_codes.labels import Match, UnknownOrderCode, find_code
 
 
 @cache
@@ -47,7 +47,7 @@ def find_order_code(text: str, specs: tuple[Path, ...], edition: str) -> tuple[D
     ordinary_families = [family for family in _load_families(specs) if not family.device.base]
     for family in (*special_families, *ordinary_families):
         try:
-            match = find(family.device, text)
+            match = find_code(family.device, text)
         except UnknownOrderCode as error:
             if error.close or not reason:
                 reason = str(error)
@@ -58,5 +58,5 @@ def find_order_code(text: str, specs: tuple[Path, ...], edition: str) -> tuple[D
         family_in_edition = in_edition(family, revision_for(family.device, edition), report)
         if family_in_edition is None or report:
             raise ValueError("\n".join(problem.format() for problem in report.shown))
-        return family_in_edition.device, find(family_in_edition.device, text)
+        return family_in_edition.device, find_code(family_in_edition.device, text)
     raise ValueError(reason)

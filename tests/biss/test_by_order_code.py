@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from codewheel.dump import xml
 from codewheel.dump.plain import variant_dump
-from codewheel.order_codes.labels import find
+from codewheel.order_codes.labels import find_code
 from codewheel.targets import Library
 from codewheel.targets.biss.files import generate
 from codewheel.targets.registry import names_of_codes
@@ -42,7 +42,7 @@ def test_each_is_what_show_prints(library: Library, files: Mapping[str, str]) ->
         for variant in device.variants[::5]:
             content = files[f"biss/{device.manufacturer.name}-{device.name}/{variant.code.replace('/', '-')}.xml"]
             checker.assertValid(read_xml(content.encode()))
-            assert from_xml(content.encode()) == variant_dump(device, find(device, variant.code))
+            assert from_xml(content.encode()) == variant_dump(device, find_code(device, variant.code))
 
 
 def test_places_are_numbers(files: Mapping[str, str]) -> None:

@@ -9,7 +9,7 @@ from codewheel.dump import xml as xsd
 from codewheel.dump.plain import device_dump, variant_dump
 from codewheel.dump.xml import to_xml
 from codewheel.model import Device
-from codewheel.order_codes.labels import find
+from codewheel.order_codes.labels import find_code
 from codewheel.targets import Library
 from lxml import etree
 from xml_reader import from_xml, read_xml
@@ -76,7 +76,7 @@ CODES = [
 )
 def test_an_order_code_comes_back_too(devices: Mapping[str, Device], name: str, code: str) -> None:
     device = devices[name]
-    dump = variant_dump(device, find(device, code))
+    dump = variant_dump(device, find_code(device, code))
     xml = to_xml(dump)
     schema().assertValid(read_xml(xml.encode()))
     assert from_xml(xml.encode()) == dump

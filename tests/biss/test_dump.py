@@ -18,7 +18,7 @@ from codewheel.language.schema_files import is_second, is_word_sheet, load_schem
 from codewheel.loading.from_mapping import parse_sources
 from codewheel.model import Device, FrameExample, Variant
 from codewheel.model.expressions import Expression, ExpressionError
-from codewheel.order_codes.labels import find
+from codewheel.order_codes.labels import find_code
 from codewheel.reference.codec import decode_bytes
 from codewheel.reference.findings import findings
 from codewheel.targets import Library
@@ -50,7 +50,7 @@ def test_order_codes_have_the_shape_and_no_expressions(devices: Mapping[str, Dev
     for device in devices.values():
         last = {variant.interface: variant for variant in device.variants}
         for variant in device.variants:
-            dump = variant_dump(device, find(device, variant.code))
+            dump = variant_dump(device, find_code(device, variant.code))
             _check_order_code(dump, variant)
             if variant == last[variant.interface]:
                 assert faults(checker, dump) == []
@@ -77,7 +77,7 @@ def test_decode_has_the_shape(amm5: Device) -> None:
     checker = validator(load_schema("decode"))
     for example in amm5.examples:
         if isinstance(example, FrameExample) and example.bytes:
-            variant = find(amm5, example.order_code).variant
+            variant = find_code(amm5, example.order_code).variant
             decoded = decode_bytes(amm5, variant, example.sender, example.bytes)
             assert (
                 faults(checker, decoded_data(amm5, variant, example.sender, decoded, findings(amm5, variant, decoded)))
@@ -199,7 +199,7 @@ def keys(value: Any) -> Iterator[str]:
 
 
 def test_an_order_code_as_worked_out_by_hand(amm5: Device) -> None:
-    dump = variant_dump(amm5, find(amm5, "AMM5A21/65KSC1-LABEL"))
+    dump = variant_dump(amm5, find_code(amm5, "AMM5A21/65KSC1-LABEL"))
     assert (dump["order_code"], dump["interface"], dump["label"]["tail"]) == ("AMM5A21/65KSC1", "biss", "-LABEL")
     (layout,) = dump["layouts"]
     assert layout["bits"] == 45
@@ -211,7 +211,7 @@ def test_an_order_code_as_worked_out_by_hand(amm5: Device) -> None:
 
 
 def test_what_belongs_to_another_interface_is_left_out(amm5: Device) -> None:
-    dump = variant_dump(amm5, find(amm5, "AMM5A23/1JP1"))
+    dump = variant_dump(amm5, find_code(amm5, "AMM5A23/1JP1"))
     assert dump["registers"] == []
     assert {crc["name"] for crc in dump["crcs"]} == {"rs485_8"}
     assert "scd_length" not in {erratum["name"] for erratum in dump["errata"]}
@@ -222,7 +222,7 @@ def test_what_belongs_to_another_interface_is_left_out(amm5: Device) -> None:
 def test_an_order_code_has_only_the_modulus_that_holds_for_it(devices: Mapping[str, Device]) -> None:
     """Over RS-485, the position at 1 µm has 24 bits [SMA21 7.3.3], although it has 25 over SSI and BiSS [5.2]."""
     sma21 = devices["sma21"]
-    dumps = {code: variant_dump(sma21, find(sma21, code)) for code in ("SMA21-JP1-0001", "SMA21-BG1-0001")}
+    dumps = {code: variant_dump(sma21, find_code(sma21, code)) for code in ("SMA21-JP1-0001", "SMA21-BG1-0001")}
     assert dumps["SMA21-JP1-0001"]["measurement"]["modulus"] == 2**24
     assert dumps["SMA21-BG1-0001"]["measurement"]["modulus"] == 2**25
     assert "modulus" not in dumps["SMA21-JP1-0001"]["parameters"]

@@ -17,7 +17,7 @@ from codewheel.dump.xml import to_xml
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.model.expressions import Expression
-from codewheel.order_codes.labels import find
+from codewheel.order_codes.labels import find_code
 from codewheel.order_codes.parameters import with_registers
 from xml_reader import from_xml
 
@@ -294,7 +294,7 @@ def test_positions_come_back_for_every_order_code(rebuilt: dict[str, tuple[Devic
     """The rebuilt model finds order codes and places fields like the original, whatever the registers contain."""
     for device, again in rebuilt.values():
         for variant in device.variants:
-            match = find(again, variant.code)
+            match = find_code(again, variant.code)
             assert match.variant.parameters == variant.parameters
             for original_state, rebuilt_state in (
                 (variant, match.variant),

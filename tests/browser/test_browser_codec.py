@@ -14,7 +14,7 @@ from browser_harness import Asker, Case, cases, frames_with_checksums
 from codewheel.commands.decode.frames import FrameTextError, frame_bytes, frame_number, undecorated
 from codewheel.loading.library import load_library
 from codewheel.model import Choice, Decimal, Device, Flag, FrameExample, RegisterExample, Text, number_to_bytes
-from codewheel.model.registers import bounded, bounds
+from codewheel.model.registers import bounds, name_with_limits
 from codewheel.reference import codec
 from codewheel.targets import Library
 from codewheel.why.diagnosis import Diagnosis, Explanation
@@ -297,7 +297,7 @@ def answer(case: Case, values: dict[str, Any]) -> str:
     limits = (register.min, register.max)
     if not register.meanings and limits != (None, None):
         low, high = bounds(register, case.placed, limits, case.variant.parameters)
-        if not low <= int(decoded.values.get(bounded(register), number)) <= high:
+        if not low <= int(decoded.values.get(name_with_limits(register), number)) <= high:
             return "refused"
     return number_to_bytes(case.layout, number, case.placed.bits).hex(" ").upper()
 

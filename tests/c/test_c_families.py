@@ -37,7 +37,7 @@ from codewheel.model import (
     number_to_bytes,
 )
 from codewheel.model.expressions import Expression
-from codewheel.order_codes.labels import UnknownOrderCode, find
+from codewheel.order_codes.labels import UnknownOrderCode, find_code
 from codewheel.order_codes.parameters import RegisterError, with_registers
 from codewheel.reference.bits import binary_to_gray
 from codewheel.reference.codec import EncodeError, decode
@@ -344,7 +344,7 @@ def test_order_codes_are_found_as_in_the_model(family: Family) -> None:
     pairs = []
     for label in dict.fromkeys(labels(device, random_)):
         try:
-            match = find(device, label)
+            match = find_code(device, label)
         except UnknownOrderCode:
             pairs.append((f"{label} find", "-"))
             continue

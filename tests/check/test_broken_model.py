@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from codewheel.commands.outputs import load_for, targets_named
 from codewheel.language.files import packaged_specs
-from codewheel.order_codes.labels import find
+from codewheel.order_codes.labels import find_code
 from codewheel.targets import Library
 
 FOLDER = Path(__file__).parent / "broken_model"
@@ -68,7 +68,7 @@ def test_sound_specs_have_no_problem_and_yield_every_output() -> None:
 )
 def test_a_value_of_an_order_code_may_have_a_slash(label: str, code: str, bits: int) -> None:
     devices, _ = load_for([SOUND / "slashed.yaml"], targets_named())
-    match = find(devices[0], label)
+    match = find_code(devices[0], label)
     assert (match.variant.code, match.variant.parameters["position_bits"]) == (code, bits)
 
 

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 import yaml
 from codewheel.language.check import check_document
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document
-from codewheel.language.written_layouts import WrittenField
+from codewheel.language.written_layouts import KIND_KEYS, WrittenField
 from codewheel.language.written_parts import WrittenExample, WrittenStep
+from codewheel.loading.fields import Context, kind_of
+from codewheel.model import Kind, Number
+from codewheel.model.expressions import Expression
 
 BASE = Path(__file__).parent / "ok" / "minimal.yaml"
 NUMBER = "number"
@@ -239,3 +242,13 @@ def test_a_field_of_each_kind_is_valid_without_them(tmp_path: Path) -> None:
     data, _ = spec_with_fields(cases)
     shape_problems = [text for texts in problems_of(data, tmp_path).values() for text in texts if "layout-keys" in text]
     assert shape_problems == []
+
+
+def test_each_key_of_a_kind_makes_its_own_kind() -> None:
+    """Without its case in ``kind_of``, a field with the key would silently be a number."""
+    context = Context(Report(), groups={}, definitions={}, parameter_sets={}, crcs={}, data_ids={"rs485": ()})
+    kinds = {}
+    for key in KIND_KEYS:
+        kinds[key] = type(kind_of({"name": "level", **FIELDS[key]}, context, "rs485", Expression(8)))
+    assert Number not in kinds.values()
+    assert {Number, *kinds.values()} == set(get_args(Kind))

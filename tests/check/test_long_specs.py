@@ -213,8 +213,8 @@ def test_too_many_patterns_of_labels_are_refused(tmp_path: Path) -> None:
 
 def test_times_below_a_place_are_found_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     nodes: list[int] = []
-    times = quantities._times
-    monkeypatch.setattr(quantities, "_times", lambda node: nodes.append(id(node)) or times(node))
+    times = quantities._nanoseconds_in
+    monkeypatch.setattr(quantities, "_nanoseconds_in", lambda node: nodes.append(id(node)) or times(node))
     before = len(nodes)
     load_spec(tmp_path, MINIMAL.read_text())
     nodes_without_errata = len(nodes) - before

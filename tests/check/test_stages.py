@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from codewheel.commands.outputs import load_for, targets_named
@@ -39,3 +40,15 @@ def test_a_manufacturer_file_whose_name_is_no_text_is_a_problem(tmp_path: Path) 
     copy(tmp_path, "overlap")
     (tmp_path / "manufacturer.yaml").write_text("codewheel: 1\nmanufacturer: [acme]\ntitle: Acme\n")
     assert "manufacturer.yaml:2: wrong-type" in problem_lines(tmp_path)
+
+
+def test_bits_in_a_meaning_are_not_checked_if_their_interface_has_errors(tmp_path: Path) -> None:
+    """The meaning of a label value says the bits of the frame, which only a valid interface has."""
+    balluff = Path(__file__).parents[2] / "specs" / "balluff"
+    for name in ("manufacturer", "bml_s1g"):
+        text = (balluff / f"{name}.yaml").read_text(encoding="utf-8")
+        broken_text = re.sub(r"(?m)^  ssi:\n(    .*\n|\n)+", "  ssi: none\n", text)
+        (tmp_path / f"{name}.yaml").write_text(broken_text, encoding="utf-8")
+    rules = {line.rpartition(": ")[2] for line in problem_lines(tmp_path)}
+    assert "wrong-type" in rules
+    assert "meaning-mismatch" not in rules

@@ -100,7 +100,7 @@ def test_the_table_is_what_the_reference_codec_decides(library: Library, pages: 
     deciding_fields = {}
     for device in library.devices:
         for kind, layout in device.layouts():
-            if device.tells_position(kind.name, layout):
+            if device.sends_position(kind.name, layout):
                 fields = [field.name for field in layout.fields if isinstance(field.kind, (Flag, Unused))]
                 deciding_fields[device.name, layout.name] = set(fields)
     assert {key: names & deciding_fields[key] for key, names in names_by_layout.items()} == deciding_fields

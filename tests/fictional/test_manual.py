@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from codewheel.commands.cli import main
 from codewheel.model import Device
-from codewheel.model.registers import representable
+from codewheel.model.registers import numbers_that_fit
 from codewheel.plan.crcs import crc_functions
 from codewheel.reference import codec
 from codewheel.reference.registers import register_writes
@@ -207,7 +207,7 @@ def test_what_a_signed_register_without_limits_can_hold(device: Device) -> None:
         ("lower_limit", (-32768, 32767)),
     ):
         register = device.register(name)
-        assert representable(register, register.layout.place(device.variant("TV62-M17-B1").parameters)) == expected
+        assert numbers_that_fit(register, register.layout.place(device.variant("TV62-M17-B1").parameters)) == expected
 
 
 def test_decode_names_another_channel(capsys: pytest.CaptureFixture[str]) -> None:

@@ -9,7 +9,7 @@ import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.model.registers import bounds
-from codewheel.order_codes.labels import find
+from codewheel.order_codes.labels import find_code
 from codewheel.order_codes.parameters import with_registers
 from codewheel.reference.codec import EncodeError
 from codewheel.reference.registers import register_writes
@@ -32,7 +32,7 @@ def registers_after_resolution(device: Device, information: int, revolutions: in
         "number_of_revolutions": revolutions,
         "position": position,
     }
-    variant = find(device, "AM3616/4096-I7").variant
+    variant = find_code(device, "AM3616/4096-I7").variant
     writes = register_writes(device, device.procedure("set_resolution"), variant, values)
     return {write.address: write.value for write in writes}
 
@@ -51,7 +51,7 @@ def test_what_a_step_writes_holds_for_the_limits_of_later_steps(devices: Mapping
 
 def test_a_preset_alone_keeps_to_what_the_registers_hold(devices: Mapping[str, Device]) -> None:
     device = devices["am36"]
-    variant = find(device, "AM3616/4096-I7").variant
+    variant = find_code(device, "AM3616/4096-I7").variant
     procedure = device.procedure("set_preset")
     assert register_writes(device, procedure, variant, {"position": (1 << 36) - 1})
     # 4Bh to 4Dh: 1,024 positions per revolution. 4Eh and 4Fh: 16 revolutions.
@@ -65,7 +65,7 @@ def test_a_preset_alone_keeps_to_what_the_registers_hold(devices: Mapping[str, D
 def test_a_procedure_accepts_no_more_than_its_register(devices: Mapping[str, Device], unused: int) -> None:
     """AM36 manual, 6.5 p.25: bits 7, 4, 3, 1 and 0 of the configuration are not used and 0."""
     device = devices["am36"]
-    variant = find(device, "AM3616/4096-I7").variant
+    variant = find_code(device, "AM3616/4096-I7").variant
     procedure = device.procedure("set_configuration")
     assert register_writes(device, procedure, variant, {"configuration": 0x64})[0].value == 0x64
     with pytest.raises(EncodeError, match=f"{unused:#x} is not a value of 'configuration'"):

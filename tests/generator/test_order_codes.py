@@ -9,7 +9,7 @@ import pytest
 from codewheel.commands.cli import main
 from codewheel.model import Device
 from codewheel.model.order_codes import fits
-from codewheel.order_codes.labels import UnknownOrderCode, find
+from codewheel.order_codes.labels import UnknownOrderCode, find_code
 
 
 @pytest.fixture
@@ -34,12 +34,12 @@ def test_36_codes(amm5: Device) -> None:
     ],
 )
 def test_labels(amm5: Device, label: str, code: str, tail: str, special: bool) -> None:
-    match = find(amm5, label)
+    match = find_code(amm5, label)
     assert (match.variant.code, match.tail, match.special, match.unlisted) == (code, tail, special, ())
 
 
 def test_what_a_code_decides(amm5: Device) -> None:
-    variant = find(amm5, "AMM5A23/65KSC1").variant
+    variant = find_code(amm5, "AMM5A23/65KSC1").variant
     assert variant.interface == "biss"
     # No code decides an open question of the manual. Until the user does, the first answer applies.
     open_ = {parameter.name for parameter in amm5.parameters if parameter.alternative}
@@ -73,7 +73,7 @@ def test_what_a_code_decides(amm5: Device) -> None:
 )
 def test_wrong_codes_name_the_part_and_the_nearest(amm5: Device, label: str, message: str) -> None:
     with pytest.raises(UnknownOrderCode) as caught:
-        find(amm5, label)
+        find_code(amm5, label)
     assert message in str(caught.value)
     assert "nearest" in str(caught.value)
 
@@ -100,7 +100,7 @@ def test_wrong_codes_of_the_other_families(
     devices: Mapping[str, Device], family: str, label: str, message: str
 ) -> None:
     with pytest.raises(UnknownOrderCode) as caught:
-        find(devices[family], label)
+        find_code(devices[family], label)
     assert message in str(caught.value)
     assert caught.value.close
 
@@ -120,7 +120,7 @@ def test_wrong_codes_of_the_other_families(
 def test_labels_of_the_other_families(
     devices: Mapping[str, Device], family: str, label: str, code: str, unlisted: tuple[str, ...]
 ) -> None:
-    match = find(devices[family], label)
+    match = find_code(devices[family], label)
     assert (match.variant.code, match.unlisted, match.written_as_in) == (code, unlisted, "")
 
 
@@ -138,7 +138,7 @@ EDITION_1_1 = {
 
 @pytest.mark.parametrize(("label", "code"), EDITION_1_1.items())
 def test_labels_of_edition_1_1_are_read_and_shown_as_such(devices: Mapping[str, Device], label: str, code: str) -> None:
-    match = find(devices["am36"], label)
+    match = find_code(devices["am36"], label)
     assert (match.variant.code, match.unlisted) == (code, ())
     assert "edition 1.1" in match.written_as_in
     assert match.variant in devices["am36"].variants
@@ -150,7 +150,7 @@ def test_labels_of_edition_1_1_are_read_and_shown_as_such(devices: Mapping[str, 
 )
 def test_what_edition_1_1_does_not_write_is_refused(devices: Mapping[str, Device], label: str) -> None:
     with pytest.raises(UnknownOrderCode):
-        find(devices["am36"], label)
+        find_code(devices["am36"], label)
 
 
 @pytest.mark.parametrize(
@@ -158,7 +158,7 @@ def test_what_edition_1_1_does_not_write_is_refused(devices: Mapping[str, Device
 )
 def test_blanks_of_a_label_mean_nothing(devices: Mapping[str, Device], label: str, code: str) -> None:
     """The cover of the SMA21 manual prints SMA21 -BGx-..., the rest of it SMA21-BGx-..."""
-    assert find(devices["sma21"], label).variant.code == code
+    assert find_code(devices["sma21"], label).variant.code == code
 
 
 @pytest.mark.slow
@@ -166,7 +166,7 @@ def test_blanks_of_a_label_mean_nothing(devices: Mapping[str, Device], label: st
 def test_a_label_without_end_is_refused_at_once(amm5: Device, label: str, capsys: pytest.CaptureFixture[str]) -> None:
     begin = time.process_time()
     with pytest.raises(UnknownOrderCode, match="more than the 100 of any label") as caught:
-        find(amm5, label)
+        find_code(amm5, label)
     assert time.process_time() - begin < 0.5
     assert len(str(caught.value)) < 200
     assert main(["show", label]) == 2

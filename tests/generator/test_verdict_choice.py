@@ -21,7 +21,7 @@ import pytest
 from browser_harness import Asker, program
 from codewheel.commands.cli import main
 from codewheel.model import Device
-from codewheel.order_codes.labels import find
+from codewheel.order_codes.labels import find_code
 from codewheel.order_codes.parameters import with_answers
 from codewheel.reference import codec
 from codewheel.reference.findings import findings
@@ -71,7 +71,7 @@ def test_the_frame_with_both_levels_at_1_is_the_one_in_the_readme() -> None:
 
 @pytest.mark.parametrize(("levels", "answer"), CASES)
 def test_the_reference(amm5: Device, levels: tuple[int, int], answer: str) -> None:
-    variant = with_answers(amm5, find(amm5, MULTITURN).variant, {"warning_cause": answer})
+    variant = with_answers(amm5, find_code(amm5, MULTITURN).variant, {"warning_cause": answer})
     placed = amm5.layout("single_cycle_data").place(variant.parameters)
     frame_findings = findings(amm5, variant, codec.decode(amm5, placed, frame(levels, 37)))
     assert frame_findings.verdict is not None
@@ -84,7 +84,7 @@ def test_the_reference(amm5: Device, levels: tuple[int, int], answer: str) -> No
 
 
 def test_every_frame_is_decoded_without_a_choice(amm5: Device) -> None:
-    variant, layout = find(amm5, MULTITURN).variant, amm5.layout("single_cycle_data")
+    variant, layout = find_code(amm5, MULTITURN).variant, amm5.layout("single_cycle_data")
     assert amm5.alternatives_of(layout) == ()
     assert [alternative.name for alternative in amm5.verdict_alternatives(layout)] == ["warning_cause"]
     for levels, wanted in WANTED.items():

@@ -18,7 +18,7 @@ from codewheel.commands.decode.frames import decode_text, why_text
 from codewheel.commands.decode.text import explain
 from codewheel.loading.library import load_library
 from codewheel.model import Device
-from codewheel.order_codes.labels import find
+from codewheel.order_codes.labels import find_code
 from codewheel.why.diagnosis import Diagnosis
 from codewheel.why.explain import explain_bits
 from codewheel.why.hypotheses import MISTAKES as KINDS
@@ -54,7 +54,7 @@ def decode(capsys: pytest.CaptureFixture[str]) -> Run:
 
 
 def why_of_text(device: Device, code: str, text: str) -> Diagnosis | None:
-    variant = find(device, code).variant
+    variant = find_code(device, code).variant
     return why_text(device, variant, "encoder", text, decode_text(device, variant, "encoder", text))
 
 
@@ -192,7 +192,7 @@ def test_the_words_fit_a_terminal(devices: Mapping[str, Device]) -> None:
     source = random.Random(7)
     for encoder in ENCODERS:
         device = family(devices, encoder.code)
-        match = find(device, encoder.code)
+        match = find_code(device, encoder.code)
         for maker in MISTAKES:
             for plant in maker(encoder, source):
                 decoded = decode_text(device, match.variant, "encoder", plant.text)
@@ -394,7 +394,7 @@ def test_a_crc_is_blind_for_what_is_said(devices: Mapping[str, Device], decode: 
 
 def explain_noise(device: Device, code: str, frames: int) -> Iterator[Diagnosis]:
     source = random.Random(code)
-    variant = find(device, code).variant
+    variant = find_code(device, code).variant
     placed = device.layout("single_cycle_data").place(variant.parameters)
     for _ in range(frames):
         explained = explain_bits(

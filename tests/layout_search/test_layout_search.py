@@ -13,7 +13,7 @@ from codewheel.commands.cli import main
 from codewheel.commands.decode.frames import decode_text
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document
-from codewheel.layout_search.answers import Answer, answer
+from codewheel.layout_search.answers import Answer, answer_with_lines
 from codewheel.layout_search.frames import Recording
 from codewheel.layout_search.search import find_layouts
 from codewheel.model.known_crcs import KNOWN_CRCS
@@ -47,7 +47,7 @@ def answers_for(layout: Made, count: int, seed: int, *, with_positions: bool = F
         frames=tuple(int(frame, 2) for frame in frames),
         positions=tuple(map(float, positions)) if with_positions else (),
     )
-    return [answer(recording, found) for found in find_layouts(recording)], frames
+    return [answer_with_lines(recording, found) for found in find_layouts(recording)], frames
 
 
 def share_right(count: int, rank: int, seeds: range, *, with_positions: bool = False) -> float:
@@ -117,7 +117,7 @@ def test_random_frames_have_no_crc() -> None:
     random_numbers = random.Random(9)
     for _ in range(20):
         recording = Recording("biss", 32, tuple(random_numbers.getrandbits(32) for _ in range(6)))
-        assert all("crc=" not in answer(recording, layout).line for layout in find_layouts(recording))
+        assert all("crc=" not in answer_with_lines(recording, layout).line for layout in find_layouts(recording))
 
 
 def test_a_polynomial_that_nobody_lists() -> None:

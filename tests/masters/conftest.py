@@ -10,7 +10,7 @@ import pytest
 from codewheel.masters.record import Record, record
 from codewheel.masters.sheet import Master, Sheet, load_masters, sheet
 from codewheel.model import Device
-from codewheel.order_codes.labels import UnknownOrderCode, find
+from codewheel.order_codes.labels import UnknownOrderCode, find_code
 
 ROOT = Path(__file__).parents[2]
 
@@ -32,7 +32,7 @@ def record_of(devices: Mapping[str, Device]) -> Callable[[str], Record]:
         answers = {"zero_bit": decided} if decided else {}
         for device in devices.values():
             try:
-                return record(device, find(device, code).variant, answers=answers)
+                return record(device, find_code(device, code).variant, answers=answers)
             except UnknownOrderCode:
                 continue
         raise LookupError(code)

@@ -17,7 +17,7 @@ from codewheel.masters.record import record
 from codewheel.masters.sheet import Sheet, shipped_masters
 from codewheel.masters.text import sheet_text
 from codewheel.model import Device
-from codewheel.order_codes.labels import find
+from codewheel.order_codes.labels import find_code
 from codewheel.targets import Library
 from codewheel.targets.docs import masters_page
 from codewheel.targets.docs.files import generate
@@ -72,7 +72,7 @@ def test_columns_end_where_most_settings_do(devices: Mapping[str, Device], sheet
         replace(setting, name="m", text="1"),
     ]
     device = devices["sma21"]
-    match = find(device, "SMA21-SC1-0050")
+    match = find_code(device, "SMA21-SC1-0050")
     narrow_sheet = replace(settings_sheet, settings=tuple(long), writing=(), notes=())
     lines = sheet_text(device, match, record(device, match.variant), [narrow_sheet]).splitlines()
     begun = lines.index(next(line for line in lines if line.startswith("  nnn")))

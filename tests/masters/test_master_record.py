@@ -13,7 +13,7 @@ from codewheel.masters.frame_parts import NoRecord
 from codewheel.masters.record import Record, Undecided, record
 from codewheel.masters.sheet import Master, sheet
 from codewheel.model import Biss, Constant, Device, Field, Number
-from codewheel.order_codes.labels import find
+from codewheel.order_codes.labels import find_code
 from codewheel.order_codes.parameters import with_registers
 from codewheel.order_codes.reduction import for_interface
 
@@ -130,7 +130,7 @@ def test_registers_are_named(devices: Mapping[str, Device], record_of: RecordOf)
     )
     assert record_of("AMM5A23/65KSC1").notes == (whatever_cable,)
     device = devices["am36"]
-    variant = find(device, "AM3616/4096-I7").variant
+    variant = find_code(device, "AM3616/4096-I7").variant
     # 0Ch = 12 bits of turns, 10h = 16 bits of position; bit 5 of the configuration cleared is Gray code.
     changed_record = record(
         device, with_registers(device, variant, {0x57: 0x0C, 0x56: 0x10, 0x49: 0x00}), as_delivered=False
@@ -161,7 +161,7 @@ def test_no_more_turns_than_bits(
     """Drives that are set to the revolutions derive the width of the frame from them."""
     device = devices["am36"]
     encoder_record = record(
-        device, with_registers(device, find(device, "AM3616/4096-I7").variant, registers), as_delivered=False
+        device, with_registers(device, find_code(device, "AM3616/4096-I7").variant, registers), as_delivered=False
     )
     assert (encoder_record.numbers["turns"], encoder_record.numbers["multiturn_bits"]) == (turns, bits)
     settings = {setting.name: setting.value for setting in sheet(masters["beckhoff_ax8000"], encoder_record).settings}
@@ -172,7 +172,7 @@ def test_any_number_of_turn_bits(devices: Mapping[str, Device], masters: dict[st
     """FB1.ENCRES is 2 to the power of 32 less the multiturn bits: 2^(32 - 13) = 2^19 = 524288."""
     device = devices["am36"]
     encoder_record = record(
-        device, with_registers(device, find(device, "AM3616/4096-I7").variant, {0x57: 0x0D}), as_delivered=False
+        device, with_registers(device, find_code(device, "AM3616/4096-I7").variant, {0x57: 0x0D}), as_delivered=False
     )
     assert {setting.name: setting.value for setting in sheet(masters["kollmorgen_akd"], encoder_record).settings}[
         "FB1.ENCRES"
@@ -183,7 +183,7 @@ def test_gray_over_biss(devices: Mapping[str, Device], masters: dict[str, Master
     """Some masters can, others cannot, each for its own reason."""
     device = devices["am36"]
     gray = record(
-        device, with_registers(device, find(device, "AM3616/4096-I7").variant, {0x49: 0x00}), as_delivered=False
+        device, with_registers(device, find_code(device, "AM3616/4096-I7").variant, {0x49: 0x00}), as_delivered=False
     )
     assert {setting.name: setting.value for setting in sheet(masters["beckhoff_el5042"], gray).settings}["Coding"] == 1
     assert (
@@ -207,7 +207,7 @@ def test_what_is_open_is_not_decided(record_of: RecordOf) -> None:
 def test_other_frames(devices: Mapping[str, Device]) -> None:
     """A field of another kind or at another place is other bits. Bits without a meaning are refused."""
     device = devices["asc85"]
-    variant = find(device, "ASC8525/SC1").variant
+    variant = find_code(device, "ASC8525/SC1").variant
     biss = device.interface("biss")
     layout = biss.layouts[0]
 
@@ -234,14 +234,14 @@ def test_a_step_of_nanometres() -> None:
     devices, report = load_library([Path(__file__).parents[2] / "specs" / "renishaw"])
     assert not report
     (device,) = (device for device in devices if device.name == "resolute_linear")
-    numbers = record(device, find(device, "RESOLUTE-LINEAR-26-005").variant).numbers
+    numbers = record(device, find_code(device, "RESOLUTE-LINEAR-26-005").variant).numbers
     widths = [numbers[name] for name in ("multiturn_bits", "singleturn_bits", "crc_polynomial", "step_um", "step_pm")]
     assert widths == [0, 26, 67, None, 5000]
 
 
 def test_crc_of_another_form(devices: Mapping[str, Device]) -> None:
     device = devices["asc85"]
-    variant = find(device, "ASC8525/SC1").variant
+    variant = find_code(device, "ASC8525/SC1").variant
     for change in ({"refin": True, "refout": True}, {"xorout": 1}):
         crcs = tuple(replace(crc, **change) if crc.name == "biss_6" else crc for crc in device.crcs)
         changed_record = record(replace(device, crcs=crcs), variant, answers=AS_PRINTED)

@@ -16,7 +16,7 @@ from codewheel.loading.library import load_library
 from codewheel.masters.record import record
 from codewheel.masters.sheet import Master, load_masters, sheet
 from codewheel.model import Device
-from codewheel.order_codes.labels import find
+from codewheel.order_codes.labels import find_code
 from test_conditions_of_masters import CRC, HIGH, SIEMENS, position, write_spec
 
 Capture = pytest.CaptureFixture[str]
@@ -55,7 +55,7 @@ def test_the_example_of_siemens_in_gray_code(tmp_path: Path, masters: dict[str, 
     ssi = device.interface("ssi")
     gray_layout = replace(ssi.layouts[0], gray_of="position")
     gray_device = replace(device, interfaces=(replace(ssi, layouts=(gray_layout,)),))
-    gray_sheet = sheet(masters["siemens_posinput"], record(gray_device, find(gray_device, "EXAMPLE-X").variant))
+    gray_sheet = sheet(masters["siemens_posinput"], record(gray_device, find_code(gray_device, "EXAMPLE-X").variant))
     assert {setting.name: setting.value for setting in gray_sheet.settings[:5]} == {
         "Frame length": 34,
         "Code type": "Gray",
@@ -342,7 +342,7 @@ def test_a_crc_that_is_sent_reflected(tmp_path: Path, capsys: Capture, masters: 
     write_biss_spec(tmp_path, TURNS, STATUS, CRC_6)
     device = device_of(tmp_path)
     device = replace(device, crcs=tuple(replace(crc, refin=True, refout=True) for crc in device.crcs))
-    (refusal,) = sheet(masters["moteus"], record(device, find(device, "EXAMPLE-X").variant)).refusals
+    (refusal,) = sheet(masters["moteus"], record(device, find_code(device, "EXAMPLE-X").variant)).refusals
     assert refusal.reason.startswith(reason.replace("crc_8", "crc_6"))
 
 

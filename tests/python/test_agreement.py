@@ -32,7 +32,7 @@ from codewheel.model import (
     number_from_bytes,
     number_to_bytes,
 )
-from codewheel.model.registers import bounded, bounds
+from codewheel.model.registers import bounds, name_with_limits
 from codewheel.order_codes.parameters import with_answers, with_registers
 from codewheel.reference.bits import compute, join_value
 from codewheel.reference.codec import Decoded, EncodeError, decode, decode_bytes, encode
@@ -281,7 +281,7 @@ def is_allowed(case: Case, number: int) -> bool:
     register = case.register
     if register is None:
         return True
-    join = next((join for join in case.layout.joins if join.name == bounded(register)), None)
+    join = next((join for join in case.layout.joins if join.name == name_with_limits(register)), None)
     if join is None:
         return True
     low, high = bounds(register, case.placed, (register.min, register.max), case.variant.parameters)

@@ -28,7 +28,7 @@ from codewheel.model import (
     Unused,
     Variant,
 )
-from codewheel.order_codes.labels import UnknownOrderCode, find
+from codewheel.order_codes.labels import UnknownOrderCode, find_code
 from codewheel.targets.python.names import CLASS_NAMES, Context, attribute
 
 _Kind = TypeVar("_Kind", bound=Example)
@@ -212,7 +212,7 @@ def test_labels_are_read_as_the_model_reads_them(lika: Any, devices: Mapping[str
                 labels += [order_code_with(device, {**variant.parts, part.name: text}) for text in texts]
         for label in [text + tail for text in dict.fromkeys(labels) for tail in ("", "-R2", "/S1", "-X/S77")]:
             try:
-                match = find(device, label)
+                match = find_code(device, label)
             except UnknownOrderCode:
                 with pytest.raises(lika.OrderCodeError):
                     module.lookup(label)

@@ -195,7 +195,7 @@ def test_every_state_of_the_flags(lika: Any, devices: Mapping[str, Device]) -> N
 def test_a_frame_with_a_position_has_a_verdict(lika: Any, devices: Mapping[str, Device]) -> None:
     for device, layout, variant, _ in encoder_frames(devices):
         view = getattr(getattr(lika, device.name), Context(device).frames[layout.name])
-        assert hasattr(view, "verdict") == device.tells_position(variant.interface, layout)
+        assert hasattr(view, "verdict") == device.sends_position(variant.interface, layout)
 
 
 def test_a_report_says_what_the_manual_says_of_its_field(lika: Any, devices: Mapping[str, Device]) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Verdict
-from codewheel.order_codes.labels import find
+from codewheel.order_codes.labels import find_code
 from codewheel.order_codes.parameters import RegisterError
 from codewheel.reference import codec
 from codewheel.reference.findings import (
@@ -111,7 +111,7 @@ def bytes_from(first_address: int, data: str) -> dict[int, int]:
 
 def test_registers_of_an_order_code(devices: Mapping[str, Device]) -> None:
     """AMM5 in 78h to 7Bh, its release in 7Ch and 7Dh, which the manual does not give, and Li in 7Eh and 7Fh."""
-    device, variant = devices["amm5"], find(devices["amm5"], AMM5).variant
+    device, variant = devices["amm5"], find_code(devices["amm5"], AMM5).variant
     right = bytes_from(0x78, "414D4D351234") | bytes_from(0x7E, "4C69")
     assert compare_held(device, variant, right) == ()
     assert compare_held(device, variant, {}) == ()
@@ -136,7 +136,7 @@ def serial_number(year: int, week: int, number: int) -> dict[int, int]:
 def test_edition_of_a_serial_number(devices: Mapping[str, Device], week: int, is_current: bool) -> None:
     """Since revision 1.7 the digits after the year are a week, and no year has a week 0 or 54."""
     device = devices["amm5"]
-    match = find(device, AMM5)
+    match = find_code(device, AMM5)
     edition = edition_by_registers(device, match, serial_number(18, week, 3630))
     assert (edition == device.manual.revision) == is_current
     assert is_current or float(edition) < 1.7
@@ -151,7 +151,7 @@ def test_a_part_of_a_serial_number_does_not_show_the_edition(devices: Mapping[st
     for missing_address in whole:
         part = {address: value for address, value in whole.items() if address != missing_address}
         with pytest.raises(ValueError, match="to infer the edition, give all of serial_number"):
-            edition_by_registers(device, find(device, AMM5), part)
+            edition_by_registers(device, find_code(device, AMM5), part)
     assert without_tests(device, whole | {0x43: 1, 0x48: 2}) == {0x43: 1, 0x48: 2}
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from codewheel.model import Choice, Device, Fault, Field, PlacedLayout, Text, Variant, number_to_bytes
-from codewheel.model.registers import bounded, bounds
+from codewheel.model.registers import bounds, name_with_limits
 from codewheel.order_codes.parameters import with_answers
 from codewheel.reference.bits import join_value
 from codewheel.reference.codec import UNUSED, Decoded, DecodedField, EncodeError, Problem, decode, encode
@@ -83,7 +83,7 @@ class Case:
     def _limited(self, values: Values, number: int) -> str:
         register = self.struct.register
         if register is not None and (register.min is not None or register.max is not None):
-            name = bounded(register)
+            name = name_with_limits(register)
             low, high = bounds(register, self.placed, (register.min, register.max), self.variant.parameters)
             joined = {join.name: join_value(self.placed, join, number) for join in self.struct.layout.joins}
             value = {**values, **joined}.get(name, number)

@@ -12,7 +12,7 @@ from codewheel.commands.show.text import device_text, style_with, variant_text
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.model.expressions import Expression
-from codewheel.order_codes.labels import find
+from codewheel.order_codes.labels import find_code
 from codewheel.say import layout, order_code, register
 from codewheel.say import order_code as interface
 from codewheel.say import register as field
@@ -206,7 +206,7 @@ def outputs(device: Device) -> dict[str, tuple[str, Phrase]]:
     """Return each output as one line of text, and its form of a statement."""
     show_texts = [
         device_text(device),
-        *(variant_text(device, find(device, variant.code)) for variant in device.variants),
+        *(variant_text(device, find_code(device, variant.code)) for variant in device.variants),
     ]
     pages = " ".join(text for path, text in generate(Library((device,))).items() if path.startswith("docs/said"))
     headers = (text for path, text in generate_c(Library((device,))).items() if path.startswith("c/include/acme/said"))

@@ -18,7 +18,7 @@ from codewheel.masters.record import record
 from codewheel.masters.sheet import sheet, shipped_masters
 from codewheel.masters.text import sheet_text
 from codewheel.model import Device
-from codewheel.order_codes.labels import find
+from codewheel.order_codes.labels import find_code
 from codewheel.targets.masters.files import file_text
 from exhaustive import mostly_exhaustive
 
@@ -83,7 +83,7 @@ def printed_texts(
     """Yield what the command prints for each order code on its own, without the groups of the page."""
     for device in library:
         for code in (variant.code for variant in device.variants if variant.code in choices):
-            match = find(device, code)
+            match = find_code(device, code)
             for choice in choices[code]:
                 code_record = record(device, match.variant, answers=answers_of(choice))
                 for master in shipped_masters():

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from codewheel.model import Field, Flag, Text
-from codewheel.model.registers import bounded
+from codewheel.model.registers import name_with_limits
 from proof import in_c
 from proof_layout import Codec
 from proof_reference import ones
@@ -55,7 +55,7 @@ def one_bit(field: Field, value: str) -> str:
 def limits(codec: Codec, value_of: Callable[[str], str]) -> Iterator[str]:
     """Return the limits of a register, which apply to writes and not to reads."""
     register = codec.register
-    name = bounded(register) if register is not None else ""
+    name = name_with_limits(register) if register is not None else ""
     if register is None or not name:
         return
     if register.min is not None and not (register.min.is_constant and register.min.constant <= 0):

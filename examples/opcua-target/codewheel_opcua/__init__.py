@@ -101,7 +101,7 @@ def _protocol(device: Device, variant: Variant) -> tuple[int, str] | None:
         return _BISS_C
     if not isinstance(interface, Ssi):
         return None
-    layout = next((layout for layout in interface.layouts if device.tells_position(interface.name, layout)), None)
+    layout = next((layout for layout in interface.layouts if device.sends_position(interface.name, layout)), None)
     if layout is None:
         return None
     always = bool(layout.gray_of) and not layout.gray_when

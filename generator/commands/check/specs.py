@@ -26,7 +26,7 @@ from ...readings.second_readings import (
     Coverage,
     Reader,
     SecondReading,
-    added,
+    add_counts,
     comparable_specs,
     compare_readings,
     read_beside,
@@ -186,7 +186,7 @@ def as_data(covered: Sequence[Coverage]) -> dict[str, Any]:
     """Return the coverage in the form that ``--json`` prints."""
     return {
         "coverage": [_family_data(family_coverage) for family_coverage in covered],
-        "total": asdict(added(family_coverage.total for family_coverage in covered)),
+        "total": asdict(add_counts(family_coverage.total for family_coverage in covered)),
     }
 
 
@@ -238,11 +238,11 @@ def _rows_of_table(covered: Sequence[Coverage]) -> Iterator[tuple[str, TimesRead
     """Yield a name and counts for each class of facts, with ``*`` if it needs two readings, each family, and all."""
     for sort in Sort:
         name = f"{sort.value} *" if sort.is_needed else sort.value
-        yield name, added(family_coverage.counts[sort] for family_coverage in covered)
+        yield name, add_counts(family_coverage.counts[sort] for family_coverage in covered)
     for family_coverage in covered:
         yield family_coverage.family.device.name, family_coverage.total
     if len(covered) > 1:
-        yield "total", added(family_coverage.total for family_coverage in covered)
+        yield "total", add_counts(family_coverage.total for family_coverage in covered)
 
 
 def _table_line(name: str, cells: Sequence[object]) -> str:

@@ -12,7 +12,7 @@ from ..hints import POLYNOMIAL, polynomial_powers
 from ..problems import DocumentReport, Path, is_typo, quoted
 from ..written_layouts import WrittenField
 from ..written_parts import WrittenErratum, WrittenSpec
-from .parts import Has, by_name, constant_width, explained, field_lists, owner_of_alarm
+from .parts import Has, by_name, constant_width, field_lists, has_erratum_at, owner_of_alarm
 from .walk import leaves, leaves_of
 
 #: A hexadecimal number in a text.
@@ -51,9 +51,9 @@ class _Printed(Protocol):
     def names(self) -> Mapping[str, str]: ...
 
 
-def check_misspelt_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_misspelt_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no printed name differs by one letter from an entry of the contents, or an alarm's from its flag's."""
-    _compare_with_contents(spec, raw, report)
+    _compare_with_contents(spec, as_read, report)
     for alarm in spec.alarms:
         owner = owner_of_alarm(spec, alarm)
         flag = by_name(owner.fields).get(alarm.part.field) if owner is not None else None
@@ -67,20 +67,20 @@ def check_misspelt_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
                 report.add("misspelt-name", (*alarm.path, *name_path), message)
 
 
-def _compare_with_contents(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def _compare_with_contents(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Report the printed names that differ by one letter from an entry of the contents, and are not in an erratum.
 
     Only names in the manual's language are compared. Very long contents are not searched.
     """
     titles: dict[str, str] = {}
-    for section in raw.manual.contents.values():
+    for section in as_read.manual.contents.values():
         titles |= {title.casefold(): title for title in section.names_in("entries")}
     if len(titles) > _MOST_ENTRIES:
         return
     texts_of_errata = "\n".join(erratum.used for erratum in spec.errata).casefold()
     for path, name in leaves_of(spec.data, report):
         # A name in another language can differ by one letter too: temperature, temperatura.
-        is_name = path[-1] == "printed_name" or path[-2:] == ("names", raw.manual.language)
+        is_name = path[-1] == "printed_name" or path[-2:] == ("names", as_read.manual.language)
         if not is_name or not isinstance(name, str):
             continue
         similar_titles = [title for title in titles if _misspells(name, title)]
@@ -92,14 +92,14 @@ def _compare_with_contents(spec: WrittenSpec, raw: WrittenSpec, report: Document
             report.add("misspelt-name", path, message)
 
 
-def _misspells(name: str, correct_name: str) -> bool:
+def _misspells(printed_name: str, correct_name: str) -> bool:
     """Return True if two names differ in one word, which has a typo of the other name's word.
 
     A word that is short in the correct name, or differs only in a plural s, is not counted as misspelt.
     """
-    if abs(len(name) - len(correct_name)) > 1:
+    if abs(len(printed_name) - len(correct_name)) > 1:
         return False
-    words, correct_words = name.casefold().split(), correct_name.casefold().split()
+    words, correct_words = printed_name.casefold().split(), correct_name.casefold().split()
     if len(words) != len(correct_words):
         return False
     word_pairs = zip(words, correct_words, strict=True)
@@ -118,7 +118,7 @@ def _printed_names(part: _Printed) -> Iterator[tuple[Path, str]]:
         yield ("names", language), name
 
 
-def check_printed_number(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_printed_number(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a value whose printed name is a number, such as ``0Ah``, has that number."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -144,7 +144,7 @@ def _printed_number(printed_name: str, width: int | None) -> int | None:
     return int(with_suffix[1], 16) if with_suffix is not None else None
 
 
-def check_number_in_meaning(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_number_in_meaning(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a field with a fixed number does not have another hexadecimal number as the only one in its meaning.
 
     A meaning that speaks of a register or an address is not checked, because its number may be that of a place.
@@ -170,7 +170,7 @@ def _fixed_numbers(field: WrittenField) -> list[tuple[str, int]]:
     return [(key, value) for key, value in numbers_by_key if isinstance(value, int)]
 
 
-def check_polynomial_in_note(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_polynomial_in_note(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the polynomial of a CRC is among those in its note, if there are any.
 
     A note gives a polynomial with its top bit, which ``poly`` omits.
@@ -208,7 +208,7 @@ def _printed_polynomials(note: str, width: int) -> dict[str, int]:
     return polynomials
 
 
-def check_unused_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_unused_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register has no field at bits that its note calls unused, unless its number is fixed."""
     for field_list in field_lists(spec):
         unused_in_note = set(_unused_bits_in(field_list.owner.note))
@@ -234,14 +234,14 @@ def _bits_at(at: int | str | None) -> range:
     return range(int(low or high), int(high) + 1)
 
 
-def _unused_bits_in(text: str) -> Iterator[int]:
+def _unused_bits_in(field_text: str) -> Iterator[int]:
     """Yield the bits that a text calls unused, such as 7, 6 and 2 in ``bits 7:6 and 2 are not used``."""
-    for match in _UNUSED.finditer(text):
+    for match in _UNUSED.finditer(field_text):
         for high, low in re.findall(r"(\d{1,3})(?::(\d{1,3}))?", match[1]):
             yield from range(int(low or high), int(high) + 1)
 
 
-def check_repeated_access(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_access(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register with fixed contents is not writable, and that registers have the access that errata state.
 
     A note or an erratum explains a writable register with fixed contents.
@@ -250,7 +250,7 @@ def check_repeated_access(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
         is_fixed = bool(register.fields) and all(field.equals is not None for field in register.fields)
         if not is_fixed or register.access != "read_write" or register.note:
             continue
-        if not explained(report.document, "registers", register.name, "access"):
+        if not has_erratum_at(report.document, "registers", register.name, "access"):
             message = (
                 f"all fields of {quoted(register.name)} have a fixed value ('equals'), so it should be read_only; "
                 "if the manual says read_write, say so in a 'note'"
@@ -278,7 +278,7 @@ def _check_access_in_erratum(spec: WrittenSpec, erratum: WrittenErratum, report:
             report.add("access-mismatch", erratum.place_of("used"), message)
 
 
-def check_zero_within_limits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_zero_within_limits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the number for which zero stands is at most one more than the highest one of its register."""
     for register in spec.registers:
         for field in register.fields:
@@ -291,7 +291,7 @@ def check_zero_within_limits(spec: WrittenSpec, raw: WrittenSpec, report: Docume
                 report.add("limit-does-not-fit", register.place_of("max"), message)
 
 
-def check_repeated_requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a text of a procedure with one step has the number of requests that the step sends."""
     for procedure in spec.procedures:
         times = procedure.steps[0].times if len(procedure.steps) == 1 else None
@@ -308,12 +308,12 @@ def check_repeated_requests(spec: WrittenSpec, raw: WrittenSpec, report: Documen
                     report.add("quantity-repeated", (*procedure.path, *text_path), message)
 
 
-def _number_of(text: str) -> int:
+def _number_of(cell_text: str) -> int:
     """Return a number in digits, or in words from two to twelve."""
-    return int(text) if text.isdigit() else _NUMBERS.index(text.casefold()) + 2
+    return int(cell_text) if cell_text.isdigit() else _NUMBERS.index(cell_text.casefold()) + 2
 
 
-def check_repeated_tables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_tables(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Report two tables with common columns whose numbers agree in all cells but one.
 
     Rows belong together if a column whose cells are all different in each table has the same cell in both.
@@ -382,7 +382,14 @@ def _number_pairs(table: Table, earlier_table: Table, key_column: str, column: s
     for row_number, row in enumerate(table.rows):
         key_cell = _text_of_cell(table, row, key_column)
         if key_cell in earlier_cells:
-            cell_pairs.append(_CellPair(row_number, column, _text_of_cell(table, row, column), earlier_cells[key_cell]))
+            cell_pairs.append(
+                _CellPair(
+                    row=row_number,
+                    column=column,
+                    cell=_text_of_cell(table, row, column),
+                    earlier_cell=earlier_cells[key_cell],
+                )
+            )
     return [pair for pair in cell_pairs if pair.is_numeric]
 
 

@@ -11,7 +11,16 @@ from ..written import Located
 from ..written_codes import WrittenRegister
 from ..written_layouts import WrittenField
 from ..written_parts import WrittenSpec
-from .parts import bank_select, by_name, by_part_name, expanded, explained, interface_of, layouts, position_names
+from .parts import (
+    bank_select,
+    by_name,
+    by_part_name,
+    has_erratum_at,
+    interface_of,
+    layouts,
+    position_names,
+    with_groups_expanded,
+)
 
 #: Registers with a fixed place in BiSS, by their usual name: address, length, and the place in words.
 _PLACES = {
@@ -32,7 +41,7 @@ _DIRECTIONS = {"write": 0b01, "read": 0b10}
 _INVERTED = {0x3F: 6, 0xFFFF: 16}
 
 
-def check_biss_places(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers with names fixed by BiSS are at their fixed place, with its length.
 
     The register that selects banks has such a place under any name. Registers in a bank may have these names.
@@ -58,7 +67,7 @@ def check_biss_places(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
             report.add("biss-protocol", register.place_of("length"), message)
 
 
-def check_taken_biss_places(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_taken_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no other register is at a place fixed by BiSS, unless an erratum explains it.
 
     A read-only register inside that place is accepted as a part of it under another name. So is any register inside it
@@ -71,7 +80,7 @@ def check_taken_biss_places(spec: WrittenSpec, raw: WrittenSpec, report: Documen
         if interface_of(register) != Biss.name or register.bank is not None or has_fixed_name:
             continue
         fixed_name = _taken_place(register)
-        if fixed_name is None or explained(report.document, "registers", name, "address"):
+        if fixed_name is None or has_erratum_at(report.document, "registers", name, "address"):
             continue
         first = register.address
         last = register.address + register.length - 1
@@ -101,14 +110,14 @@ def _taken_place(register: WrittenRegister) -> str | None:
     return None
 
 
-def check_biss_byte_order(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_biss_byte_order(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers fixed by BiSS have their most significant byte first, unless an erratum explains it."""
     for register in spec.registers:
         name = register.name
         if name not in _PLACES or interface_of(register) != Biss.name or register.bank is not None:
             continue
         is_low_byte_first = register.byte_order == "low_byte_first"
-        if is_low_byte_first and not explained(report.document, "registers", name, "byte_order"):
+        if is_low_byte_first and not has_erratum_at(report.document, "registers", name, "byte_order"):
             message = (
                 f"{quoted(name)} has its low byte first, but in BiSS the most significant byte has the lowest address."
                 f" If this is what the manual says, add an erratum that affects registers.{name}.byte_order"
@@ -116,18 +125,18 @@ def check_biss_byte_order(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
             report.add("biss-protocol", register.place_of("byte_order"), message)
 
 
-def check_biss_frame(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_biss_frame(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that nE and nW are active low, in this order after the position, and that a frame has an inverted CRC.
 
     A frame without either is not checked. An erratum explains what the manual prints differently.
     """
-    groups = by_name(raw.field_groups)
-    crcs = by_part_name(raw.crcs)
+    groups = by_name(as_read.field_groups)
+    crcs = by_part_name(as_read.crcs)
     for frame in layouts(spec):
         layout = frame.layout
         if layout is None or frame.interface != Biss.name or not frame.is_from_encoder:
             continue
-        sent_fields = list(expanded(frame, groups))
+        sent_fields = list(with_groups_expanded(frame, groups))
         if _FLAGS.isdisjoint(field.name for _, field in sent_fields):
             continue
         frame_path = f"interfaces.{Biss.name}.{layout.name}"
@@ -137,7 +146,7 @@ def check_biss_frame(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
             *_late_positions(sent_fields, position_names(spec, Biss.name), frame_path),
         ]
         for fault in faults:
-            if not explained(report.document, fault.affected):
+            if not has_erratum_at(report.document, fault.affected):
                 hint = f"If this is what the manual says, add an erratum that affects {fault.affected}"
                 report.add("biss-protocol", fault.path, f"{fault.problem}. {hint}")
 
@@ -236,12 +245,12 @@ def _crc_faults(located_crc: Located[Crc]) -> Iterator[tuple[str, str]]:
             yield key, f"{problem}; write '{key}: false'"
 
 
-def check_biss_control(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_biss_control(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the control frame has the widths, the directions and the CRC of BiSS.
 
     Every master relies on them, so a spec has these numbers even if an erratum records others that the manual prints.
     """
-    crcs = by_part_name(raw.crcs)
+    crcs = by_part_name(as_read.crcs)
     interface = spec.interfaces.biss
     control_data = interface.control_data if interface is not None else None
     for field in control_data.fields if control_data is not None else ():

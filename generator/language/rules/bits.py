@@ -30,12 +30,12 @@ _ERROR = re.compile(r"(?<![A-Za-z])(?:nE|n?Err|(?i:errors?|faults?|failures?))(?
 _NO_ERROR = re.compile(r"(?i:\b(?:no|not|without|free)\b)")
 
 
-def check_missing_verdicts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_missing_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a flag in a frame with a position gives the verdict on the position while it is active.
 
     The flags that an interface itself defines have a known verdict.
     """
-    groups = by_name(raw.field_groups)
+    groups = by_name(as_read.field_groups)
     positions = {interface: position_names(spec, interface) for interface, _ in interfaces(spec)}
     for frame in layouts(spec):
         has_position = not positions[frame.interface].isdisjoint(field_names(frame, groups))
@@ -52,7 +52,7 @@ def check_missing_verdicts(spec: WrittenSpec, raw: WrittenSpec, report: Document
                 report.add("makes-position-missing", field.path, f"{problem} {remedy}")
 
 
-def check_usable_errors(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_usable_errors(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a flag or value called an error does not leave the position usable, unless a note explains it."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -77,16 +77,16 @@ def report_usable_values(field: WrittenField, report: DocumentReport) -> None:
             report.add("error-usable", value.place_of("makes_position"), f"{problem}, {remedy}")
 
 
-def names_error(name: str, printed_name: str) -> bool:
+def names_error(field_name: str, printed_name: str) -> bool:
     """Return True if the name of a flag or value, or its name in the manual, says that it is an error."""
-    texts = (name.replace("_", " "), printed_name)
+    texts = (field_name.replace("_", " "), printed_name)
     return any(_ERROR.search(text) and not _NO_ERROR.search(text) for text in texts)
 
 
-def check_flag_sums(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_flag_sums(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the flags combined by another one exist in some list of fields."""
     flags: list[str] = []
-    for field_list in field_lists(raw):
+    for field_list in field_lists(as_read):
         flags += [field.name for field in field_list.fields if field.has("active") and field.name]
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -97,7 +97,7 @@ def check_flag_sums(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
                     report.add("undefined-reference", (*field.place_of("sums_up"), index), problem, cause=name)
 
 
-def check_alarm_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_alarm_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an alarm with the name of a flag in its group or register is about that flag.
 
     ``field`` is the flag of an alarm. Without it, it is the flag of the same name.
@@ -133,7 +133,7 @@ _PARITY = re.compile(r"(?:(?:even|odd)_)?(?:par|parity)(?:_bit)?")
 _PLAIN = frozenset(("name", "printed_name", "names", "bits", "at", "meaning", "source"))
 
 
-def check_plain_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_plain_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a bit of an encoder's frame that is called error or parity is described as one.
 
     A plain number has no effect on the verdict, and no decoder checks it. A note explains a bit that is neither.
@@ -159,9 +159,9 @@ def check_plain_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
                 report.add("plain-bit", field.path, f"{problem}; {remedy}")
 
 
-def _is_fixed(fields: FieldList, name: str) -> bool:
+def _is_fixed(fields: FieldList, field_name: str) -> bool:
     """Return True for a flag that the interface itself defines, such as the error bit of BiSS."""
-    return fields.interface in INTERFACES and name in INTERFACES[fields.interface].flags
+    return fields.interface in INTERFACES and field_name in INTERFACES[fields.interface].flags
 
 
 def _width_of_field(field: WrittenField) -> int | str | None:
@@ -177,15 +177,15 @@ _BINARY = re.compile(r"\bbinary\b", re.IGNORECASE)
 _UNKNOWN_POSITION = "POSITION"
 
 
-def check_output_code(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_output_code(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that ``output_code`` of SSI is the code in which its layouts send the position, up to the first error."""
     for kind, interface in interfaces(spec):
         if not isinstance(interface, WrittenSsi) or not interface.output_code:
             continue
-        position_layouts = _with_position(spec, raw, kind)
+        position_layouts = _with_position(spec, as_read, kind)
         has_gray = any(_gray_of(frame) is not None for frame in position_layouts)
         for frame in position_layouts:
-            contradiction = _find_contradiction(interface.output_code, frame, spec, raw, has_gray=has_gray)
+            contradiction = _find_contradiction(interface.output_code, frame, spec, as_read, has_gray=has_gray)
             if contradiction:
                 message = f"'output_code' is {interface.output_code}, but {quoted(frame.name)} {contradiction}"
                 report.add("output-code", interface.place_of("output_code"), message)
@@ -197,7 +197,9 @@ def _gray_of(fields: FieldList) -> WrittenGray | None:
     return fields.layout.gray if fields.layout is not None else None
 
 
-def _find_contradiction(code: str, fields: FieldList, spec: WrittenSpec, raw: WrittenSpec, *, has_gray: bool) -> str:
+def _find_contradiction(
+    code: str, fields: FieldList, spec: WrittenSpec, as_read: WrittenSpec, *, has_gray: bool
+) -> str:
     """Return how a layout contradicts ``output_code``, such as ``has no 'gray', …``, or an empty string.
 
     ``gray`` of a layout means that it is in Gray code, always or if the parameter in ``when`` is not 0. ``has_gray``
@@ -206,10 +208,10 @@ def _find_contradiction(code: str, fields: FieldList, spec: WrittenSpec, raw: Wr
     gray = _gray_of(fields)
     if gray is None:
         if code == "gray":
-            example = f"'gray: {{of: {_find_position(fields, spec, raw)}}}'"
+            example = f"'gray: {{of: {_find_position(fields, spec, as_read)}}}'"
             return f"has no 'gray', so decoders take the position as binary; add {example} to it"
         if code == "by_order_code" and not has_gray:
-            example = f"'gray: {{of: {_find_position(fields, spec, raw)}, when: PARAMETER}}'"
+            example = f"'gray: {{of: {_find_position(fields, spec, as_read)}, when: PARAMETER}}'"
             return f"has no 'gray', so decoders take the position as binary; add {example} to it"
         return ""
     if code == "binary":
@@ -222,7 +224,7 @@ def _find_contradiction(code: str, fields: FieldList, spec: WrittenSpec, raw: Wr
     return ""
 
 
-def check_named_gray_code(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_named_gray_code(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an interface whose order codes name Gray code has a layout in Gray code.
 
     A value of an order code belongs to the interface that it selects, or to the only one.
@@ -234,7 +236,7 @@ def check_named_gray_code(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
             if not _names_gray(value):
                 continue
             interface_name = value.interface or only_interface
-            position_layouts = _with_position(spec, raw, interface_name)
+            position_layouts = _with_position(spec, as_read, interface_name)
             if position_layouts and all(_gray_of(frame) is None for frame in position_layouts):
                 message = (
                     f"the meaning of {quoted(label)} says Gray, but no layout of {interface_name} has 'gray', "
@@ -243,32 +245,32 @@ def check_named_gray_code(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
                 report.add("output-code", value.place_of("meaning"), message)
 
 
-def _names_gray(value: WrittenCodeValue) -> bool:
+def _names_gray(code_value: WrittenCodeValue) -> bool:
     """Return True if the meaning of an order code value names Gray code, and not binary code too.
 
     If the value selects no interface, "Gray" alone may be a colour.
     """
-    gray = _GRAY if value.interface else _GRAY_CODE
-    return gray.search(value.meaning) is not None and _BINARY.search(value.meaning) is None
+    gray = _GRAY if code_value.interface else _GRAY_CODE
+    return gray.search(code_value.meaning) is not None and _BINARY.search(code_value.meaning) is None
 
 
-def _with_position(spec: WrittenSpec, raw: WrittenSpec, kind: str) -> list[FieldList]:
+def _with_position(spec: WrittenSpec, as_read: WrittenSpec, interface_name: str) -> list[FieldList]:
     """Return the layouts of the encoder that contain the position, or all of its layouts if none is known to do so."""
-    sent_layouts = [frame for frame in layouts(spec) if frame.interface == kind and frame.is_from_encoder]
-    with_position = [frame for frame in sent_layouts if _find_position(frame, spec, raw) != _UNKNOWN_POSITION]
+    sent_layouts = [frame for frame in layouts(spec) if frame.interface == interface_name and frame.is_from_encoder]
+    with_position = [frame for frame in sent_layouts if _find_position(frame, spec, as_read) != _UNKNOWN_POSITION]
     return with_position or sent_layouts
 
 
-def _find_position(fields: FieldList, spec: WrittenSpec, raw: WrittenSpec) -> str:
+def _find_position(fields: FieldList, spec: WrittenSpec, as_read: WrittenSpec) -> str:
     """Return the name of the joined number or field for the position in a layout, or ``POSITION`` if there is none."""
     known_names = position_names(spec, fields.interface)
-    for name in (*fields.joins, *field_names(fields, by_name(raw.field_groups))):
+    for name in (*fields.joins, *field_names(fields, by_name(as_read.field_groups))):
         if name in known_names:
             return name
     return _UNKNOWN_POSITION
 
 
-def _numbers_set(spec: WrittenSpec, kind: str, parameter: str) -> set[int]:
+def _numbers_set(spec: WrittenSpec, interface_name: str, parameter: str) -> set[int]:
     """Return the numbers to which the order codes of an interface set a parameter.
 
     A value that selects no interface applies to all of them.
@@ -276,6 +278,6 @@ def _numbers_set(spec: WrittenSpec, kind: str, parameter: str) -> set[int]:
     set_numbers: set[int] = set()
     for part in spec.order_code.parts:
         for value in part.values.values():
-            if (value.interface or kind) == kind and parameter in value.sets:
+            if (value.interface or interface_name) == interface_name and parameter in value.sets:
                 set_numbers.add(value.sets[parameter])
     return set_numbers

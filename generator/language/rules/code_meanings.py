@@ -31,7 +31,7 @@ _TWO_VOLTAGES = re.compile(rf"{_VOLT} ?(?:to|-|–|…|\.\.\.|(?=\+)) ?{_VOLT}")
 MEANING_DIFFERS = "; if the manual prints it so, give the reason in 'meaning_differs'"
 
 
-def check_value_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_value_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the meaning of an order code value agrees with its settings: Gray or binary code, length and supply.
 
     A value with ``meaning_differs`` explains a difference.
@@ -41,46 +41,46 @@ def check_value_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
             if not value.meaning_differs:
                 says = f"the meaning of {quoted(label)} says"
                 _check_code(value, says, spec, report)
-                _check_lengths(value, says, raw, report)
+                _check_lengths(value, says, as_read, report)
                 _check_supply(value, says, report)
 
 
-def _check_code(value: WrittenCodeValue, says: str, spec: WrittenSpec, report: DocumentReport) -> None:
+def _check_code(code_value: WrittenCodeValue, says: str, spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a value whose meaning names Gray or binary code sets the parameters that decide the code.
 
     ``says`` is the beginning of the message, and that of the next two functions.
     """
-    for name, required_number in _codes_named(spec, value).items():
-        if value.sets[name] != required_number:
+    for name, required_number in _codes_named(spec, code_value).items():
+        if code_value.sets[name] != required_number:
             code = "Gray" if required_number else "binary"
             message = f"{says} {code}, so {quoted(name)} must be {required_number}{MEANING_DIFFERS}"
-            report.add("meaning-mismatch", (*value.path, "sets", name), message)
+            report.add("meaning-mismatch", (*code_value.path, "sets", name), message)
 
 
-def _check_lengths(value: WrittenCodeValue, says: str, raw: WrittenSpec, report: DocumentReport) -> None:
+def _check_lengths(code_value: WrittenCodeValue, says: str, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that each length that a value sets is in its meaning, if this names any."""
-    lengths = _lengths_named(value.meaning)
+    lengths = _lengths_named(code_value.meaning)
     if not lengths:
         return
-    for name, number in value.sets.items():
-        unit = raw.parameters[name].unit if name in raw.parameters else ""
+    for name, number in code_value.sets.items():
+        unit = as_read.parameters[name].unit if name in as_read.parameters else ""
         if unit in _NANOMETRES and number * _NANOMETRES[unit] not in lengths:
             first_length, *_ = lengths.values()
             message = f"{says} {first_length}, but {quoted(name)} is {number} {unit}{MEANING_DIFFERS}"
-            report.add("meaning-mismatch", (*value.path, "sets", name), message)
+            report.add("meaning-mismatch", (*code_value.path, "sets", name), message)
 
 
-def _check_supply(value: WrittenCodeValue, says: str, report: DocumentReport) -> None:
+def _check_supply(code_value: WrittenCodeValue, says: str, report: DocumentReport) -> None:
     """Check that the supply of a value is the one that its meaning names."""
-    stated_range = supply_named(value.meaning)
-    if stated_range is None or value.supply is None:
+    stated_range = supply_named(code_value.meaning)
+    if stated_range is None or code_value.supply is None:
         return
-    supply = value.supply.part
+    supply = code_value.supply.part
     if stated_range != (supply.min_mv, supply.max_mv):
         low_mv, high_mv = stated_range
         actual_range = f"{supply.min_mv} to {supply.max_mv}"
         message = f"{says} {low_mv} to {high_mv} mV, but here it is {actual_range}{MEANING_DIFFERS}"
-        report.add("meaning-mismatch", value.supply.path, message)
+        report.add("meaning-mismatch", code_value.supply.path, message)
 
 
 def _lengths_named(meaning: str) -> dict[Fraction, str]:
@@ -100,35 +100,35 @@ def _lengths_named(meaning: str) -> dict[Fraction, str]:
     return lengths
 
 
-def _codes_named(spec: WrittenSpec, value: WrittenCodeValue) -> dict[str, int]:
+def _codes_named(spec: WrittenSpec, code_value: WrittenCodeValue) -> dict[str, int]:
     """Return the parameters that a value sets and that decide the code, with the number for the code in its meaning.
 
     A parameter that decides the code of a layout is 1 for Gray code and 0 for binary code. The result is empty if the
     meaning names neither code or both.
     """
-    says_gray = re.search(r"\bGray\b", value.meaning, re.IGNORECASE) is not None
-    says_binary = re.search(r"\bbinary\b", value.meaning, re.IGNORECASE) is not None
+    says_gray = re.search(r"\bGray\b", code_value.meaning, re.IGNORECASE) is not None
+    says_binary = re.search(r"\bbinary\b", code_value.meaning, re.IGNORECASE) is not None
     if says_gray == says_binary:
         return {}
     deciding_parameters = set()
     for frame in layouts(spec):
-        is_of_value = value.interface is None or frame.interface == value.interface
+        is_of_value = code_value.interface is None or frame.interface == code_value.interface
         if is_of_value and frame.layout is not None and frame.layout.gray is not None:
             deciding_parameters.add(frame.layout.gray.when)
     required_number = 1 if says_gray else 0
-    return {name: required_number for name in value.sets if name in deciding_parameters}
+    return {name: required_number for name in code_value.sets if name in deciding_parameters}
 
 
-def supply_named(text: str) -> tuple[int, int] | None:
+def supply_named(meaning: str) -> tuple[int, int] | None:
     """Return the supply range that a text consists of, in millivolts, or None if it does not.
 
     ``5 V ± 5 %`` is ``(4750, 5250)``, ``5 to 30 V DC`` is ``(5000, 30000)``.
     """
-    two_voltages = _TWO_VOLTAGES.fullmatch(text)
+    two_voltages = _TWO_VOLTAGES.fullmatch(meaning)
     if two_voltages is not None:
         low, high = two_voltages.groups()
         return _to_millivolts(low, 100), _to_millivolts(high, 100)
-    one_voltage = _ONE_VOLTAGE.fullmatch(text)
+    one_voltage = _ONE_VOLTAGE.fullmatch(meaning)
     if one_voltage is None:
         return None
     volts, tolerance_text = one_voltage.groups()
@@ -141,7 +141,7 @@ def _to_millivolts(volts: str, per_cent: Fraction | int) -> int:
     return int(Fraction(volts) * per_cent * 10)  # 1000 mV per V, and 1 / 100 for the percentage.
 
 
-def check_named_interface(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_named_interface(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an order code value does not select another interface than the only one that its meaning names.
 
     RS-485 also names the signals, so it is not compared, but next to SSI or BiSS it makes the meaning unclear.
@@ -159,7 +159,7 @@ def check_named_interface(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
                 report.add("interface-mismatch", value.place_of("interface"), problem)
 
 
-def check_labels(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_labels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a label that is a number has the number of the expression in ``label_is`` of its part.
 
     Only labels whose value sets all parameters of the expression are checked.
@@ -179,6 +179,7 @@ def check_labels(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
 
 
 def _parse_expression(formula: int | str | None) -> Expression | None:
+    """Return a formula as an expression, or None if there is none or it is not valid."""
     try:
         return None if formula is None else Expression.parse(formula)
     except ExpressionError:  # Reported by the rule on expressions.

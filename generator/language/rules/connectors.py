@@ -74,14 +74,14 @@ class _Connector:
         words = re.escape(_normalise_signal(signal))
         return re.search(rf"(?<![\w/]){words}(?![\w+-])", note) is not None
 
-    def shares_interface(self, other: _Connector) -> bool:
+    def shares_interface(self, other_connector: _Connector) -> bool:
         """Return True if two connectors or cables have an interface in common. Without any, one is for all of them."""
-        if not self.part.interfaces or not other.part.interfaces:
+        if not self.part.interfaces or not other_connector.part.interfaces:
             return True
-        return not {*self.part.interfaces}.isdisjoint(other.part.interfaces)
+        return not {*self.part.interfaces}.isdisjoint(other_connector.part.interfaces)
 
 
-def check_repeated_signals(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_signals(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two contacts of a connector have the same signal for the same order codes.
 
     Supplies, grounds and shields may be on several contacts.
@@ -108,13 +108,12 @@ def _has_signal_of(contact: _Contact, earlier: _Contact) -> bool:
     """
     if contact.only and earlier.only and contact.only != earlier.only:
         return False
-    contact_names, earlier_names = (
-        {*map(_normalise_signal, {*either.main_names, either.signal})} for either in (contact, earlier)
-    )
+    contact_names = set(map(_normalise_signal, (*contact.main_names, contact.signal)))
+    earlier_names = set(map(_normalise_signal, (*earlier.main_names, earlier.signal)))
     return not contact_names.isdisjoint(earlier_names)
 
 
-def check_incomplete_pair(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_incomplete_pair(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that both lines of a differential pair are on a connector: ``MA +`` and ``MA -``, ``A`` and ``/A``.
 
     A note that names the missing line explains it. A second reading has no notes.
@@ -135,7 +134,7 @@ def check_incomplete_pair(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
                     report.add("incomplete-pair", (*contact.path, "signal"), message)
 
 
-def check_connector_and_cable(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_connector_and_cable(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a connector and a cable for the same interface have the same signals, or a note on missing ones.
 
     A second reading has no notes.
@@ -155,12 +154,13 @@ def _report_missing_signals(incomplete: _Connector, complete: _Connector, report
 
     It has a signal if it has one of its names, such as ``MA +`` of ``CLOCK IN + / MA +``.
     """
-    names = {_normalise_signal(name) for contact in incomplete.contacts for name in (contact.signal, *contact.names)}
-    missing_signals = [
-        contact.signal
-        for contact in complete.contacts
-        if names.isdisjoint({_normalise_signal(name) for name in (contact.signal, *contact.names)})
-    ]
+    names: set[str] = set()
+    for contact in incomplete.contacts:
+        names |= _normalised_names(contact)
+    missing_signals: list[str] = []
+    for contact in complete.contacts:
+        if names.isdisjoint(_normalised_names(contact)):
+            missing_signals.append(contact.signal)
     unexplained = [signal for signal in dict.fromkeys(missing_signals) if not incomplete.names_in_note(signal)]
     if unexplained:
         lacking = f"{incomplete.label} lacks {listed(map(quoted, unexplained))}, which {complete.label} has"
@@ -172,13 +172,18 @@ def _collect_connectors(spec: WrittenSpec) -> list[_Connector]:
     """Return the connectors and cables, without the contacts that have no signal."""
     connectors = []
     for located in spec.connectors:
-        contacts = [
-            _Contact((*located.path, "contacts", index), contact.contact, contact.signal, contact.only)
-            for index, contact in enumerate(located.part.contacts)
-            if not _FREE.fullmatch(contact.signal.strip())
-        ]
+        contacts: list[_Contact] = []
+        for index, contact in enumerate(located.part.contacts):
+            if not _FREE.fullmatch(contact.signal.strip()):
+                path = (*located.path, "contacts", index)
+                contacts.append(_Contact(path, contact.contact, contact.signal, contact.only))
         connectors.append(_Connector(located, tuple(contacts)))
     return connectors
+
+
+def _normalised_names(contact: _Contact) -> set[str]:
+    """Return the names of a contact, and its signal, as they are compared."""
+    return set(map(_normalise_signal, (contact.signal, *contact.names)))
 
 
 def _normalise_signal(signal: str) -> str:
@@ -191,24 +196,24 @@ def _close_signs(signal: str) -> str:
     return re.sub(r"\s+(?=[+-])", "", " ".join(signal.replace("−", "-").split()))
 
 
-def _yield_names(text: str) -> Iterator[str]:
+def _yield_names(signal_text: str) -> Iterator[str]:
     """Yield the names that a text lists, such as ``MA+`` and ``Clock IN+``."""
-    for name in re.split(r"\s/\s", _close_signs(text)):
+    for name in re.split(r"\s/\s", _close_signs(signal_text)):
         if name.strip():
             yield name.strip()
 
 
-def partner_of(name: str, has_inverted: bool) -> str:
+def partner_of(signal_name: str, has_inverted: bool) -> str:
     """Return the name of the other line of a differential pair, or an empty string.
 
     It is ``MA-`` for ``MA+``, and ``A`` for ``/A``. A single letter is the plain line of a pair if the connector has
     an inverted line.
     """
-    if len(name) > 1 and name[-1] in _SIGNS:
-        return name[:-1] + _SIGNS[name[-1]]
-    if name.startswith("/"):
-        return name[1:]
-    return f"/{name}" if has_inverted and re.fullmatch("[A-Za-z]", name) else ""
+    if len(signal_name) > 1 and signal_name[-1] in _SIGNS:
+        return signal_name[:-1] + _SIGNS[signal_name[-1]]
+    if signal_name.startswith("/"):
+        return signal_name[1:]
+    return f"/{signal_name}" if has_inverted and re.fullmatch("[A-Za-z]", signal_name) else ""
 
 
 def signal_names(signal: str) -> list[str]:

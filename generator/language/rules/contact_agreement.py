@@ -13,7 +13,7 @@ from ..schema_files import is_second
 from ..written import Located
 from ..written_parts import WrittenSpec
 from .connectors import partner_of, signal_names
-from .parts import explained
+from .parts import has_erratum_at
 
 _COLOURS = "white|black|brown|green|yellow|grey|gray|pink|blue|red|violet|orange|purple"
 #: A wire with one colour or two: ``White``, ``Brown_Green``.
@@ -54,7 +54,7 @@ class _Pair(NamedTuple):
         return self.inverted if self.is_plain_first else self.plain
 
 
-def check_kinds_of_contacts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_kinds_of_contacts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that wires with colours are those of a cable, and that a contact named after a shield carries no signal."""
     for connector in spec.connectors:
         for index, contact in enumerate(connector.part.contacts):
@@ -68,7 +68,7 @@ def check_kinds_of_contacts(spec: WrittenSpec, raw: WrittenSpec, report: Documen
                 report.add("contact-kind", (*path, "signal"), message)
 
 
-def check_numbered_cables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_numbered_cables(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a cable has a wire with a name that is not a number, unless a note says that they are numbered."""
     if is_second(report.document.file):  # It has no notes.
         return
@@ -81,11 +81,11 @@ def check_numbered_cables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
             report.add("contact-kind", (*connector.path, "kind"), message)
 
 
-def _is_case(name: str) -> bool:
-    return name.casefold() in ("case", "housing", "shell") or _SHIELD.fullmatch(name) is not None
+def _is_case(contact_name: str) -> bool:
+    return contact_name.casefold() in ("case", "housing", "shell") or _SHIELD.fullmatch(contact_name) is not None
 
 
-def check_interfaces_of_lines(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_interfaces_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a connector with a line that only one interface has, such as ``MA +``, is for this interface."""
     for connector in spec.connectors:
         names = {name for contact in connector.part.contacts for name in signal_names(contact.signal)}
@@ -98,7 +98,7 @@ def check_interfaces_of_lines(spec: WrittenSpec, raw: WrittenSpec, report: Docum
                 report.add("contact-interface", (*connector.path, "interfaces"), message)
 
 
-def check_wires_of_contacts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_wires_of_contacts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a contact and a wire with the same line have the same one over every interface.
 
     A signal that a connector and a cable both have once belongs to a contact and a wire of one line. If another
@@ -152,7 +152,7 @@ def _compare_signals(
         if signal is None or _plain_signal(signal) == _plain_signal(contact.signal):
             continue
         places = ((connector.part.name, contact.contact), (cable.part.name, wire))
-        if not any(explained(report.document, "connectors", name, "contacts", place) for name, place in places):
+        if not any(has_erratum_at(report.document, "connectors", name, "contacts", place) for name, place in places):
             message = (
                 f"contact {quoted(contact.contact)} and the wire {quoted(wire)} have the same line over another"
                 f" interface, but {quoted(contact.signal)} and {quoted(signal)} here; correct one of the tables"
@@ -160,7 +160,7 @@ def _compare_signals(
             report.add("contact-wire", (*connector.path, "contacts", index, "signal"), message)
 
 
-def check_order_of_pairs(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_order_of_pairs(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the two lines of each pair are next to each other, and in the same order as those of the first pair.
 
     If all of three or more pairs are apart, or the only one is, they are compared by their order alone.

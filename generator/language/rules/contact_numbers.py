@@ -16,7 +16,7 @@ from ..written_parts import WrittenSpec
 Numbered = Sequence[tuple[int, int]]
 
 
-def check_contact_numbers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_contact_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that contacts are numbered consecutively from 1, unless a note explains why not.
 
     A cable whose wires all have numbers is likely a connector, unless its note says that they are numbered.

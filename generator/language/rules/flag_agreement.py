@@ -22,7 +22,7 @@ _SEVERAL = 4
 _FLAGS_OF_GROUP = 4
 
 
-def check_lone_levels(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_lone_levels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no flag alone has another active level than at least four others of its list, unless a text gives it.
 
     Flags that combine others are not counted.
@@ -53,7 +53,7 @@ def _gives_level(flag: WrittenField) -> bool:
     return any(_LEVEL.search(text) for text in texts)
 
 
-def check_repeated_flags(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_flags(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that flags with the same name in groups or in layouts of an interface have the same level and verdict.
 
     Flags of groups are compared with those of other groups. Verdicts are compared if both flags have one.
@@ -85,7 +85,7 @@ def _yield_differences(flag: WrittenField, first_flag: WrittenField) -> Iterator
         yield "makes_position", flag.makes_position, first_flag.makes_position
 
 
-def check_cleared_alarms(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_cleared_alarms(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an alarm that does not latch, and so clears itself, names no procedures that clear it."""
     for alarm in spec.alarms:
         if alarm.part.latch is False and alarm.part.cleared_by:
@@ -96,7 +96,7 @@ def check_cleared_alarms(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
             report.add("alarm-latch", (*alarm.path, "latch"), message)
 
 
-def check_implemented_alarms(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_implemented_alarms(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an alarm is implemented if its flag is, and only then."""
     for alarm in spec.alarms:
         flag = _flag_of(spec, alarm)
@@ -116,7 +116,7 @@ def _flag_of(spec: WrittenSpec, alarm: Located[Alarm]) -> WrittenField | None:
     return None
 
 
-def check_cleared_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_cleared_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register that clears itself returns to 0, unless its note gives another number."""
     if is_second(report.document.file):  # It has no notes.
         return
@@ -130,12 +130,12 @@ def check_cleared_registers(spec: WrittenSpec, raw: WrittenSpec, report: Documen
             report.add("default-mismatch", register.place_of("default"), message)
 
 
-def _gives_number(text: str, number: int) -> bool:
+def _gives_number(meaning: str, number: int) -> bool:
     """Return True if a text has a number, in decimal or in hexadecimal."""
-    return re.search(rf"\b(?:{number}|{number:02X}h|0x{number:02x})\b", text, re.IGNORECASE) is not None
+    return re.search(rf"\b(?:{number}|{number:02X}h|0x{number:02x})\b", meaning, re.IGNORECASE) is not None
 
 
-def check_summands(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_summands(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that at most one flag of a list combines each flag, and that it omits no single flag of a group."""
     groups = by_name(spec.field_groups)
     for field_list in field_lists(spec):
@@ -178,7 +178,7 @@ def _mentions_word(text: str, word: str) -> bool:
 _SEVERITIES = ("usable", "usable_with_warning", "not_usable")
 
 
-def check_summed_verdicts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_summed_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the verdict of a flag that combines others is not milder than theirs, if all of them have one."""
     flags: dict[str, WrittenField] = {}
     for field_list in field_lists(spec):
@@ -197,7 +197,7 @@ def check_summed_verdicts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
                 report.add("summed-verdict", flag.place_of("makes_position"), message)
 
 
-def check_explained_flags(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_explained_flags(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a diagnostic bit explains only one flag of a register."""
     for register in spec.registers:
         flags_by_bit: dict[str, str] = {}
@@ -211,7 +211,7 @@ def check_explained_flags(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
                 flags_by_bit.setdefault(bit, flag.name)
 
 
-def check_read_only_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_read_only_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a writable register with flags of alarms or with the position has something to write.
 
     That is a named value, a step that writes it, a key that matters only for writing, or a text with "writ" in it.
@@ -221,14 +221,16 @@ def check_read_only_registers(spec: WrittenSpec, raw: WrittenSpec, report: Docum
     written_names = {step.register for procedure in spec.procedures for step in procedure.steps if step.do == "write"}
     flag_registers = {alarm.part.register for alarm in spec.alarms} | set(_explaining_registers(spec))
     for register in spec.registers:
+        if register.access != "read_write":
+            continue
         has_values = any(field.values for field in register.fields)
         is_used = has_values or register.name in written_names or register.has(*_KEYS_OF_WRITABLE)
-        is_reported = register.name in flag_registers or any(field.explained_by for field in register.fields)
-        is_reported = is_reported and all(map(_is_flag_or_fixed, register.fields))
-        content_text = "flags of alarms" if is_reported else "the position"
+        is_explained = _mentions_word(register.meaning, "writ") or _mentions_word(register.note, "writ")
+        has_flag_of_alarm = register.name in flag_registers or any(field.explained_by for field in register.fields)
+        has_only_flags = has_flag_of_alarm and all(map(_is_flag_or_fixed, register.fields))
         has_position = register.name in position_names(spec, interface_of(register))
-        is_explained = any(_mentions_word(text, "writ") for text in (register.meaning, register.note))
-        if register.access == "read_write" and (is_reported or has_position) and not (is_used or is_explained):
+        if (has_only_flags or has_position) and not is_used and not is_explained:
+            content_text = "flags of alarms" if has_only_flags else "the position"
             message = (
                 f"{quoted(register.name)} has {content_text}, and nothing says what to write there; write 'access:"
                 " read_only', or say in a 'note' what can be written"
@@ -254,7 +256,7 @@ _KEYS_OF_WRITABLE = ("default", "min", "max", "meanings", "opened_by", "clears_i
 _RETURNS = re.compile(r"\bautomatically returns to 0|\breturns to 0+h? (?:automatically|by itself)", re.IGNORECASE)
 
 
-def check_returning_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_returning_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register that returns to 0 in its note clears itself."""
     for register in spec.registers:
         if _RETURNS.search(register.note) and not register.clears_itself:
@@ -263,7 +265,7 @@ def check_returning_registers(spec: WrittenSpec, raw: WrittenSpec, report: Docum
             report.add("words-contradict", register.place_of(key), message)
 
 
-def check_equal_answers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_equal_answers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the two answers of an alternative, if it has two, do not set the same numbers."""
     for alternative in spec.alternatives:
         answers = list(alternative.values.items())

@@ -11,7 +11,7 @@ from ..written import Located
 from ..written_interfaces import WrittenRs485
 from ..written_layouts import WrittenField, WrittenLayout
 from ..written_parts import WrittenSpec
-from .parts import FieldList, Groups, Has, by_name, expanded, explained, layouts
+from .parts import FieldList, Groups, Has, by_name, has_erratum_at, layouts, with_groups_expanded
 
 #: Interfaces over which a master sends only a clock, or control data, which are not a layout.
 _WITHOUT_REQUESTS = frozenset((Biss.name, Ssi.name))
@@ -20,7 +20,7 @@ _SENDERS = ("master", "encoder")
 _OF_MEMORY = frozenset(("read", "write"))
 
 
-def check_layouts_without_requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_layouts_without_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the encoder sends every layout of an interface without requests."""
     for frame in layouts(spec):
         layout = frame.layout
@@ -29,14 +29,14 @@ def check_layouts_without_requests(spec: WrittenSpec, raw: WrittenSpec, report: 
             report.add("sender", layout.place_of("from"), message)
 
 
-def check_slaves(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_slaves(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a bus has several slaves, and another topology has one, unless an erratum explains it."""
     biss = spec.interfaces.biss
     network = biss.network if biss is not None else None
     if network is None or not network.is_valid("topology") or not network.is_valid("multiple_slaves"):
         return
     is_bus = network.part.topology == "bus"
-    if is_bus != network.part.multiple_slaves and not explained(report.document, *map(str, network.path)):
+    if is_bus != network.part.multiple_slaves and not has_erratum_at(report.document, *map(str, network.path)):
         slaves_text = "several slaves" if network.part.multiple_slaves else "one slave"
         message = (
             f"{quoted(network.part.topology)} does not fit {slaves_text}; correct one of the two. If this is what the"
@@ -45,7 +45,7 @@ def check_slaves(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
         report.add("network-mismatch", (*network.path, "multiple_slaves"), message)
 
 
-def check_layouts_by_data_id(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_layouts_by_data_id(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a data ID with a request has a reply, and the other way round.
 
     This is checked if there are requests and replies, and all layouts give their data IDs in ``when``.
@@ -82,10 +82,10 @@ def _report_missing_frame(
         report.add("data-id-frames", (*data_id.path, "id"), message)
 
 
-def check_purposes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_purposes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a request that reads or writes the memory, and so needs an address, has more than its data ID."""
     rs485 = spec.interfaces.rs485
-    groups = by_name(raw.field_groups)
+    groups = by_name(as_read.field_groups)
     for data_id in rs485.data_ids if rs485 is not None else ():
         request = _request_with(data_id, rs485) if rs485 is not None else None
         if request is None or data_id.part.purpose not in _OF_MEMORY:
@@ -108,7 +108,8 @@ def _request_with(data_id: Located[DataId], rs485: WrittenRs485) -> WrittenLayou
 
 
 def _fields_of(layout: WrittenLayout, groups: Groups) -> Iterator[WrittenField]:
-    for _, field in expanded(FieldList(Has.LAYOUT, layout, ""), groups):
+    """Yield the fields of a layout, with those of its groups."""
+    for _, field in with_groups_expanded(FieldList(Has.LAYOUT, layout, ""), groups):
         yield field
 
 
@@ -119,7 +120,7 @@ def _carries_data(field: WrittenField) -> bool:
     return bool(field.name) and not is_fixed and not is_check and not field.values_of
 
 
-def check_sent_requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_sent_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a step sends no request that reads or writes the memory, because it cannot give the address."""
     rs485 = spec.interfaces.rs485
     purpose_by_name = {data_id.part.name: data_id.part.purpose for data_id in rs485.data_ids} if rs485 else {}
@@ -134,7 +135,7 @@ def check_sent_requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
                 report.add("request-purpose", step.place_of("data_id"), message)
 
 
-def check_memory_accesses(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_memory_accesses(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two rows on the replies to memory accesses have the same access and busy flag."""
     rs485 = spec.interfaces.rs485
     replies = [reply for reply in rs485.memory_access if reply.is_valid("busy")] if rs485 is not None else []

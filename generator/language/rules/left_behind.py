@@ -35,7 +35,7 @@ _BRACES = re.compile(r"\{(\w+)\}")
 _Numbers = Mapping[str, int | None]
 
 
-def check_start_values(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_start_values(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a start value in the note of a CRC, or in an erratum about it, is the ``init`` of the CRC."""
     for crc in spec.crcs:
         own_value = {crc.part.name: crc.part.init}
@@ -47,7 +47,7 @@ def check_start_values(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
         _check_words(erratum.place_of("used"), erratum.used, _START_VALUE, "init", affected, report)
 
 
-def check_defaults(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_defaults(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a default in the text of an erratum, or shown by an example, is the ``default`` of its register."""
     registers = by_name(spec.registers)
     defaults = {name: register.default for name, register in registers.items()}
@@ -140,7 +140,7 @@ def _bytes_of(register: WrittenRegister) -> str:
         return ""
 
 
-def check_order_codes_in_texts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_order_codes_in_texts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that tables and other texts name no part of an order code that the order code does not have.
 
     A text may leave parts open, such as ``TV62-xxx-0050-...``, and may end after any part.
@@ -177,7 +177,8 @@ def _list_starts(order_code: WrittenOrderCode) -> list[str]:
         return [re.escape(start)] if len(start) >= _SHORTEST_START else []
     first_part = by_name(order_code.parts).get(rest.partition("}")[0])
     labels = list(first_part.values) if first_part is not None else []
-    if not labels or any(len(label) < _SHORTEST_START or not label[0].isalpha() for label in labels):
+    too_general_labels = [label for label in labels if len(label) < _SHORTEST_START or not label[0].isalpha()]
+    if not labels or too_general_labels:
         return []
     expressions = {re.escape(label) for label in labels}
     common_start = _common_start(labels)
@@ -233,26 +234,26 @@ def _split_pattern(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[s
     return pieces
 
 
-def _unknown_label(text: str, pieces: Sequence[tuple[str, re.Pattern[str] | None]]) -> str:
+def _unknown_label(order_code_text: str, pieces: Sequence[tuple[str, re.Pattern[str] | None]]) -> str:
     """Return the first word of a text where a label is expected and none of the part's labels matches.
 
-    ``text`` is the rest of an order code after its start. The result is empty if all labels match, or if the text ends
-    or departs from the pattern before. An open place, such as ``xxx`` or ``...``, matches a part and may also replace
-    the next ones: after it, a part whose literal does not follow is skipped.
+    ``order_code_text`` is the rest of an order code after its start. The result is empty if all labels match, or if the
+    text ends or departs from the pattern before. An open place, such as ``xxx`` or ``...``, matches a part and may also
+    replace the next ones: after it, a part whose literal does not follow is skipped.
     """
     is_left_open = False
     for before, expression in pieces:
-        if _TAIL.fullmatch(text) or expression is None:
+        if _TAIL.fullmatch(order_code_text) or expression is None:
             return ""
-        if not text.startswith(before):
+        if not order_code_text.startswith(before):
             if is_left_open:
                 continue
             return ""
-        rest = text.removeprefix(before)
+        rest = order_code_text.removeprefix(before)
         match = expression.match(rest) or _LEFT_OPEN.match(rest)
         if match is not None:
             is_left_open = rest[0] in "x.…_*"
-            text = rest[match.end() :]
+            order_code_text = rest[match.end() :]
         elif before or not is_left_open:
             return _first_word(rest)
     return ""

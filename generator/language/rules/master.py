@@ -46,14 +46,14 @@ class _CitedPart(WrittenPart):
     places: tuple[WrittenPlace, ...] = described_key("Places.", default=())
 
 
-def check_master(data: dict[str, object], report: DocumentReport) -> None:
+def check_master(master_data: dict[str, object], report: DocumentReport) -> None:
     """Add every problem of a description of a master that follows the schema.
 
     Sources, conditions and places can occur at any depth, so every map is searched for them.
     """
-    master = WrittenMaster(data)
+    master = WrittenMaster(master_data)
     _check_name(master, report)
-    for path, node in _yield_maps(data, ()):
+    for path, node in _yield_maps(master_data, ()):
         cited_part = _CitedPart(node, path)
         condition = WrittenCondition(node, path)
         if cited_part.source:
@@ -110,25 +110,25 @@ def _yield_maps(node: object, path: Path) -> Iterator[tuple[Path, dict[str, obje
             yield from _yield_maps(value, (*path, index))
 
 
-def _check_source(text: str, path: Path, master: WrittenMaster, report: DocumentReport) -> None:
+def _check_source(source_text: str, path: Path, master: WrittenMaster, report: DocumentReport) -> None:
     """Check that the documents of a source, such as ``manual:6.4; errata``, are listed. The places are not checked."""
     documents = master.documents
-    for piece in text.split(";"):
+    for piece in source_text.split(";"):
         key = piece.partition(":")[0].strip()
         if key not in documents:
             report.add("undefined-reference", path, f"{quoted(key)} is not in 'documents'{suggestion(key, documents)}")
 
 
-def _is_item(name: str, path: Path, report: DocumentReport, valid_items: tuple[str, ...] = _ITEMS) -> bool:
-    """Return True if ``name`` is one of the valid items of a record, otherwise report it.
+def _is_item(item_name: str, path: Path, report: DocumentReport, valid_items: tuple[str, ...] = _ITEMS) -> bool:
+    """Return True if ``item_name`` is one of the valid items of a record, otherwise report it.
 
     A record describes an encoder for a master. Its items are words and numbers.
     """
-    if name in valid_items:
+    if item_name in valid_items:
         return True
-    hint = "; it is a word, not a number" if name in _ITEMS else suggestion(name, valid_items)
+    hint = "; it is a word, not a number" if item_name in _ITEMS else suggestion(item_name, valid_items)
     noun = "number" if valid_items is not _ITEMS else "item"
-    report.add("undefined-reference", path, f"the record has no {noun} {quoted(name)}{hint}")
+    report.add("undefined-reference", path, f"the record has no {noun} {quoted(item_name)}{hint}")
     return False
 
 
@@ -169,11 +169,11 @@ def _check_bounds(lowest: _Bound, highest: _Bound, path: Path, report: DocumentR
         report.add("value-clash", (*path, highest.key), message)
 
 
-def _check_word(word: int | str, name: str, path: Path, report: DocumentReport) -> bool:
+def _check_word(word: int | str, setting_word: str, path: Path, report: DocumentReport) -> bool:
     """Return True if the item can be this word, otherwise report it."""
-    words = WORDS[name]
+    words = WORDS[setting_word]
     if word not in words:
-        message = f"'{name}' cannot be {quoted(word)}{suggestion(str(word), words, 'use one of')}"
+        message = f"'{setting_word}' cannot be {quoted(word)}{suggestion(str(word), words, 'use one of')}"
         report.add("undefined-reference", path, message)
     return word in words
 
@@ -196,10 +196,10 @@ def _check_setting(setting: WrittenSetting, as_written: WrittenSetting, report: 
         _check_setting_value(setting, kinds[0], report)
 
 
-def _check_setting_value(setting: WrittenSetting, kind: str, report: DocumentReport) -> None:
+def _check_setting_value(setting: WrittenSetting, value_type: str, report: DocumentReport) -> None:
     """Check the value of a setting, and that the keys ``as`` and ``bound`` are only next to a ``value``."""
     for key, text in (("as", setting.as_), ("bound", setting.bound)):
-        if text and kind != "value":
+        if text and value_type != "value":
             report.add("setting-shape", setting.place_of(key), f"'{key}' needs 'value'", at_key=True)
     if setting.as_ == "boolean" and setting.bound:
         report.add("setting-shape", setting.place_of("bound"), "a boolean cannot be a bound", at_key=True)
@@ -226,7 +226,7 @@ def _check_place(place: WrittenPlace, master: WrittenMaster, report: DocumentRep
     place_keys = [key for key in _PLACES if place.has(key)]
     if not place_keys:
         report.add("setting-shape", path, f"a place is missing; add {listed(map(quoted, _PLACES), 'or')}")
-    if "where" in place_keys and len(place_keys) > 1:
+    if place.has("where") and len(place_keys) > 1:
         message = f"'where' says that no place is given, but {quoted(place_keys[0])} gives one; keep one of the two"
         report.add("setting-shape", (*path, "where"), message, at_key=True)
     _check_object_and_bits(place, report)
@@ -296,12 +296,12 @@ def _check_file(file: WrittenMasterFile, master: WrittenMaster, report: Document
 
 
 def _check_setting_name(
-    name: str, path: Path, master: WrittenMaster, report: DocumentReport, *, at_key: bool = False
+    setting_name: str, path: Path, master: WrittenMaster, report: DocumentReport, *, at_key: bool = False
 ) -> None:
     """Check that there is a setting of this name."""
     names = [setting.name for setting in master.settings]
-    if name not in names:
-        message = f"there is no setting {quoted(name)}{suggestion(name, names)}"
+    if setting_name not in names:
+        message = f"there is no setting {quoted(setting_name)}{suggestion(setting_name, names)}"
         report.add("undefined-reference", path, message, at_key=at_key)
 
 
@@ -341,10 +341,10 @@ def _check_write_condition(condition: WrittenWriting, master: WrittenMaster, rep
         report.add("writing-shape", condition.path, "'after' also needs 'of', the settings to write later")
 
 
-def _check_expression(value: int | str, path: Path, report: DocumentReport) -> None:
+def _check_expression(expression_text: int | str, path: Path, report: DocumentReport) -> None:
     """Check that an expression is valid, and that its names are numbers of a record."""
     try:
-        expression = Expression.parse(value)
+        expression = Expression.parse(expression_text)
     except ExpressionError as error:
         report.add("bad-expression", path, str(error))
         return
@@ -365,12 +365,12 @@ def _check_choice(choice: WrittenChoice, report: DocumentReport) -> None:
         earlier_values.add(case.is_)
 
 
-def _check_case_value(name: str, value: int | str, path: Path, report: DocumentReport) -> bool:
+def _check_case_value(name: str, case_value: int | str, path: Path, report: DocumentReport) -> bool:
     """Return True if an item can have this value, otherwise report it."""
     if name in WORDS:
-        return _check_word(value, name, path, report)
-    if not isinstance(value, int):
-        report.add("wrong-type", path, f"'{name}' must be a number; {quoted(value)} is not one")
+        return _check_word(case_value, name, path, report)
+    if not isinstance(case_value, int):
+        report.add("wrong-type", path, f"'{name}' must be a number; {quoted(case_value)} is not one")
         return False
     return True
 
@@ -390,8 +390,8 @@ def _check_string(rule: WrittenString, report: DocumentReport) -> None:
         _check_braces(field.text, ("bits", "name", *_ITEMS), field.place_of("text"), report)
 
 
-def _check_braces(text: str, known_names: tuple[str, ...], path: Path, report: DocumentReport) -> None:
+def _check_braces(text_with_items: str, known_names: tuple[str, ...], path: Path, report: DocumentReport) -> None:
     """Report each name in braces, as in ``{bits}``, that is not a known one."""
-    for name in _BRACES.findall(text):
+    for name in _BRACES.findall(text_with_items):
         if name not in known_names:
             report.add("undefined-reference", path, f"there is no {{{name}}}{suggestion(name, known_names)}")

@@ -13,7 +13,7 @@ _ANGLE = ("counts_per_turn", "turns")
 _LENGTH = ("step_um", "step_nm", "per_counts", "modulus")
 
 
-def check_measurement_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_measurement_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a measurement matches the movement: of an angle if it is rotary, of a length if it is linear.
 
     Each needs the size of a count. ``highest`` needs ``turns`` or ``modulus``.
@@ -24,7 +24,7 @@ def check_measurement_shape(spec: WrittenSpec, raw: WrittenSpec, report: Documen
     keys_of_movement, foreign_keys = (_ANGLE, _LENGTH) if movement == "rotary" else (_LENGTH, _ANGLE)
     unit_key = keys_of_movement[0]
     total_key = keys_of_movement[-1]
-    raw_measurements = {measurement.path: measurement for measurement in measurements(raw)}
+    raw_measurements = {measurement.path: measurement for measurement in measurements(as_read)}
     for measurement in measurements(spec):
         raw_measurement = raw_measurements[measurement.path]
         # A key rejected by the schema was removed. It must not be reported as missing, too.
@@ -44,21 +44,21 @@ def check_measurement_shape(spec: WrittenSpec, raw: WrittenSpec, report: Documen
             report.add("measurement-shape", (*measurement.path, "highest"), problem, at_key=True)
 
 
-def check_position_range_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_position_range_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the range of one layout has a position to refer to, and matches the movement.
 
     The layout must carry the position that the measurement of its interface, or else of the device, names.
     """
-    groups = by_name(raw.field_groups)
-    own_measurements = {name: interface.measurement for name, interface in interfaces(raw)}
-    raw_frames = {frame.owner.path: frame for frame in layouts(raw)}
+    groups = by_name(as_read.field_groups)
+    own_measurements = {name: interface.measurement for name, interface in interfaces(as_read)}
+    raw_frames = {frame.owner.path: frame for frame in layouts(as_read)}
     for frame in layouts(spec):
         own_range = frame.layout.position_range if frame.layout is not None else None
         if own_range is None or not own_range.data:
             continue
         own_measurement = own_measurements[frame.interface]
         has_own_measurement = own_measurement is not None and own_measurement.data
-        measurement = own_measurement if has_own_measurement else raw.measurement
+        measurement = own_measurement if has_own_measurement else as_read.measurement
         raw_frame = raw_frames[report.document.original(frame.owner.path)]
         name = quoted(raw_frame.name)
         if measurement is None or not measurement.data:
@@ -89,8 +89,9 @@ def _check_range_keys(
             problem = f"{quoted(contradictions[0])} contradicts 'wraps: false'; leave one of the two out"
             report.add("measurement-shape", (*path, contradictions[0]), problem, at_key=True)
         return
-    stated_keys = own_range.data.keys() | (measurement.data.keys() if measurement is not None else ())
-    has_total = total_key in stated_keys or "modulus" in stated_keys
+    has_total = own_range.has(total_key) or own_range.has("modulus")
+    if measurement is not None and not has_total:
+        has_total = measurement.has(total_key) or measurement.has("modulus")
     if own_range.has("highest") and not has_total:
         problem = f"'highest' has no effect without {quoted(total_key)}; add it, or leave 'highest' out"
         report.add("measurement-shape", (*path, "highest"), problem, at_key=True)

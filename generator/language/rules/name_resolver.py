@@ -21,22 +21,22 @@ class NameResolver:
     ``groups``, ``registers`` and ``procedures`` are the parts by their names.
     """
 
-    def __init__(self, raw: WrittenSpec, report: DocumentReport) -> None:
+    def __init__(self, as_read: WrittenSpec, report: DocumentReport) -> None:
         self._report = report
-        interfaces = list(raw.interfaces.data)
-        self.parameter_names = raw.names_in("parameters")
+        interfaces = list(as_read.interfaces.data)
+        self.parameter_names = as_read.names_in("parameters")
         # Names that are misspelt themselves: unknown interfaces, and those that the schema check rejected.
         self._broken = {name for name in interfaces if name not in INTERFACES}
         for path in report.faults():
-            name = value_at(raw.data, path) if path[-1] == "name" else path[-1]
+            name = value_at(as_read.data, path) if path[-1] == "name" else path[-1]
             if isinstance(name, str) and not _NAME.fullmatch(name):
                 self._broken.add(name)
-        self.groups = by_name(raw.field_groups)
-        self.registers = by_name(raw.registers)
-        self.procedures = by_name(raw.procedures)
+        self.groups = by_name(as_read.field_groups)
+        self.registers = by_name(as_read.registers)
+        self.procedures = by_name(as_read.procedures)
         self._known: Mapping[str, Collection[str]] = {
-            "CRC": by_part_name(raw.crcs),
-            "erratum": by_name(raw.errata),
+            "CRC": by_part_name(as_read.crcs),
+            "erratum": by_name(as_read.errata),
             "field group": self.groups,
             "interface": interfaces,
             "parameter": self.parameter_names,
@@ -44,13 +44,13 @@ class NameResolver:
             "register": self.registers,
         }
 
-    def refer(self, path: Path, kind: str, name: str, known_names: Collection[str] | None = None) -> None:
+    def refer(self, path: Path, thing: str, name: str, known_names: Collection[str] | None = None) -> None:
         """Report ``name`` at ``path`` unless it is in ``known_names``, by default all names of its kind.
 
         If one of the known names is itself broken, it is reported already, and ``name`` may be the correct spelling.
         Then the place is only marked as faulty, unless an intact name is similar.
         """
-        choices = self._known[kind] if known_names is None else known_names
+        choices = self._known[thing] if known_names is None else known_names
         if name in choices:
             return
         has_broken_choice = not self._broken.isdisjoint(choices)
@@ -58,7 +58,7 @@ class NameResolver:
         if has_broken_choice and not nearest_choice(name, intact_choices):
             self._report.mark(path)
             return
-        problem = f"there is no {kind} {quoted(name)}{suggestion(name, choices)}"
+        problem = f"there is no {thing} {quoted(name)}{suggestion(name, choices)}"
         self._report.add("undefined-reference", path, problem, cause=name)
 
     def report_problem(self, path: Path, problem: str) -> None:
@@ -66,22 +66,22 @@ class NameResolver:
         self._report.add("undefined-reference", path, problem)
 
     def refer_if_given(
-        self, path: Path, kind: str, name: str | None, known_names: Collection[str] | None = None
+        self, path: Path, thing: str, name: str | None, known_names: Collection[str] | None = None
     ) -> None:
         """Call ``refer`` for a name that may be missing."""
         if name:
-            self.refer(path, kind, name, known_names)
+            self.refer(path, thing, name, known_names)
 
     def refer_to_each(
-        self, path: Path, kind: str, names: Sequence[str], known_names: Collection[str] | None = None
+        self, path: Path, thing: str, names: Sequence[str], known_names: Collection[str] | None = None
     ) -> None:
         """Call ``refer`` for each name of a list."""
         for index, name in enumerate(names):
-            self.refer((*path, index), kind, name, known_names)
+            self.refer((*path, index), thing, name, known_names)
 
-    def refer_to_bit(self, path: Path, text: str) -> None:
-        """Report ``text``, written as ``register.field``, unless both exist."""
-        name, _, field = text.partition(".")
+    def refer_to_bit(self, path: Path, bit_path: str) -> None:
+        """Report ``bit_path``, written as ``register.field``, unless both exist."""
+        name, _, field = bit_path.partition(".")
         self.refer(path, "register", name)
         if name in self.registers:
             self.refer(path, f"field of {quoted(name)} called", field, self.bits(name))

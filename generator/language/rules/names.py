@@ -9,7 +9,16 @@ from ..schema_files import family_of
 from ..written_codes import WrittenRegister
 from ..written_interfaces import WrittenRs485
 from ..written_parts import WrittenSpec
-from .parts import PlacedPart, by_name, expanded, field_lists, interface_of, interfaces, last_address, layouts
+from .parts import (
+    PlacedPart,
+    by_name,
+    field_lists,
+    interface_of,
+    interfaces,
+    last_address,
+    layouts,
+    with_groups_expanded,
+)
 
 #: Keys of a data ID that must be unique, each with the word for such a data ID.
 _DATA_ID_LABELS = (
@@ -38,7 +47,7 @@ TAKEN = {
 Named = tuple[Path, object]
 
 
-def check_device_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_device_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a family and its file have the same name, and that no output reserves it."""
     stem = report.document.family or family_of(report.document.file)
     name = spec.device
@@ -49,7 +58,7 @@ def check_device_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
         report.add("device-name", ("device",), f"{quoted(name)} is the name of {TAKEN[name]}; rename the family")
 
 
-def check_duplicate_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_duplicate_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that names are unique among items of one kind, within the spec or within the item that contains them."""
     for word, parts in _named_parts(spec).items():
         _check_unique(_yield_labels(parts, "name"), word, report)
@@ -93,7 +102,7 @@ def _named_parts(spec: WrittenSpec) -> dict[str, Sequence[PlacedPart]]:
     }
 
 
-def check_duplicate_title(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_duplicate_title(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two errata have the same title, because readers see only the title."""
     first_paths: dict[str, Path] = {}
     for erratum in spec.errata:
@@ -106,7 +115,7 @@ def check_duplicate_title(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
             report.add("duplicate-name", erratum.place_of("title"), message)
 
 
-def check_duplicate_field(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_duplicate_field(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that fields, joins and runs of digits of a layout or register have unique names.
 
     A decoder returns all of them.
@@ -115,7 +124,7 @@ def check_duplicate_field(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
     for field_list in field_lists(spec):
         named_values: list[Named] = []
         use_paths = {field.path for field in field_list.fields if field.use}
-        for path, field in expanded(field_list, groups):
+        for path, field in with_groups_expanded(field_list, groups):
             # A name in a group is reported at its use, because that is what makes it occur twice.
             name_path = path if path in use_paths else (*path, "name")
             named_values.append((name_path, field.name or None))  # None is not compared.
@@ -125,7 +134,7 @@ def check_duplicate_field(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
         _check_unique(named_values, "a field", report)
 
 
-def check_duplicate_selection(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_duplicate_selection(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that each value of the selecting field identifies one frame of its sender and interface."""
     first_names: dict[tuple[str, str, int], str] = {}
     for frame in layouts(spec):
@@ -145,7 +154,7 @@ def check_duplicate_selection(spec: WrittenSpec, raw: WrittenSpec, report: Docum
                 report.add("duplicate-name", (*frame.owner.path, "when", selector, index), message)
 
 
-def check_duplicate_address(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_duplicate_address(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two registers of an interface and bank share a byte.
 
     A read-only and a write-only register may begin at the same address.
@@ -190,7 +199,7 @@ def _report_overlap(register: WrittenRegister, earlier_register: WrittenRegister
     report.add("duplicate-address", register.place_of("address"), message)
 
 
-def check_value_clash(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_value_clash(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two named values of a field have the same number, because a decoder could not choose."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -202,21 +211,21 @@ def check_value_clash(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
                     report.add("value-clash", value.place_of("value"), message)
 
 
-def _yield_labels(parts: Sequence[PlacedPart], label: str) -> Iterator[Named]:
+def _yield_labels(placed_parts: Sequence[PlacedPart], label: str) -> Iterator[Named]:
     """Yield the value under the key ``label`` of each part, with its path."""
-    for part in parts:
+    for part in placed_parts:
         yield (*part.path, label), part.data[label]
 
 
-def _names_for_all_codes(parts: Sequence[PlacedPart]) -> Iterator[Named]:
+def _names_for_all_codes(placed_parts: Sequence[PlacedPart]) -> Iterator[Named]:
     """Yield the names of the parts that apply to all order codes. Facts for others are compared by order code."""
-    return _yield_labels([part for part in parts if "only" not in part.data], "name")
+    return _yield_labels([part for part in placed_parts if not part.has("only")], "name")
 
 
-def _labels_in(path: Path, key: str, label: str, values: Iterable[str]) -> Iterator[Named]:
-    """Yield the values under the key ``label`` of the items of the list ``key``, each with its path."""
+def _labels_in(path: Path, list_key: str, label: str, values: Iterable[str]) -> Iterator[Named]:
+    """Yield the values under the key ``label`` of the items of the list ``list_key``, each with its path."""
     for index, value in enumerate(values):
-        yield (*path, key, index, label), value
+        yield (*path, list_key, index, label), value
 
 
 def _check_unique(named_values: Iterable[Named], word: str, report: DocumentReport) -> None:
@@ -241,6 +250,7 @@ def _address_space(register: WrittenRegister) -> tuple[str, int | None]:
 
 
 def _address_range(register: WrittenRegister) -> str:
+    """Return the addresses of a register as text, such as ``addresses 0x10 to 0x13``."""
     first = register.address
     last = last_address(register)
     return f"address {first:#04x}" if first == last else f"addresses {first:#04x} to {last:#04x}"

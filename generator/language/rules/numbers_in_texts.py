@@ -33,7 +33,7 @@ _ELSEWHERE = frozenset(("documents", "editions", "evidence"))
 _QUOTED = frozenset(("printed", "title", "why"))
 
 
-def check_characters(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_characters(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the hexadecimal characters in the meaning of a text field are those of its ``equals``."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -49,7 +49,7 @@ def check_characters(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
                 report.add("printed-number", field.place_of("equals"), message)
 
 
-def check_constant_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_constant_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a fixed field whose meaning says ``always`` and a single number has this number."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -62,7 +62,7 @@ def check_constant_bits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
                     report.add("printed-number", field.place_of(key), message)
 
 
-def check_counts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_counts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the counts or revolutions in the meaning of an order code value are those that it sets.
 
     They are computed by the formulas of the measurement, if the value sets all their parameters.
@@ -120,7 +120,7 @@ def _evaluate_formula(formula: Expression, parameters: Mapping[str, int]) -> int
         return None
 
 
-def check_widths(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_widths(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the only range of bits in the meaning of a parameter is that of the order codes.
 
     The order codes set the parameter, or those from which it is derived. Its bounds are those with all at their lowest
@@ -161,7 +161,7 @@ def _ranges_set(spec: WrittenSpec) -> dict[str, tuple[int, int]]:
     return {name: (min(set_numbers), max(set_numbers)) for name, set_numbers in numbers_by_parameter.items()}
 
 
-def check_equal_numbers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_equal_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a text that gives a number in decimal and in hexadecimal gives the same number.
 
     A text that gives bits and their number, as in ``bits 7:4, which are 4 bits``, must agree as well.
@@ -192,7 +192,7 @@ def _own_texts(spec: WrittenSpec, report: DocumentReport) -> Iterator[tuple[Path
             yield path, text
 
 
-def check_standards(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_standards(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a text names a usual standard of lines, such as RS-485. Printed texts of errata may name any.
 
     Others are accepted by their full names, such as TIA-899.
@@ -207,7 +207,7 @@ def check_standards(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
             report.add("unknown-standard", path, message)
 
 
-def check_figures(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_figures(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a figure that a text names is one of those that the spec lists as lost, if it gives their numbers."""
     lost_numbers: set[int] = set()
     for figure in spec.lost_figures:
@@ -221,9 +221,9 @@ def check_figures(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -
             report.add("figure-number", path, message)
 
 
-def _figure_numbers(text: str) -> Iterator[int]:
+def _figure_numbers(figure_text: str) -> Iterator[int]:
     """Yield the numbers of the figures that a text names: 2, 3, 4 and 7 for ``Figures 2 to 4 and 7``."""
-    for listed_numbers in _FIGURES.findall(text):
+    for listed_numbers in _FIGURES.findall(figure_text):
         for numbers in re.split(", | and ", listed_numbers):
             first_text, _, last_text = numbers.partition(" to ")
             first = int(first_text)

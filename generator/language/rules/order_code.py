@@ -16,10 +16,10 @@ from .name_resolver import NameResolver
 from .parts import by_name, origins_of
 
 
-def check_order_code_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_order_code_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of order code values: parameters, interfaces, other parts and their labels."""
-    resolver = NameResolver(raw, report)
-    parts = by_name(raw.order_code.parts)
+    resolver = NameResolver(as_read, report)
+    parts = by_name(as_read.order_code.parts)
     for part in spec.order_code.parts:
         other_parts = [name for name in parts if name != part.name]
         _check_combinations(resolver, part.place_of("open_only_with"), part.open_only_with, parts, other_parts)
@@ -34,14 +34,14 @@ def _check_combinations(
     resolver: NameResolver,
     path: Path,
     labels_by_part: Mapping[str, Sequence[str]],
-    parts: Mapping[str, WrittenCodePart],
+    parts_by_name: Mapping[str, WrittenCodePart],
     other_parts: Sequence[str],
 ) -> None:
     """Check that the parts with which a value can be combined exist, and that they have the listed labels."""
     for name, labels in labels_by_part.items():
         resolver.refer((*path, name), "other part", name, other_parts)
-        if name in parts:
-            known_labels = parts[name].names_in("values")
+        if name in parts_by_name:
+            known_labels = parts_by_name[name].names_in("values")
             resolver.refer_to_each((*path, name), name, labels, known_labels)
 
 
@@ -82,9 +82,9 @@ class _Code:
         return names
 
 
-def check_order_code_pattern(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_order_code_pattern(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that pattern and parts agree, and then that codes set each parameter once and select one interface."""
-    if not is_whole(spec.data, raw.data):
+    if not is_whole(spec.data, as_read.data):
         return
     problems_before = len(report)
     _check_pattern(spec, report)
@@ -102,9 +102,9 @@ def check_order_code_pattern(spec: WrittenSpec, raw: WrittenSpec, report: Docume
         _check_codes(spec, codes, report)
 
 
-def check_ambiguous_order_codes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_ambiguous_order_codes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no text on a label can be read in two ways: as two codes, or as one code split in two ways."""
-    if not is_whole(spec.data, raw.data):
+    if not is_whole(spec.data, as_read.data):
         return
     parts, pattern = spec.order_code.parts, spec.order_code.pattern
     part_names = {part.name for part in parts}
@@ -143,17 +143,17 @@ def _find_ambiguity(spec: WrittenSpec) -> str:
     return ""
 
 
-def _has_fixed_length(part: WrittenCodePart) -> bool:
-    return not part.open and len(set(map(len, part.values))) == 1
+def _has_fixed_length(code_part: WrittenCodePart) -> bool:
+    return not code_part.open and len(set(map(len, code_part.values))) == 1
 
 
 def _reading_text(names: Sequence[str], reading: Sequence[str]) -> str:
     return ", ".join(f"{name} {text}" for name, text in zip(names, reading, strict=True))
 
 
-def check_also_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_also_written(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an alternative spelling has every part exactly once, and that its texts represent listed labels."""
-    if not is_whole(spec.data, raw.data):
+    if not is_whole(spec.data, as_read.data):
         return
     parts = {part.name: part for part in spec.order_code.parts}
     for spelling in spec.order_code.also_written:
@@ -170,14 +170,16 @@ def check_also_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
         report.add("also-written", spelling.place_of("pattern"), message)
 
 
-def _check_spelling(spelling: WrittenSpelling, parts: Mapping[str, WrittenCodePart], report: DocumentReport) -> None:
+def _check_spelling(
+    spelling: WrittenSpelling, parts_by_name: Mapping[str, WrittenCodePart], report: DocumentReport
+) -> None:
     """Check that the texts of an alternative spelling represent listed labels, and that its expression is valid."""
     for name, texts_to_labels in spelling.values.items():
-        if name not in parts:
-            message = f"there is no part {quoted(name)}; known: {', '.join(parts)}"
+        if name not in parts_by_name:
+            message = f"there is no part {quoted(name)}; known: {', '.join(parts_by_name)}"
             report.add("also-written", (*spelling.path, "values", name), message, at_key=True)
             continue
-        listed_labels = parts[name].values
+        listed_labels = parts_by_name[name].values
         for printed_text, label in texts_to_labels.items():
             if label not in listed_labels:
                 message = f"{quoted(label)} is not a value of {name}; known: {', '.join(listed_labels)}"
@@ -190,25 +192,26 @@ def _check_spelling(spelling: WrittenSpelling, parts: Mapping[str, WrittenCodePa
         report.add("also-written", spelling.place_of("then"), message)
 
 
-def _without_blanks(text: str) -> str:
+def _without_blanks(label: str) -> str:
     """Return the text as used to compare labels, where blanks are ignored."""
-    return "".join(text.split()).upper()
+    return "".join(label.split()).upper()
 
 
-def is_whole(data: dict[str, object], data_as_read: dict[str, object]) -> bool:
+def is_whole(checked_data: dict[str, object], data_as_read: dict[str, object]) -> bool:
     """Return True if only prose was cut out of order codes and parameters, so that no missing part causes errors."""
     for key in ("order_code", "parameters"):
-        if key not in data or _without_prose(data[key]) != _without_prose(data_as_read[key]):
+        if key not in checked_data or _without_prose(checked_data[key]) != _without_prose(data_as_read[key]):
             return False
     return True
 
 
-def _without_prose(value: object) -> object:
-    if isinstance(value, dict):
-        return {key: _without_prose(inner) for key, inner in value.items() if key not in WORDS_ONLY}
-    if isinstance(value, list):
-        return [_without_prose(inner) for inner in value]
-    return value
+def _without_prose(node: object) -> object:
+    """Return a copy of maps and lists without the keys that hold only prose."""
+    if isinstance(node, dict):
+        return {key: _without_prose(inner) for key, inner in node.items() if key not in WORDS_ONLY}
+    if isinstance(node, list):
+        return [_without_prose(inner) for inner in node]
+    return node
 
 
 def _check_pattern(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -266,14 +269,14 @@ def _has_no_default(spec: WrittenSpec, parameter: WrittenParameter) -> bool:
     return any(register.name == name and register.default is None for register in spec.registers)
 
 
-def _expression_fault(text: str) -> str:
-    """Return the reason that ``text`` cannot be the expression of an open part, or an empty string if it can."""
+def _expression_fault(regular_expression: str) -> str:
+    """Return the reason that an expression cannot be that of an open part, or an empty string if it can."""
     try:
-        re.compile(text)
+        re.compile(regular_expression)
     except (re.error, OverflowError) as error:
         return str(error)
     # Each repetition multiplies the ways to match a label. Three are more than any catalogue needs.
-    repetitions = _COUNT.findall(_CLASS.sub("", text))
+    repetitions = _COUNT.findall(_CLASS.sub("", regular_expression))
     return "more than three repetitions" if len(repetitions) > 3 else ""
 
 
@@ -307,17 +310,17 @@ def _interface_fault(spec: WrittenSpec, code: _Code) -> str:
     return f"{rule}, but {code.text} selects none; {remedy}"
 
 
-def _parameter_fault(name: str, code: _Code, parameters: Mapping[str, WrittenParameter]) -> str:
+def _parameter_fault(parameter_name: str, code: _Code, parameters: Mapping[str, WrittenParameter]) -> str:
     """Return the message about a code that does not set a parameter exactly once, or an empty string."""
     set_parameters = code.set_parameters
-    count = set_parameters.count(name)
+    count = set_parameters.count(parameter_name)
     if count > 1:
-        return f"{count} parts of {code.text} set {quoted(name)}; only one may"
+        return f"{count} parts of {code.text} set {quoted(parameter_name)}; only one may"
     # A misspelt name, which another rule reports, may be meant as this one.
     has_unknown_name = any(set_name not in parameters for set_name in set_parameters)
     if count == 0 and not has_unknown_name:
         return (
-            f"no part of {code.text} sets {quoted(name)}; "
+            f"no part of {code.text} sets {quoted(parameter_name)}; "
             "every code must set it, or the parameter needs 'equals', 'read_from' or 'alternative'"
         )
     return ""
@@ -378,36 +381,40 @@ def _fill_pattern(pattern: str, labels: dict[str, str]) -> str:
     return _BRACES.sub(lambda brace: labels.get(brace[1], ""), pattern)
 
 
-def _value_test(part: WrittenCodePart) -> Callable[[str], bool]:
+def _value_test(code_part: WrittenCodePart) -> Callable[[str], bool]:
     """Return the predicate that is True for a text in capitals that is a label of a part or matches its ``open``."""
-    listed_labels = frozenset(value.upper() for value in part.values)
-    if not part.open:
+    listed_labels = frozenset(value.upper() for value in code_part.values)
+    if not code_part.open:
         return listed_labels.__contains__
-    expression = re.compile(part.open, re.IGNORECASE)
+    expression = re.compile(code_part.open, re.IGNORECASE)
     return lambda text: text in listed_labels or expression.fullmatch(text) is not None
 
 
 def _yield_readings(
-    text: str, pieces: Sequence[str], value_tests: Mapping[str, Callable[[str], bool]], start: int = 0, index: int = 0
+    label_text: str,
+    pieces: Sequence[str],
+    value_tests: Mapping[str, Callable[[str], bool]],
+    start: int = 0,
+    index: int = 0,
 ) -> Iterator[tuple[str, ...]]:
-    """Yield every way to split ``text`` from ``start`` into the pattern's ``pieces`` from ``index``, as the labels.
+    """Yield every way to split a label from ``start`` into the pattern's ``pieces`` from ``index``, as the labels.
 
     Pieces at even indices are literals, those at odd indices are names of parts. The last piece is a literal.
     """
     literal = pieces[index].upper()
-    if not text.startswith(literal, start):
+    if not label_text.startswith(literal, start):
         return
     label_start = start + len(literal)
     is_last_piece = index == len(pieces) - 1
     if is_last_piece:
-        if label_start == len(text):
+        if label_start == len(label_text):
             yield ()
         return
     is_label = value_tests[pieces[index + 1]]
-    for end in range(label_start, len(text) + 1):
-        label = text[label_start:end]
+    for end in range(label_start, len(label_text) + 1):
+        label = label_text[label_start:end]
         if is_label(label):
-            for later_labels in _yield_readings(text, pieces, value_tests, end, index + 2):
+            for later_labels in _yield_readings(label_text, pieces, value_tests, end, index + 2):
                 yield (label, *later_labels)
 
 

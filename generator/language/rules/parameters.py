@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 from ...model.expressions import Expression, ExpressionError, Factor
 from ..problems import DocumentReport, Path, listed, quoted
@@ -17,13 +18,13 @@ from .parts import (
     PlacedPart,
     WrittenInterface,
     by_name,
-    expanded,
     field_lists,
     interface_of,
     interfaces,
     layouts,
     measurements,
     origins_of,
+    with_groups_expanded,
 )
 
 #: Quantities by their units as manuals name them. Other units are used unchanged.
@@ -55,11 +56,11 @@ def kind_of_unit(unit: str) -> str:
     return _KIND_OF.get(unit, unit)
 
 
-def check_parameter_interface(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_parameter_interface(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an expression of one interface uses no parameter of another, directly or through other parameters."""
-    for path, interface, text in uses(spec, raw):
-        for name in dict.fromkeys(all_parameters(text, raw.parameters)):
-            owner_interface = raw.parameters[name].interface
+    for path, interface, text in parameter_uses(spec, as_read):
+        for name in dict.fromkeys(all_parameters(text, as_read.parameters)):
+            owner_interface = as_read.parameters[name].interface
             if owner_interface is not None and owner_interface != interface:
                 report.add(
                     "parameter-interface",
@@ -93,16 +94,24 @@ def expressions(spec: WrittenSpec) -> _Expressions:
         yield from _of_words(interface)
 
 
-def uses(spec: WrittenSpec, raw: WrittenSpec | None = None) -> Iterator[tuple[Path, str, int | str]]:
-    """Yield each use of an expression or parameter by an interface: the place, the interface, and the text.
+class ParameterUse(NamedTuple):
+    """An expression or a parameter, its place, and an interface that uses it."""
+
+    path: Path
+    interface: str
+    text: int | str
+
+
+def parameter_uses(spec: WrittenSpec, as_read: WrittenSpec | None = None) -> Iterator[ParameterUse]:
+    """Yield each use of an expression or parameter by an interface.
 
     A field of a group is yielded for each layout or register that uses the group.
     """
-    groups = by_name((raw if raw is not None else spec).field_groups)
+    groups = by_name((as_read if as_read is not None else spec).field_groups)
     field_owners = list(layouts(spec))
     field_owners += [FieldList(Has.REGISTER, register, interface_of(register)) for register in spec.registers]
     for field_list in field_owners:
-        for path, field in expanded(field_list, groups):
+        for path, field in with_groups_expanded(field_list, groups):
             yield from _used_by(field_list.interface, _of_field(field, path))
         yield from _used_by(field_list.interface, _of_owner(field_list))
     for name, interface in interfaces(spec):
@@ -113,10 +122,10 @@ def uses(spec: WrittenSpec, raw: WrittenSpec | None = None) -> Iterator[tuple[Pa
         yield from _used_by(name, _of_words(interface))
 
 
-def _used_by(interface: str, expressions: _Expressions) -> Iterator[tuple[Path, str, int | str]]:
-    """Yield expressions with the interface that uses them: the place, the interface, and the text."""
+def _used_by(interface: str, expressions: _Expressions) -> Iterator[ParameterUse]:
+    """Yield expressions with the interface that uses them."""
     for path, text in expressions:
-        yield path, interface, text
+        yield ParameterUse(path=path, interface=interface, text=text)
 
 
 def _of_owner(fields: FieldList) -> _Expressions:
@@ -135,12 +144,12 @@ def _of_position_range(fields: FieldList) -> _Expressions:
         yield from _expressions_under(fields.layout.position_range, _MEASURED)
 
 
-def _expressions_under(part: PlacedPart, keys: Iterable[str]) -> _Expressions:
+def _expressions_under(owner: PlacedPart, keys: Iterable[str]) -> _Expressions:
     """Yield the expressions under these keys of a part. The schema allows only numbers and texts there."""
     for key in keys:
-        text = part.data.get(key)
+        text = owner.data.get(key)
         if isinstance(text, (int, str)):
-            yield (*part.path, key), text
+            yield (*owner.path, key), text
 
 
 def _of_words(interface: WrittenInterface) -> _Expressions:
@@ -160,9 +169,9 @@ def _of_field(field: WrittenField, path: Path) -> _Expressions:
 _MOST_TERMS = 256
 
 
-def all_parameters(text: object, parameters: Mapping[str, WrittenParameter]) -> Iterator[str]:
+def all_parameters(expression_text: object, parameters: Mapping[str, WrittenParameter]) -> Iterator[str]:
     """Yield the parameters in an expression, and those in the expressions that define them, each once."""
-    factors_to_visit = _list_factors(text)
+    factors_to_visit = _list_factors(expression_text)
     visited_names: set[str] = set()
     # The list grows during the loop: parameters named directly come before those that define them.
     for factor in factors_to_visit:
@@ -173,18 +182,18 @@ def all_parameters(text: object, parameters: Mapping[str, WrittenParameter]) -> 
             factors_to_visit += _list_factors(parameters[name].equals)
 
 
-def _list_factors(text: object) -> list[Factor]:
+def _list_factors(expression_text: object) -> list[Factor]:
     """Return the factors of all terms of an expression, or none if it is not valid."""
-    if not isinstance(text, (int, str)):
+    if not isinstance(expression_text, (int, str)):
         return []
     try:
-        terms = Expression.parse(text).terms
+        terms = Expression.parse(expression_text).terms
     except ExpressionError:  # Reported by the rule on expressions.
         return []
     return [factor for term in terms for factor in term.factors]
 
 
-def check_long_sums(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_long_sums(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no parameter becomes a long sum when the definitions of its parameters are inserted.
 
     Definitions that use others twice each would fill the memory: 30 of them are a sum of 2^30 terms.
@@ -200,17 +209,17 @@ def check_long_sums(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
             report.add("bad-expression", parameter.place_of("equals"), f"{problem}; the limit is {_MOST_TERMS}")
 
 
-def _count_of_terms(name: str, parameters: Mapping[str, WrittenParameter], counts: dict[str, int]) -> int:
+def _count_of_terms(parameter_name: str, parameters: Mapping[str, WrittenParameter], counts: dict[str, int]) -> int:
     """Return the number of terms of a parameter with all definitions inserted, which ``counts`` keeps by name."""
-    if name not in counts:
-        counts[name] = 1  # This ends a cycle, which another rule reports.
-        factors = _list_factors(parameters[name].equals) if name in parameters else []
+    if parameter_name not in counts:
+        counts[parameter_name] = 1  # This ends a cycle, which another rule reports.
+        factors = _list_factors(parameters[parameter_name].equals) if parameter_name in parameters else []
         if factors:
-            counts[name] = sum(_count_of_terms(factor.parameter, parameters, counts) for factor in factors)
-    return counts[name]
+            counts[parameter_name] = sum(_count_of_terms(factor.parameter, parameters, counts) for factor in factors)
+    return counts[parameter_name]
 
 
-def check_parameter_origin(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_parameter_origin(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the value of a parameter has at most one origin, and that ``by_code`` is next to ``read_from`` alone.
 
     ``by_code`` lists the value for each code in the register, so it excludes limits.
@@ -231,15 +240,15 @@ def check_parameter_origin(spec: WrittenSpec, raw: WrittenSpec, report: Document
             report.add("parameter-origin", parameter.place_of(limit_keys[0]), problem, at_key=True)
 
 
-def check_alternative_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_alternative_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the answers of an alternative set the same parameters, and that these name the alternative.
 
     Parameters and examples must name alternatives that exist, and examples their answers.
     """
-    resolver = NameResolver(raw, report)
-    alternatives = by_name(raw.alternatives)
+    resolver = NameResolver(as_read, report)
+    alternatives = by_name(as_read.alternatives)
     for alternative in spec.alternatives:
-        parameters_as_read = raw.parameters.items()
+        parameters_as_read = as_read.parameters.items()
         own_parameters = [name for name, parameter in parameters_as_read if parameter.alternative == alternative.name]
         _check_answers(alternative, own_parameters, resolver)
     for name, parameter in spec.parameters.items():
@@ -287,15 +296,15 @@ def _check_answers(alternative: WrittenAlternative, own_parameters: Sequence[str
                 resolver.report_problem(sets_path, problem)
 
 
-def check_alternative_use(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_alternative_use(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that alternatives affect only the places of fields, because generated code can use them only there.
 
     Those with a default affect only verdicts, which do not need a choice. So their parameters are in no expression.
     """
-    alternatives = by_name(raw.alternatives)
-    set_by_alternative = {name: parameter for name, parameter in raw.parameters.items() if parameter.alternative}
+    alternatives = by_name(as_read.alternatives)
+    set_by_alternative = {name: parameter for name, parameter in as_read.parameters.items() if parameter.alternative}
     used_texts = list(expressions(spec))
-    used_texts += [(path, text) for path, _, text in uses(spec, raw) if path[-1] == "when"]
+    used_texts += [(use.path, use.text) for use in parameter_uses(spec, as_read) if use.path[-1] == "when"]
     for path, text in used_texts:
         names = [factor.parameter for factor in _list_factors(text) if factor.parameter in set_by_alternative]
         if not names:
@@ -313,7 +322,7 @@ def check_alternative_use(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
             report.add("alternative-use", path, f"{problem}, whose default applies without a choice; {remedy}")
 
 
-def check_units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_units(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the units of fields that equal a parameter, and of the parameters in expressions.
 
     A field and its parameter have units of the same quantity, and an unknown unit is a quantity of its own. Exponents
@@ -321,15 +330,15 @@ def check_units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
     """
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            equal_parameter = raw.parameters.get(str(field.equals))
+            equal_parameter = as_read.parameters.get(str(field.equals))
             equal_unit = equal_parameter.unit if equal_parameter is not None else ""
             if field.unit and equal_unit and kind_of_unit(field.unit) != kind_of_unit(equal_unit):
                 problem = f"{quoted(field.name)} is in {field.unit}, but it equals {quoted(field.equals)}"
                 report.add("unit-mismatch", field.place_of("unit"), f"{problem}, which is in {equal_unit}")
     for path, text in expressions(spec):
         for factor in _list_factors(text):
-            if factor.parameter in raw.parameters:
-                _check_unit_of_factor(path, factor, raw.parameters[factor.parameter].unit, report)
+            if factor.parameter in as_read.parameters:
+                _check_unit_of_factor(path, factor, as_read.parameters[factor.parameter].unit, report)
 
 
 def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: DocumentReport) -> None:
@@ -349,7 +358,7 @@ def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: Documen
     report.add("unit-mismatch", path, message)
 
 
-def check_parameter_cycle(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_parameter_cycle(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no parameter is defined by itself, directly or through others."""
     definitions: dict[str, tuple[str, ...]] = {}
     for name, parameter in spec.parameters.items():
@@ -387,8 +396,9 @@ def _find_cycle(start: str, definitions: Mapping[str, tuple[str, ...]], settled:
     return []
 
 
-def _parameters_in(text: int | str) -> tuple[str, ...]:
+def _parameters_in(expression_text: int | str) -> tuple[str, ...]:
+    """Return the parameters in an expression, or none if it is not valid."""
     try:
-        return Expression.parse(text).parameters
+        return Expression.parse(expression_text).parameters
     except ExpressionError:  # Reported by the rule on expressions.
         return ()

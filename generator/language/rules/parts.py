@@ -50,6 +50,8 @@ class PlacedPart(Protocol):
     @property
     def data(self) -> Mapping[str, object]: ...
 
+    def has(self, name: str, /) -> bool: ...
+
 
 class NamedPart(Protocol):
     """A part with a name."""
@@ -184,7 +186,7 @@ def last_address(register: WrittenRegister) -> int:
     return register.address + register.length - 1
 
 
-def expanded(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, WrittenField]]:
+def with_groups_expanded(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, WrittenField]]:
     """Yield the fields with groups included. The path of a field from a group is the path of its ``use``.
 
     Another rule reports a list that is longer than its limit. Its other fields are omitted.
@@ -204,7 +206,7 @@ def _expand_groups(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, Wr
 
 def field_names(fields: FieldList, groups: Groups) -> dict[str, WrittenField]:
     """Return the fields by name, with groups included."""
-    return {field.name: field for _, field in expanded(fields, groups) if field.name}
+    return {field.name: field for _, field in with_groups_expanded(fields, groups) if field.name}
 
 
 def readable_names(fields: FieldList, groups: Groups) -> list[str]:
@@ -322,7 +324,7 @@ def value_names(field: WrittenField) -> list[str]:
 
 def fields_of(register: WrittenRegister, groups: Groups) -> Iterator[WrittenField]:
     """Yield the fields of a register, with groups included."""
-    for _, field in expanded(FieldList(Has.REGISTER, register, ""), groups):
+    for _, field in with_groups_expanded(FieldList(Has.REGISTER, register, ""), groups):
         yield field
 
 
@@ -340,7 +342,7 @@ def bank_select(spec: WrittenSpec) -> str:
     return spec.interfaces.biss.bank_select if spec.interfaces.biss is not None else ""
 
 
-def explained(document: Document, *keys: str) -> bool:
+def has_erratum_at(document: Document, *keys: str) -> bool:
     """Return True if an erratum affects exactly this place, given by keys and names: ``"interfaces", "ssi", "clock"``.
 
     A second reading has no errata, so everything counts as explained there. It repeats the printed values, and its

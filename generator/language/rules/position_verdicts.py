@@ -17,13 +17,13 @@ from .parts import (
     Has,
     by_name,
     constant_width,
-    expanded,
     field_lists,
     field_names,
     layouts,
     position_names,
     readable_names,
     value_names,
+    with_groups_expanded,
 )
 from .shapes import MOST_RESERVED_BITS, RESERVED
 
@@ -33,12 +33,12 @@ _FLAG_WORDS = ("active", "inactive")
 Fields = Mapping[str, WrittenField]
 
 
-def check_value_verdicts(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_value_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a value has a verdict only where a frame with a position has it, and that an error has one there.
 
     A group is in such a frame if one of them uses it. An error is a value whose name says so.
     """
-    groups = by_name(raw.field_groups)
+    groups = by_name(as_read.field_groups)
     position_frames = [field_list for field_list in layouts(spec) if _has_position(spec, field_list, groups)]
     position_paths = {field_list.owner.path for field_list in position_frames}
     used_groups = {field.use for field_list in position_frames for field in field_list.fields}
@@ -100,13 +100,13 @@ def _has_position(spec: WrittenSpec, fields: FieldList, groups: Groups) -> bool:
     return not names.isdisjoint(position_names(spec, fields.interface))
 
 
-def check_combinations(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_combinations(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that combinations are in frames with a position, that their conditions exist, and that each can decide.
 
     A combination gives the verdict while several fields have certain values. It never decides if one of its conditions,
     or a combination with some of them, already gives the same verdict or a worse one.
     """
-    groups = by_name(raw.field_groups)
+    groups = by_name(as_read.field_groups)
     for frame in layouts(spec):
         listed_combinations = frame.layout.combinations if frame.layout is not None else ()
         if listed_combinations and not _has_position(spec, frame, groups):
@@ -125,9 +125,9 @@ def check_combinations(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
             _check_can_decide(combination, verdicts_of_parts, report)
 
 
-def check_report_names(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_report_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the reports of values with a verdict and of combinations have names that are unique in the frame."""
-    groups = by_name(raw.field_groups)
+    groups = by_name(as_read.field_groups)
     for frame in layouts(spec):
         used_names = set(readable_names(frame, groups))
         for path, name in _report_names(frame, groups):
@@ -145,7 +145,7 @@ def _report_names(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, str
     A value with a verdict is reported as ``field_value``, and a combination under its own name.
     """
     use_paths = {field.path for field in fields.fields if field.use}
-    for field_path, field in expanded(fields, groups):
+    for field_path, field in with_groups_expanded(fields, groups):
         for name, value in field.values.items():
             if value.has("makes_position"):
                 # A value in a group is reported at the use of the group.
@@ -169,7 +169,7 @@ def _check_conditions(
             report.add("undefined-reference", condition_path, problem, at_key=True)
             continue
         field = fields_by_name[field_name]
-        problem = _no_condition(fields, field_name, field)
+        problem = _obstacle_to_combination(fields, field_name, field)
         known_values = _words_of(field)
         if problem:
             report.add("combination", condition_path, problem, at_key=True)
@@ -187,16 +187,17 @@ def _check_conditions(
     return len(report) == problems_before
 
 
-def _no_condition(fields: FieldList, name: str, field: WrittenField) -> str:
+def _obstacle_to_combination(fields: FieldList, field_name: str, field: WrittenField) -> str:
     """Return the reason that a combination cannot contain a field, and the fix. Empty if it can."""
+    name = quoted(field_name)
     if not field.has("active") and not value_names(field):
-        return f"{quoted(name)} is neither a flag nor a field with 'values'; give names to its values with 'values'"
+        return f"{name} is neither a flag nor a field with 'values'; give names to its values with 'values'"
     if field.has("only"):
-        return f"the manual explains {quoted(name)} only for some order codes; a combination applies to all of them"
-    if name in fields.selectors:
-        return f"{quoted(name)} identifies the frame, so it has the same value in all of them; leave it out"
+        return f"the manual explains {name} only for some order codes; a combination applies to all of them"
+    if field_name in fields.selectors:
+        return f"{name} identifies the frame, so it has the same value in all of them; leave it out"
     if constant_width(field) is None:
-        return f"the width of {quoted(name)} depends on the order code; a field in a combination has the same for all"
+        return f"the width of {name} depends on the order code; a field in a combination has the same for all"
     return ""
 
 
@@ -272,7 +273,7 @@ def _is_part(other_combination: WrittenCombination, combination: WrittenCombinat
     return len(conditions) > 1 and conditions <= combination.when.items()
 
 
-def check_default_answers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_default_answers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a default is the first answer, and that the answers set one parameter that a flag uses.
 
     The default sets it to 0, and each other answer to 1. Flags use it in ``makes_position_if``.
@@ -315,19 +316,19 @@ def _check_settings(alternative: WrittenAlternative, report: DocumentReport) -> 
                 report.add("alternative-default", (*sets_path, parameter), f"{problem}; write {expected}")
 
 
-def check_verdicts_by_answer(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_verdicts_by_answer(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the verdicts in ``makes_position_if``, which a flag has instead if an answer sets a parameter to 1.
 
     Each belongs to a parameter of an alternative with a default, and differs from the verdict without a choice.
     """
     alternatives_with_default = {
-        name for name, alternative in by_name(raw.alternatives).items() if alternative.has("default")
+        name for name, alternative in by_name(as_read.alternatives).items() if alternative.has("default")
     }
     for field_list in field_lists(spec):
         for field in field_list.fields:
             for name, verdict in field.makes_position_if.items():
                 verdict_path = (*field.place_of("makes_position_if"), name)
-                parameter = raw.parameters.get(name)
+                parameter = as_read.parameters.get(name)
                 if parameter is None or parameter.alternative not in alternatives_with_default:
                     reason = f"{quoted(name)} is not a parameter of an alternative with a default"
                     report.add("verdict-choice", verdict_path, f"{reason}; give it 'alternative' with the name of one")

@@ -39,7 +39,7 @@ _STEPS: dict[str, KeysOfKind] = {
 _ALL_STEPS = frozenset(("do", "meaning", "source"))
 
 
-def check_step_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_step_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that each step has the keys of its kind, and conditions for several requests only if it sends several."""
     for procedure in spec.procedures:
         for step in procedure.steps:
@@ -49,23 +49,27 @@ def check_step_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
 
 def _check_repeated(step: WrittenStep, report: DocumentReport) -> None:
     """Check that a step that sends one request has no conditions between requests. Without ``times``, it sends one."""
-    conditions = ["in_succession"] if step.in_succession else []
-    conditions += ["every_at_least_us"] if step.every_at_least_us else []
-    times = 1 if step.times is None else step.times
-    if step.do == "send" and conditions and times == 1:
-        request_count = "has no 'times'" if step.times is None else "sends one"
-        key = quoted(conditions[0])
-        problem = f"{key} applies to several requests, but the step {request_count}; add 'times', or remove {key}"
-        report.add("step-shape", step.place_of(conditions[0]), problem, at_key=True)
+    if step.do != "send" or step.times not in (None, 1):
+        return
+    request_count = "has no 'times'" if step.times is None else "sends one"
+    for condition, is_given in (
+        ("in_succession", step.in_succession),
+        ("every_at_least_us", step.every_at_least_us),
+    ):
+        if is_given:
+            key = quoted(condition)
+            problem = f"{key} applies to several requests, but the step {request_count}; add 'times', or remove {key}"
+            report.add("step-shape", step.place_of(condition), problem, at_key=True)
+            return
 
 
-def check_step_access(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_step_access(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers that are written are writable, and that those that are read are readable.
 
     To write one field of a register with other bits, a step reads the register first.
     """
-    registers = by_name(raw.registers)
-    groups = by_name(raw.field_groups)
+    registers = by_name(as_read.registers)
+    groups = by_name(as_read.field_groups)
     for procedure in spec.procedures:
         for step in procedure.steps:
             register = _register_of(step, registers)
@@ -119,7 +123,7 @@ def _check_read_registers(spec: WrittenSpec, write_only: Collection[str], report
             report.add("access-mismatch", (*alarm.path, "register"), message)
 
 
-def check_step_waits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_step_waits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure waits long enough after a write that takes time, until its next write or its end."""
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
@@ -151,7 +155,7 @@ def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], nee
     return waits[0].place_of("at_least_ms"), f"the wait here is {sum(waits_ms)} ms"
 
 
-def check_opening_steps(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_opening_steps(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure writes the value that opens a register before it writes the register.
 
     Only the last of its writes to the opener before counts. If there is none, another procedure may open the register.
@@ -163,9 +167,8 @@ def check_opening_steps(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
             opener = _register_of(step, registers).opened_by
             if step.do != "write" or opener is None:
                 continue
-            values_before = [
-                earlier.value for earlier in procedure.steps[:index] if _writes_opening_value(earlier, opener)
-            ]
+            steps_before = procedure.steps[:index]
+            values_before = [earlier.value for earlier in steps_before if _writes_opening_value(earlier, opener)]
             # An argument may be the value that opens the register.
             if values_before and values_before[-1] != opener.value and values_before[-1] not in arguments:
                 message = (
@@ -185,9 +188,9 @@ def _writes_opening_value(step: WrittenStep, opener: WrittenOpenedBy) -> bool:
     return is_opening_register and is_opening_field
 
 
-def check_written_arguments(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_written_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that some step of a procedure writes each of its arguments."""
-    procedures = by_name(raw.procedures)
+    procedures = by_name(as_read.procedures)
     for procedure in spec.procedures:
         # A step rejected by the schema may be the one that writes it.
         raw_procedure = procedures.get(procedure.name, procedure)
@@ -201,10 +204,10 @@ def check_written_arguments(spec: WrittenSpec, raw: WrittenSpec, report: Documen
                 report.add("argument-not-written", argument.place_of("name"), message)
 
 
-def check_procedure_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_procedure_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure with the name of a value of a register writes this value if it writes named ones there."""
-    registers = by_name(raw.registers)
-    groups = by_name(raw.field_groups)
+    registers = by_name(as_read.registers)
+    groups = by_name(as_read.field_groups)
     for procedure in spec.procedures:
         name = procedure.name
         writes_by_register: dict[str, list[WrittenStep]] = {}
@@ -225,14 +228,14 @@ _SAVE = re.compile(r"(?:save|store|burn)(?:_.*)?")
 _ANY_BANK = "any"
 
 
-def check_saves_before_writes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_saves_before_writes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure writes its arguments before it saves, unless a note of the procedure explains it.
 
     The last write of a value called save, store or burn counts. Arguments in volatile registers need no saving.
     """
     if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
         return
-    registers = by_name(raw.registers)
+    registers = by_name(as_read.registers)
     for procedure in spec.procedures:
         if procedure.note:
             continue
@@ -265,9 +268,9 @@ def _first_unsaved(later_steps: Iterable[WrittenStep], arguments: set[str], regi
     return ""
 
 
-def check_named_bank(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_named_bank(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the interface of a register in a bank has banks and names the register that selects them."""
-    biss = raw.interfaces.biss
+    biss = as_read.interfaces.biss
     is_select_named = biss is not None and biss.has("bank_select")
     for register in spec.registers:
         if register.bank is None:
@@ -286,13 +289,13 @@ def check_named_bank(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
             report.add("bank-not-selected", register.place_of("bank"), message)
 
 
-def check_selected_bank(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_selected_bank(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure selects the bank before it accesses a register in it. An argument may select any bank."""
-    registers = by_name(raw.registers)
-    select = bank_select(raw)
+    registers = by_name(as_read.registers)
+    select = bank_select(as_read)
     if not select:
         return
-    bank_numbers = _number_by_name(registers.get(select, _NO_REGISTER), raw)
+    bank_numbers = _number_by_name(registers.get(select, _NO_REGISTER), as_read)
     for procedure in spec.procedures:
         selected_bank: object = None
         for step in procedure.steps:
@@ -307,10 +310,10 @@ def check_selected_bank(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
                 report.add("bank-not-selected", step.place_of("register"), message)
 
 
-def _number_by_name(register: WrittenRegister, raw: WrittenSpec) -> dict[str, int | None]:
+def _number_by_name(register: WrittenRegister, as_read: WrittenSpec) -> dict[str, int | None]:
     """Return the numbers of all named values of a register by their names. Invalid ones are None."""
     numbers_by_name: dict[str, int | None] = {}
-    for field in fields_of(register, by_name(raw.field_groups)):
+    for field in fields_of(register, by_name(as_read.field_groups)):
         numbers_by_name |= dict.fromkeys(value_names(field))
         for name, value in field.values.items():
             numbers_by_name[name] = value.value if value.is_valid("value") else None

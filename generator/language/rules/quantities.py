@@ -65,7 +65,7 @@ _CONVERTED: Mapping[tuple[str, str], Callable[[float], float]] = {
 _CELL = re.compile(r"(?:(?:above|at least|at most|below) |[<>≤≥] ?)?-?\d+(?:\.\d+)?")
 
 
-def check_quantity_text(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_quantity_text(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that quantities of a characteristic have possible units and bounds, and the same numbers as its text."""
     for characteristic in spec.characteristics:
         text = characteristic.part.value
@@ -80,7 +80,7 @@ def check_quantity_text(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
                     report.add("quantity-text", (*characteristic.path, "value"), message)
 
 
-def _check_quantity(quantity: Quantity, text: str, path: Path, report: DocumentReport) -> list[Decimal]:
+def _check_quantity(quantity: Quantity, characteristic_text: str, path: Path, report: DocumentReport) -> list[Decimal]:
     """Check a quantity of a characteristic against its text. Return its bounds, or none if they are invalid.
 
     A bound is a number of the text with the same unit, or one of its numbers plus or minus a tolerance.
@@ -95,7 +95,7 @@ def _check_quantity(quantity: Quantity, text: str, path: Path, report: DocumentR
     if not bounds or bounds_in_order != sorted(bounds_in_order):
         report.add("quantity-text", path, "give 'min', 'typical' or 'max', in ascending order")
         return []
-    possible_numbers = set(_possible_numbers(text, unit))
+    possible_numbers = set(_possible_numbers(characteristic_text, unit))
     for name, number in bounds.items():
         if number not in possible_numbers:
             message = f"the text does not give {number} {unit}; one of the two is wrong"
@@ -109,27 +109,27 @@ def _bounds_of(quantity: Quantity) -> dict[str, float]:
     return {name: number for name, number in bounds.items() if number is not None}
 
 
-def _signed_numbers(text: str, unit: str) -> Iterator[tuple[str, Decimal]]:
+def _signed_numbers(characteristic_text: str, unit: str) -> Iterator[tuple[str, Decimal]]:
     """Yield each number with a unit in a text, with its sign: ``("±", 5)`` and ``("-", 20)``."""
     unit_pattern = _WRITTEN.get(unit, re.escape(unit))
-    for match in re.finditer(rf"{_NUMBER}(?= ?{unit_pattern}(?!\w|/))", text):
+    for match in re.finditer(rf"{_NUMBER}(?= ?{unit_pattern}(?!\w|/))", characteristic_text):
         sign, number = match.group("sign", "number")
         yield sign.replace("−", "-"), Decimal(number.replace(",", ""))
 
 
-def _plain_numbers(text: str, unit: str) -> Iterator[Decimal]:
+def _plain_numbers(characteristic_text: str, unit: str) -> Iterator[Decimal]:
     """Yield each number with a unit that is not a tolerance."""
-    for sign, number in _signed_numbers(text, unit):
+    for sign, number in _signed_numbers(characteristic_text, unit):
         if sign != "±":
             yield -number if sign == "-" else number
 
 
-def _possible_numbers(text: str, unit: str) -> Iterator[Decimal]:
+def _possible_numbers(characteristic_text: str, unit: str) -> Iterator[Decimal]:
     """Yield each number with a unit in a text, and the bounds that its tolerances, in the unit or in percent, give."""
-    plain_numbers = list(_plain_numbers(text, unit))
+    plain_numbers = list(_plain_numbers(characteristic_text, unit))
     yield from plain_numbers
-    tolerances = [number for sign, number in _signed_numbers(text, unit) if sign == "±"]
-    percentages = [number for sign, number in _signed_numbers(text, "%") if sign == "±"]
+    tolerances = [number for sign, number in _signed_numbers(characteristic_text, unit) if sign == "±"]
+    percentages = [number for sign, number in _signed_numbers(characteristic_text, "%") if sign == "±"]
     nominal_numbers = plain_numbers or [Decimal(0)]  # A tolerance alone is about 0.
     for nominal in nominal_numbers:
         relative_tolerances = [nominal * (percentage / 100) for percentage in percentages]
@@ -138,7 +138,7 @@ def _possible_numbers(text: str, unit: str) -> Iterator[Decimal]:
             yield nominal + tolerance
 
 
-def check_repeated_quantities(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_quantities(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the supply ranges and the thresholds in texts match 'supply' of the spec and 'below_mv' of alarms."""
     supply_ranges = _supply_ranges(spec)
     for characteristic in spec.characteristics:
@@ -206,7 +206,7 @@ def _flags_of(spec: WrittenSpec, alarm: Alarm) -> list[WrittenField]:
     return [field for field in fields_of_owner if field.name == alarm.field]
 
 
-def check_repeated_times(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_times(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a text does not contradict the times of its item, nor an erratum those of the facts it affects.
 
     A text is compared with the times next to it, or else with those of its register, procedure, timing or input. It may
@@ -215,9 +215,9 @@ def check_repeated_times(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
     """
     if report.document.other_files or report.document.family:
         return
-    named_times = set(_times([dict(timing.data) for timing in timings(spec)]))
+    named_times = set(_nanoseconds_in([dict(timing.data) for timing in timings(spec)]))
     timed_parts: list[PlacedPart] = [*spec.registers, *spec.procedures, *spec.timings, *spec.inputs]
-    times_of_parts = [set(_times(part.data)) for part in timed_parts]
+    times_of_parts = [set(_nanoseconds_in(part.data)) for part in timed_parts]
     parts_with: Counter[int | Decimal] = Counter()
     for own_times in times_of_parts:
         parts_with.update(own_times)
@@ -238,7 +238,7 @@ def _compare_symbols(spec: WrittenSpec, report: DocumentReport) -> None:
     for timing in timings(spec):
         if not timing.part.symbol:
             continue
-        times = set(_times(timing.data))
+        times = set(_nanoseconds_in(timing.data))
         pattern = rf"\b{re.escape(timing.part.symbol)} ?[<>=≤≥] ?{_TIME}"
         printed_times = list(re.finditer(pattern, timing.part.meaning))
         if printed_times and times.isdisjoint(map(_to_nanoseconds, printed_times)):
@@ -269,12 +269,12 @@ class _TimesBelow:
     """The times below places of a spec, each found once although many errata may affect the same place."""
 
     def __init__(self) -> None:
-        self._times: dict[int, set[int]] = {}
+        self._nanoseconds_in: dict[int, set[int]] = {}
 
     def of(self, node: object) -> set[int]:
-        if id(node) not in self._times:
-            self._times[id(node)] = set(_times(node))
-        return self._times[id(node)]
+        if id(node) not in self._nanoseconds_in:
+            self._nanoseconds_in[id(node)] = set(_nanoseconds_in(node))
+        return self._nanoseconds_in[id(node)]
 
 
 #: Keys of timings and of the time-out of BiSS.
@@ -331,7 +331,7 @@ def _to_nanoseconds(match: re.Match[str]) -> Decimal:
     return Decimal(match["number"].replace(",", "")) * _NANOSECONDS.get(match["unit"], _NANOSECONDS["s"])
 
 
-def _times(node: object) -> Iterator[int]:
+def _nanoseconds_in(node: object) -> Iterator[int]:
     """Yield every whole number below a place whose key ends in a unit of time, such as ``wait_ms``, in nanoseconds."""
     for path, value in leaves(node):
         unit = str(path[-1]).rpartition("_")[2] if path else ""
@@ -343,7 +343,7 @@ def _yield_texts(node: object, path: Path) -> Iterator[tuple[Path, str, set[int]
     """Yield every text below a place, with its path and the times in the same map."""
     if isinstance(node, dict):
         numbers_by_key = {key: value for key, value in node.items() if isinstance(value, int)}
-        nearby_times = set(_times(numbers_by_key))
+        nearby_times = set(_nanoseconds_in(numbers_by_key))
         for key, value in node.items():
             if isinstance(value, str) and key not in _NO_TEXTS:
                 yield (*path, key), value, nearby_times
@@ -354,7 +354,7 @@ def _yield_texts(node: object, path: Path) -> Iterator[tuple[Path, str, set[int]
             yield from _yield_texts(value, (*path, index))
 
 
-def check_conversions(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_conversions(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that quantities that are given in two units are the same in both, in ``values`` and within texts."""
     for characteristic in spec.characteristics:
         indices_by_quantity: dict[tuple[str, str], list[int]] = {}
@@ -414,13 +414,13 @@ def _compare_numbers(measured: _Number, printed: _Number, path: Path, report: Do
         report.add("quantity-text", path, message)
 
 
-def _half_digit(number: Decimal | float) -> float:
+def _half_digit(printed_number: Decimal | float) -> float:
     """Return half a unit of the last digit of a number as it is printed: 0.05 for 2.5."""
-    exponent = Decimal(str(number)).as_tuple().exponent
+    exponent = Decimal(str(printed_number)).as_tuple().exponent
     return 0.5 * 10.0**exponent if isinstance(exponent, int) else 0.0
 
 
-def check_column_units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_column_units(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a table with units has one per column, and only numbers in the columns whose unit is not empty."""
     for table in spec.tables:
         units, columns = table.part.units, table.part.columns
@@ -438,7 +438,7 @@ def check_column_units(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
                     report.add("column-units", (*table.path, "rows", row_index, column_index), message)
 
 
-def check_table_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_table_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that each row of a table has one cell per column."""
     for table in spec.tables:
         column_count = len(table.part.columns)

@@ -14,7 +14,7 @@ from ..schema_files import is_second
 from ..written import Located
 from ..written_interfaces import WrittenBiss, WrittenRs485, WrittenSpi, WrittenSsi
 from ..written_parts import WrittenSpec
-from .parts import WrittenInterface, explained, interfaces, share_codes
+from .parts import WrittenInterface, has_erratum_at, interfaces, share_codes
 
 #: Significant digits of the rates in data sheets.
 _DIGITS = 3
@@ -33,7 +33,7 @@ _PRINTED = ".".join((*_TIMEOUT, "printed"))
 _NS_PER_S, _NS_PER_US = 1_000_000_000, 1000
 
 
-def check_round_rates(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_round_rates(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that rates have at most three significant digits, as in data sheets.
 
     Slow rates and standard baud rates are accepted, and so is a rate that a note of the interface gives.
@@ -74,7 +74,7 @@ def _yield_rates(interface: WrittenInterface) -> Iterator[tuple[Path, int, str]]
                 yield (*row.path, "below_hz"), row.part.below_hz, "Hz"
 
 
-def check_rates_of_lines(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_rates_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no clock or baud rate over RS-422 or RS-485 is above 10 MHz, unless a note of the interface gives it.
 
     An interface has such lines if it is RS-485 or its signals say so. Clocks for cables have a rule of their own.
@@ -95,7 +95,7 @@ def check_rates_of_lines(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
                 report.add("implausible-rate", path, message)
 
 
-def check_monoflop(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_monoflop(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the monoflop time of SSI is between half a period of the slowest clock and the pause.
 
     The shortest time that a timing gives counts, for the pause only a guaranteed one. An erratum explains others.
@@ -112,7 +112,7 @@ def _check_monoflop(timing: Located[Timing], ssi: WrittenSsi, report: DocumentRe
     """Check a monoflop time against the clocks and pauses of the same order codes."""
     time_us, key = _find_shortest(timing)
     affected_path = ".".join(map(str, (*timing.path[:-1], _MONOFLOP, key)))
-    if explained(report.document, affected_path) or not time_us:
+    if has_erratum_at(report.document, affected_path) or not time_us:
         return
     remedy = f"If this is what the manual says, add an erratum that affects {affected_path}"
     for clock in ssi.clock:
@@ -145,7 +145,7 @@ def _find_shortest(timing: Located[Timing]) -> tuple[int | None, str]:
     return None, ""
 
 
-def check_cable_clocks(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_cable_clocks(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that each clock limit for cables is within the limits of the clock, unless an erratum explains it."""
     ssi = spec.interfaces.ssi
     if ssi is None:
@@ -163,7 +163,7 @@ def _check_cable_clock(row: Located[CableLength], clock: Clock, report: Document
     highest_hz = clock.max_hz
     is_too_high = highest_hz is not None and below_hz > highest_hz
     place = "interfaces.ssi.clock.max_hz" if is_too_high else "interfaces.ssi.clock.min_hz"
-    if explained(report.document, place) or not (below_hz < lowest_hz or is_too_high):
+    if has_erratum_at(report.document, place) or not (below_hz < lowest_hz or is_too_high):
         return
     message = (
         f"no clock is below {below_hz} Hz for cables shorter than {row.part.shorter_than_m} m: the clock is"
@@ -175,14 +175,14 @@ def _check_cable_clock(row: Located[CableLength], clock: Clock, report: Document
     report.add("clock-range", (*row.path, "below_hz"), f"{message}; {remedy} {place}")
 
 
-def check_timeouts_and_clocks(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_timeouts_and_clocks(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a BiSS time-out is longer than half a clock period and, if it follows the clock, in half periods.
 
     Printed time-outs without a rule are then whole numbers of half periods, apart from rounding to nanoseconds.
     """
     biss = spec.interfaces.biss
     for timeout in biss.timeout if biss is not None else ():
-        if biss is None or explained(report.document, *_TIMEOUT, "printed"):
+        if biss is None or has_erratum_at(report.document, *_TIMEOUT, "printed"):
             continue
         remedy = f"correct one of the two. If this is what the manual says, add an erratum that affects {_PRINTED}"
         _check_longest_timeout(biss, timeout, remedy, report)
@@ -218,7 +218,7 @@ def _check_longest_timeout(biss: WrittenBiss, timeout: Located[Timeout], remedy:
             report.add("timeout-mismatch", (*timeout.path, "at_most_ns"), message)
 
 
-def check_timeout_mismatch(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_timeout_mismatch(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the time-outs of BiSS that the manual calculates match its rule, and are at possible clocks."""
     biss = spec.interfaces.biss
     for timeout in biss.timeout if biss is not None else ():
@@ -234,7 +234,7 @@ def check_timeout_mismatch(spec: WrittenSpec, raw: WrittenSpec, report: Document
 
 def _check_clocks_of_timeouts(timeout: Located[Timeout], clock: Clock, report: DocumentReport) -> None:
     """Report printed time-outs at clocks that an encoder does not support."""
-    if clock.max_hz is None or explained(report.document, *_TIMEOUT):
+    if clock.max_hz is None or has_erratum_at(report.document, *_TIMEOUT):
         return
     lowest_hz = clock.min_hz or 0
     highest_hz = clock.max_hz

@@ -13,7 +13,7 @@ from ..problems import DocumentReport, quoted
 from ..written import Located
 from ..written_codes import WrittenOpenedBy, WrittenRegister, WrittenRegisterMeaning
 from ..written_interfaces import WrittenRs485
-from ..written_layouts import WrittenField
+from ..written_layouts import KIND_KEYS, WrittenField
 from ..written_parts import WrittenExample, WrittenProcedure, WrittenSpec, WrittenStep
 from . import parameters
 from .name_resolver import NameResolver
@@ -29,21 +29,20 @@ from .parts import (
     measurements,
     readable_names,
 )
-from .shapes import KINDS
 
 #: Kind of a field that is a number.
 _NUMBER = "digits"
 
 
-def check_field_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_field_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of fields and layouts: groups, CRCs, sibling fields, joined numbers, parameters, data IDs.
 
     A group may use data IDs, because its interface is not known.
     """
-    resolver = NameResolver(raw, report)
+    resolver = NameResolver(as_read, report)
     for field_list in field_lists(spec):
         names = list(field_names(field_list, resolver.groups))
-        has_data_ids = field_list.kind is Has.GROUP or bool(_data_ids(raw, field_list.interface))
+        has_data_ids = field_list.kind is Has.GROUP or bool(_data_ids(as_read, field_list.interface))
         for field in field_list.fields:
             _check_field(field, names, list(field_list.joins), resolver)
             if field.values_of and not has_data_ids:
@@ -53,9 +52,9 @@ def check_field_references(spec: WrittenSpec, raw: WrittenSpec, report: Document
         _check_layout(field_list, names, resolver)
 
 
-def _data_ids(raw: WrittenSpec, interface: str) -> object:
+def _data_ids(as_read: WrittenSpec, interface: str) -> object:
     """Return the table of data IDs of an interface as read, in any shape, or None if there is none."""
-    return WrittenRs485(raw.interfaces.data.get(interface)).data.get("data_ids")
+    return WrittenRs485(as_read.interfaces.data.get(interface)).data.get("data_ids")
 
 
 def _check_layout(fields: FieldList, names: Sequence[str], resolver: NameResolver) -> None:
@@ -92,12 +91,12 @@ def _check_field(field: WrittenField, names: Sequence[str], joins: Sequence[str]
         resolver.refer_to_bit((*field.path, "explained_by", index), text)
 
 
-def check_register_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_register_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of registers: their interface, their opener, the field that their limits apply to."""
-    resolver = NameResolver(raw, report)
+    resolver = NameResolver(as_read, report)
     for register in spec.registers:
         resolver.refer_if_given(register.place_of("interface"), "interface", register.interface)
-        if register.interface is None and Biss.name not in raw.interfaces.data:
+        if register.interface is None and Biss.name not in as_read.interfaces.data:
             message = f"registers belong to {Biss.name} by default, but this device has no {Biss.name}; add 'interface'"
             report.add("undefined-reference", register.path, message)
         if register.opened_by is not None:
@@ -137,12 +136,12 @@ def _check_meaning(meaning: WrittenRegisterMeaning, resolver: NameResolver) -> N
         resolver.refer_if_given(meaning.place_of("is"), kind, meaning.is_, resolver.values(name, field))
 
 
-def check_device_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_device_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of parameters, hardware inputs, measurements and the register that selects banks.
 
     A measurement names a field or joined number that some frame has.
     """
-    resolver = NameResolver(raw, report)
+    resolver = NameResolver(as_read, report)
     for parameter in spec.parameters.values():
         if parameter.read_from:
             resolver.refer_to_bit(parameter.place_of("read_from"), parameter.read_from)
@@ -152,19 +151,19 @@ def check_device_references(spec: WrittenSpec, raw: WrittenSpec, report: Documen
             if text:
                 resolver.refer_to_bit((*hardware_input.path, key), text)
     readable_values: dict[str, None] = {}
-    for frame in layouts(raw):
+    for frame in layouts(as_read):
         readable_values |= dict.fromkeys(readable_names(frame, resolver.groups))
     for measurement in measurements(spec):
         if measurement.has("of"):
             resolver.refer((*measurement.path, "of"), "field or joined number", measurement.part.of, readable_values)
-            _check_measured_field(measurement, raw, resolver, report)
+            _check_measured_field(measurement, as_read, resolver, report)
     biss = spec.interfaces.biss
     if biss is not None:
         resolver.refer_if_given(biss.place_of("bank_select"), "register", biss.bank_select)
 
 
 def _check_measured_field(
-    measurement: Located[Measurement], raw: WrittenSpec, resolver: NameResolver, report: DocumentReport
+    measurement: Located[Measurement], as_read: WrittenSpec, resolver: NameResolver, report: DocumentReport
 ) -> None:
     """Check that a field with the measured position is a number in at least one frame of the encoder.
 
@@ -174,7 +173,7 @@ def _check_measured_field(
     path = measurement.path
     is_of_device = path == ("measurement",)
     kinds_in_frames = []
-    for frame in layouts(raw):
+    for frame in layouts(as_read):
         # The path of a measurement of an interface contains the name of the interface.
         is_measured = is_of_device or frame.interface in path
         field = field_names(frame, resolver.groups).get(name)
@@ -188,13 +187,13 @@ def _check_measured_field(
 
 def _kind_of(field: WrittenField) -> str:
     """Return the first key of a field that makes it something other than a number, such as ``crc``, or ``digits``."""
-    kinds = [key for key in KINDS if field.has(key)]
+    kinds = [key for key in KIND_KEYS if field.has(key)]
     return kinds[0] if kinds else _NUMBER
 
 
-def check_alarm_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_alarm_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of alarms: the flag in a field group or register, and the procedures that clear them."""
-    resolver = NameResolver(raw, report)
+    resolver = NameResolver(as_read, report)
     for located_alarm in spec.alarms:
         alarm = located_alarm.part
         path = located_alarm.path
@@ -215,10 +214,10 @@ def _check_flag(alarm: Alarm, path: Path, resolver: NameResolver) -> None:
         resolver.refer_if_given(path, f"field of {quoted(owner_name)} called", alarm.field, by_name(owner.fields))
 
 
-def check_by_hand_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_by_hand_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that manual remedies name characteristics whose text has numbered steps."""
-    resolver = NameResolver(raw, report)
-    characteristics = by_part_name(raw.characteristics).items()
+    resolver = NameResolver(as_read, report)
+    characteristics = by_part_name(as_read.characteristics).items()
     names_with_steps = [name for name, characteristic in characteristics if has_steps(characteristic.part.value)]
     for path, names in _remedies_by_hand(spec):
         resolver.refer_to_each((*path, "by_hand"), "characteristic with numbered steps called", names, names_with_steps)
@@ -236,9 +235,9 @@ def _remedies_by_hand(spec: WrittenSpec) -> Iterator[tuple[Path, Sequence[str]]]
             yield field.path, field.by_hand
 
 
-def check_procedure_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_procedure_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of procedures: interface, registers of arguments and steps, their values, data IDs."""
-    resolver = NameResolver(raw, report)
+    resolver = NameResolver(as_read, report)
     for procedure in spec.procedures:
         resolver.refer_if_given(procedure.place_of("interface"), "interface", procedure.interface)
         for argument in procedure.arguments:
@@ -247,7 +246,7 @@ def check_procedure_references(spec: WrittenSpec, raw: WrittenSpec, report: Docu
             if register is not None:
                 kind = f"meaning of {quoted(argument.of)} called"
                 resolver.refer_if_given(argument.place_of("as"), kind, argument.as_, by_name(register.meanings))
-        interface = WrittenRs485(raw.interfaces.data.get(procedure.interface))
+        interface = WrittenRs485(as_read.interfaces.data.get(procedure.interface))
         data_ids = by_part_name(interface.data_ids)
         for step in procedure.steps:
             _check_step(step, procedure, resolver)
@@ -287,10 +286,10 @@ def _check_written_value(
         resolver.report_problem(path, f"{quoted(name)} has other bits, too; {remedy}")
 
 
-def check_example_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_example_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of examples: their subject, the arguments and fields with values, and errata."""
-    resolver = NameResolver(raw, report)
-    known_layouts = {frame.name: frame for frame in layouts(raw) if frame.name}
+    resolver = NameResolver(as_read, report)
+    known_layouts = {frame.name: frame for frame in layouts(as_read) if frame.name}
     for example in spec.examples:
         resolver.refer_if_given(example.place_of("procedure"), "procedure", example.procedure)
         resolver.refer_if_given(example.place_of("erratum"), "erratum", example.erratum)
@@ -322,12 +321,12 @@ def _check_example_values(
 _LISTS = ("layouts", "fields", "combinations")
 
 
-def check_erratum_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_erratum_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that each path affected by an erratum exists and omits the lists of layouts, fields and combinations.
 
     A path such as ``interfaces.biss.word.crc`` is followed step by step. The first missing step is reported.
     """
-    resolver = NameResolver(raw, report)
+    resolver = NameResolver(as_read, report)
     # The possible next steps of each map or list by its id, because many errata affect the same places.
     next_nodes_by_id: dict[int, dict[str, object]] = {}
     for erratum in spec.errata:
@@ -338,7 +337,7 @@ def check_erratum_references(spec: WrittenSpec, raw: WrittenSpec, report: Docume
                 problem = f"no output would find {quoted(affected)}; write {'.'.join(steps_without_lists)}"
                 report.add("undefined-reference", (*erratum.path, "affects", index), problem)
                 continue
-            node: object = raw.data
+            node: object = as_read.data
             for step in steps:
                 if id(node) not in next_nodes_by_id:
                     next_nodes_by_id[id(node)] = dict(_next_steps(node))
@@ -378,9 +377,9 @@ def _named_items(items: list[object]) -> Iterator[tuple[str, object]]:
             yield str(list_item["name"]), list_item
 
 
-def check_expressions(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_expressions(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that every expression is valid, and that every parameter in it exists."""
-    resolver = NameResolver(raw, report)
+    resolver = NameResolver(as_read, report)
     for path, text in parameters.expressions(spec):
         try:
             names = Expression.parse(text).parameters
@@ -394,9 +393,9 @@ def check_expressions(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
             resolver.refer(path, "parameter", name)
 
 
-def check_printed_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_printed_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers, fields and errata named in the manual's list of defaults exist."""
-    resolver = NameResolver(raw, report)
+    resolver = NameResolver(as_read, report)
     for printed in spec.printed_defaults:
         resolver.refer_if_given(printed.place_of("register"), "register", printed.register)
         if printed.register in resolver.registers:
@@ -405,19 +404,19 @@ def check_printed_references(spec: WrittenSpec, raw: WrittenSpec, report: Docume
         resolver.refer_if_given(printed.place_of("erratum"), "erratum", printed.erratum)
 
 
-def check_connector_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_connector_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the interfaces that a connector is wired for exist."""
-    resolver = NameResolver(raw, report)
+    resolver = NameResolver(as_read, report)
     for connector in spec.connectors:
         resolver.refer_to_each((*connector.path, "interfaces"), "interface", connector.part.interfaces)
 
 
-def check_unused_crc(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_unused_crc(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that each CRC is that of a field in some list of fields, or has a note."""
     used_crcs: set[str] = set()
-    for field_list in field_lists(raw):
+    for field_list in field_lists(as_read):
         used_crcs |= {field.crc for field in field_list.fields if field.crc}
-    if not used_crcs <= by_part_name(raw.crcs).keys():
+    if not used_crcs <= by_part_name(as_read.crcs).keys():
         return  # A misspelt name, which another rule reports, may be meant as the unused CRC.
     for crc in spec.crcs:
         name = crc.part.name
@@ -428,17 +427,17 @@ def check_unused_crc(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
             report.add("unused-crc", (*crc.path, "name"), f"{problem}; {remedy}")
 
 
-def check_evidence_references(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_evidence_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the names of documents, implementations and examples in the evidence.
 
     The manual is a document too, under ``manual`` and the language of each edition.
     """
-    resolver = NameResolver(raw, report)
+    resolver = NameResolver(as_read, report)
     evidence = spec.evidence
-    documents = raw.names_in("documents")
-    languages = [edition.part.language for edition in raw.manual.editions]
+    documents = as_read.names_in("documents")
+    languages = [edition.part.language for edition in as_read.manual.editions]
     for key in evidence.part.documents:
         resolver.refer((*evidence.path, "documents", key), "document", key, ("manual", *languages, *documents))
     implementations_path = (*evidence.path, "implementations")
     resolver.refer_to_each(implementations_path, "document", evidence.part.implementations, documents)
-    resolver.refer_to_each((*evidence.path, "vectors"), "example", evidence.part.vectors, by_name(raw.examples))
+    resolver.refer_to_each((*evidence.path, "vectors"), "example", evidence.part.vectors, by_name(as_read.examples))

@@ -9,7 +9,7 @@ from ...model import Biss
 from ..problems import DocumentReport, quoted
 from ..written_interfaces import WrittenRs485
 from ..written_parts import WrittenSpec
-from .parts import by_name, explained, interface_of
+from .parts import by_name, has_erratum_at, interface_of
 from .walk import leaves_of
 
 #: Name of a device description file: idbiss and the manufacturer ID in hexadecimal.
@@ -23,7 +23,7 @@ _CHARACTER = re.compile(r"\b(nine|ten|eleven|twelve|9|1[0-2]) bits\b", re.IGNORE
 _PARITY = re.compile(r"\b(no|even|odd) parity\b", re.IGNORECASE)
 
 
-def check_description_file(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_description_file(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the name of the description file of BiSS contains the manufacturer ID of the register.
 
     This ID is two ASCII characters, and in the name their four hexadecimal digits.
@@ -43,7 +43,7 @@ def check_description_file(spec: WrittenSpec, raw: WrittenSpec, report: Document
         report.add("description-file", biss.place_of("description_file"), message)
 
 
-def check_alignment(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_alignment(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the SSI word has the alignment that the contents and the order code name, if these name only one."""
     ssi = spec.interfaces.ssi
     texts = [section.title for section in spec.manual.contents.values()]
@@ -51,7 +51,7 @@ def check_alignment(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
         texts += [value.meaning for value in part.values.values()]
     sides_by_text = [_ALIGNED.findall(title) for title in texts]
     named_alignments = {_ALIGNMENTS[side.casefold()] for sides in sides_by_text for side in sides}
-    if ssi is None or len(named_alignments) != 1 or explained(report.document, "interfaces", "ssi", "alignment"):
+    if ssi is None or len(named_alignments) != 1 or has_erratum_at(report.document, "interfaces", "ssi", "alignment"):
         return
     named_alignment = named_alignments.pop()
     if ssi.alignment and ssi.alignment != named_alignment:
@@ -62,7 +62,7 @@ def check_alignment(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
         report.add("alignment-mismatch", ssi.place_of("alignment"), message)
 
 
-def check_serial_port(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_serial_port(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the note of an RS-485 interface has the stop bits, parity and bits per character of its port."""
     rs485 = spec.interfaces.rs485
     if rs485 is None or not rs485.port.data:
@@ -80,7 +80,7 @@ def check_serial_port(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
 
 
 def _compare_with_port(
-    text: str,
+    port_text: str,
     numbers: Mapping[str, tuple[re.Pattern[str], str]],
     rs485: WrittenRs485,
     report: DocumentReport,
@@ -90,7 +90,7 @@ def _compare_with_port(
     ``numbers`` has for each key the pattern of its words and the number or word that is right: ``"1"`` or ``"even"``.
     """
     for key, (pattern, expected) in numbers.items():
-        for word in pattern.findall(text):
+        for word in pattern.findall(port_text):
             if str(_NUMBERS.get(word.casefold(), word.casefold())) != expected:
                 line, _ = report.document.position((*rs485.port.path, key))
                 message = (
@@ -100,7 +100,7 @@ def _compare_with_port(
                 return
 
 
-def check_bounds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_bounds(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the lowest and the highest number of a quantity are different."""
     for characteristic in spec.characteristics:
         for index, value in enumerate(characteristic.part.values):
@@ -109,7 +109,7 @@ def check_bounds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) ->
                 report.add("quantity-text", (*characteristic.path, "values", index, "min"), message)
 
 
-def check_numbers_of_conditions(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_numbers_of_conditions(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the numbers in ``where``, the condition of a quantity, are in the text of the characteristic."""
     for characteristic in spec.characteristics:
         printed_numbers = set(_NUMBER.findall(characteristic.part.value))
@@ -124,16 +124,16 @@ _NUMBER = re.compile(r"(?<![\w.,])\d+(?:\.\d+)?(?![\w,]*\d)")
 _HEX_CELL = re.compile(r"(?:0x)?([0-9A-F]+)h?")
 
 
-def check_address_tables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_address_tables(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a table with first and last addresses has ranges in ascending order, with equally many digits.
 
     Rows in which one of the two is not a hexadecimal number are skipped.
     """
     for table in spec.tables:
-        column_names = [column.casefold() for column in table.part.columns]
-        address_columns = [
-            index for index, column in enumerate(column_names) if column in ("first address", "last address")
-        ]
+        address_columns: list[int] = []
+        for index, heading in enumerate(table.part.columns):
+            if heading.casefold() in ("first address", "last address"):
+                address_columns.append(index)
         if len(address_columns) != 2:
             continue
         for row_index, row in enumerate(table.part.rows):
@@ -141,8 +141,10 @@ def check_address_tables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
             hex_digits = [match[1] for match in map(_HEX_CELL.fullmatch, cells) if match is not None]
             if len(hex_digits) != 2:
                 continue
-            path = (*table.path, "rows", row_index, address_columns[0])
-            if len(hex_digits[0]) != len(hex_digits[1]) or int(hex_digits[0], 16) > int(hex_digits[1], 16):
+            first, last = hex_digits
+            is_range = len(first) == len(last) and int(first, 16) <= int(last, 16)
+            if not is_range:
+                path = (*table.path, "rows", row_index, address_columns[0])
                 message = f"{cells[0]} to {cells[1]} is not a range of addresses; correct one of the two"
                 report.add("table-shape", path, message)
 
@@ -152,7 +154,7 @@ _WORD = re.compile(r"\b[A-Za-z]+\d\w*")
 _SHORTEST_START = 5
 
 
-def check_swapped_letters(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_swapped_letters(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no text has the characters of the start of an order code in another order, such as ABC12 for ABC21.
 
     The start is the text before the first part. One that is short is not compared.

@@ -23,7 +23,7 @@ _SETS = frozenset(
 _MAPS_OF_SETS = frozenset(("only_with", "open_only_with"))
 
 
-def check_repeated_items(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_items(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no item of a list that is a set, by its key, occurs twice."""
     for path, set_items in _unique_lists((), spec.data):
         for index, set_item in enumerate(set_items):
@@ -62,7 +62,7 @@ class _NamedText(NamedTuple):
     path: Path
 
 
-def check_repeated_text(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_text(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers of a bank, fields of a frame, and values of a field do not have the text of a neighbour."""
     registers_by_bank: dict[object, list[WrittenRegister]] = {}
     for register in spec.registers:
@@ -89,9 +89,13 @@ def _check_values(field: WrittenField, report: DocumentReport) -> None:
     _report_repeated("meaning", meanings, report)
 
 
-def _printed_name_of(part: WrittenRegister | WrittenField) -> _NamedText:
+def _printed_name_of(register_or_field: WrittenRegister | WrittenField) -> _NamedText:
     """Return the printed name of a part, with its name or, without one, its index."""
-    return _NamedText(part.printed_name, part.name or str(part.path[-1]), part.place_of("printed_name"))
+    return _NamedText(
+        register_or_field.printed_name,
+        register_or_field.name or str(register_or_field.path[-1]),
+        register_or_field.place_of("printed_name"),
+    )
 
 
 def _has_data(field: WrittenField) -> bool:
@@ -101,7 +105,7 @@ def _has_data(field: WrittenField) -> bool:
     return not is_fixed and not is_check
 
 
-def _report_repeated(key: str, texts: Iterable[_NamedText], report: DocumentReport) -> None:
+def _report_repeated(text_key: str, texts: Iterable[_NamedText], report: DocumentReport) -> None:
     """Report every text under a key that an earlier neighbour of another name has. Empty texts are missing ones."""
     first_names: dict[str, str] = {}
     for text, name, path in texts:
@@ -109,5 +113,5 @@ def _report_repeated(key: str, texts: Iterable[_NamedText], report: DocumentRepo
             continue
         first_name = first_names.setdefault(text, name)
         if first_name != name:
-            message = f"{quoted(first_name)} already has this text as its {quoted(key)}; one of the two is wrong"
+            message = f"{quoted(first_name)} already has this text as its {quoted(text_key)}; one of the two is wrong"
             report.add("repeated-text", path, message)

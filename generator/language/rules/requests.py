@@ -17,9 +17,9 @@ from .parts import (
     Has,
     by_name,
     constant_width,
-    expanded,
     field_names,
     interface_of,
+    with_groups_expanded,
 )
 
 #: Requests with their replies, over SPI or RS-485.
@@ -34,7 +34,7 @@ _WIDEST_WORD = 64
 def check_exchanges(
     interface: WrittenRs485 | WrittenSpi,
     raw_interface: WrittenRs485 | WrittenSpi,
-    raw: WrittenSpec,
+    as_read: WrittenSpec,
     rule: str,
     report: DocumentReport,
 ) -> None:
@@ -44,7 +44,7 @@ def check_exchanges(
     under ``rule``.
     """
     _check_layouts(interface.exchanges, by_name(raw_interface.layouts), report)
-    has_measurement = raw.has("measurement") or raw_interface.has("measurement")
+    has_measurement = as_read.has("measurement") or raw_interface.has("measurement")
     earlier_requests = set()
     for exchange in interface.exchanges:
         request = exchange.request
@@ -56,9 +56,9 @@ def check_exchanges(
             report.add(rule, exchange.place_of("purpose"), message)
 
 
-def _frame_name(exchange: WrittenRs485Exchange | WrittenSpiExchange, key: str) -> str:
+def _frame_name(exchange: WrittenRs485Exchange | WrittenSpiExchange, frame_key: str) -> str:
     """Return the name of the frame under a key of an exchange: its request or its reply."""
-    return exchange.request if key == "request" else exchange.reply
+    return exchange.request if frame_key == "request" else exchange.reply
 
 
 def _check_layouts(exchanges: Exchanges, layouts: Layouts, report: DocumentReport) -> None:
@@ -85,12 +85,12 @@ _RULE = "rs485-exchange"
 _OF_DATA_IDS = ("data_ids", "memory_access")
 
 
-def check_requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an RS-485 interface describes its requests: by data IDs, or by exchanges of a request and its reply.
 
     A character of a frame has 8 data bits.
     """
-    interface, raw_interface = spec.interfaces.rs485, raw.interfaces.rs485
+    interface, raw_interface = spec.interfaces.rs485, as_read.interfaces.rs485
     if interface is None or raw_interface is None or not interface.data:
         return
     port = interface.port
@@ -106,7 +106,7 @@ def check_requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
         if interface.has(key):
             message = f"{quoted(key)} belongs to frames like those of the T-format; keep either it or 'exchanges'"
             report.add(_RULE, interface.place_of(key), message, at_key=True)
-    check_exchanges(interface, raw_interface, raw, _RULE, report)
+    check_exchanges(interface, raw_interface, as_read, _RULE, report)
     _check_frames_of_rs485(interface, report)
 
 
@@ -134,20 +134,20 @@ def _check_frames_of_rs485(interface: WrittenRs485, report: DocumentReport) -> N
 _NEEDED = {"read": (("address",), ("data",)), "write": (("address", "data"), ())}
 
 
-def check_spi_exchanges(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_spi_exchanges(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that each frame over SPI is a request or its reply, and that accesses to registers have their fields."""
-    interface, raw_interface = spec.interfaces.spi, raw.interfaces.spi
+    interface, raw_interface = spec.interfaces.spi, as_read.interfaces.spi
     if interface is None or raw_interface is None or not interface.data:
         return
-    check_exchanges(interface, raw_interface, raw, "spi-exchange", report)
-    _check_registers(spec, raw, report)
+    check_exchanges(interface, raw_interface, as_read, "spi-exchange", report)
+    _check_registers(spec, as_read, report)
     _check_lengths(interface, report)
     _check_frames(interface, report)
     _check_parities(interface, report)
-    _check_accesses(interface, raw_interface, raw, report)
+    _check_accesses(interface, raw_interface, as_read, report)
 
 
-def _check_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def _check_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers over SPI have no byte order and identify no encoder, and that no parameter is read there."""
     for register in spec.registers:
         if interface_of(register) != Spi.name:
@@ -162,7 +162,7 @@ def _check_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
             if field.equals is not None:
                 message = "an encoder cannot be identified by its registers over SPI; use 'constant' or 'meaning'"
                 report.add("spi-exchange", field.place_of("equals"), message, at_key=True)
-    registers = by_name(raw.registers)
+    registers = by_name(as_read.registers)
     for name, parameter in spec.parameters.items():
         register_name = parameter.read_from.partition(".")[0]
         if interface_of(registers.get(register_name)) == Spi.name:
@@ -254,14 +254,16 @@ def _free_fields(layout: WrittenLayout | None) -> Iterator[str]:
             yield field.name
 
 
-def _check_accesses(interface: WrittenSpi, raw_interface: WrittenSpi, raw: WrittenSpec, report: DocumentReport) -> None:
+def _check_accesses(
+    interface: WrittenSpi, raw_interface: WrittenSpi, as_read: WrittenSpec, report: DocumentReport
+) -> None:
     """Check that registers have exchanges for their accesses, and that the frames of these have the needed fields.
 
     Only one exchange may read registers.
     """
-    groups = by_name(raw.field_groups)
+    groups = by_name(as_read.field_groups)
     layouts = by_name(raw_interface.layouts)
-    spi_registers = [register for register in raw.registers if interface_of(register) == Spi.name]
+    spi_registers = [register for register in as_read.registers if interface_of(register) == Spi.name]
     for purpose, needed in _NEEDED.items():
         accesses = [exchange for exchange in interface.exchanges if exchange.purpose == purpose]
         needed_in_request, needed_in_reply = needed
@@ -283,7 +285,7 @@ def _check_accesses(interface: WrittenSpi, raw_interface: WrittenSpi, raw: Writt
 
 def _check_fields(
     accesses: Sequence[WrittenSpiExchange],
-    key: str,
+    frame_key: str,
     needed: tuple[str, ...],
     layouts: Layouts,
     groups: Groups,
@@ -291,36 +293,36 @@ def _check_fields(
 ) -> None:
     """Check that the frames of these exchanges together have the needed fields, and requests no others to decide.
 
-    ``key`` is ``request`` or ``reply``, the frames of the exchanges that are checked. Without exchanges, none is
+    ``frame_key`` is ``request`` or ``reply``, the frames of the exchanges that are checked. Without exchanges, none is
     needed.
     """
     if not accesses:
         return
     field_names_of_frames: set[str] = set()
     for exchange in accesses:
-        layout = layouts.get(_frame_name(exchange, key))
+        layout = layouts.get(_frame_name(exchange, frame_key))
         field_names_of_frames |= field_names(_as_fields(layout), groups).keys() if layout is not None else set()
     missing_names = [field_name for field_name in needed if field_name not in field_names_of_frames]
     if missing_names:
-        frame_name = _frame_name(accesses[0], key)
-        place = accesses[0].place_of(key)
+        frame_name = _frame_name(accesses[0], frame_key)
+        place = accesses[0].place_of(frame_key)
         message = f"{quoted(frame_name)} is for a register, so it needs the field {quoted(missing_names[0])}"
         report.add("spi-exchange", place, message)
-    elif key == "request":
+    elif frame_key == "request":
         for exchange in accesses:
             free_names = _free_fields(layouts.get(exchange.request))
             undecided_names = [field_name for field_name in free_names if field_name not in needed]
             if undecided_names:
                 problem = f"an access to a register gives no value for {quoted(undecided_names[0])}"
                 message = f"{problem} in {quoted(exchange.request)}; use 'constant' or 'unused' there"
-                report.add("spi-exchange", exchange.place_of(key), message)
+                report.add("spi-exchange", exchange.place_of(frame_key), message)
 
 
 def _as_fields(layout: WrittenLayout) -> FieldList:
     return FieldList(Has.LAYOUT, layout, Spi.name)
 
 
-def check_requests_that_write(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_requests_that_write(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that constants distinguish each request from those that write, unless a note of its layout explains it.
 
     Two words can be equal if they have the same length and no constant bit differs. Only a write with constants and an
@@ -331,7 +333,7 @@ def check_requests_that_write(spec: WrittenSpec, raw: WrittenSpec, report: Docum
     # A second reading repeats printed facts, without the notes that may explain them.
     if interface is None or is_second(report.document.file):
         return
-    groups = by_name(raw.field_groups)
+    groups = by_name(as_read.field_groups)
     layouts = by_name(interface.layouts)
     bits_by_layout = {name: _constant_bits(layout, groups) for name, layout in layouts.items()}
     write_requests = [exchange.request for exchange in interface.exchanges if exchange.purpose == "write"]
@@ -371,7 +373,7 @@ def _constant_bits(layout: WrittenLayout, groups: Groups) -> str:
     The result is empty if a width depends on the order code or is too large.
     """
     word = ""
-    for _, field in expanded(_as_fields(layout), groups):
+    for _, field in with_groups_expanded(_as_fields(layout), groups):
         width = 1 if field.parity_of else constant_width(field)
         if width is None or width > _WIDEST_WORD:
             return ""
@@ -387,6 +389,6 @@ def _fixed_value(field: WrittenField) -> int | None:
 
 def _free_names(layout: WrittenLayout, groups: Groups) -> Iterator[str]:
     """Yield the names of the fields that have no fixed value."""
-    for _, field in expanded(_as_fields(layout), groups):
+    for _, field in with_groups_expanded(_as_fields(layout), groups):
         if _fixed_value(field) is None:
             yield field.name

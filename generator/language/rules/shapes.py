@@ -7,7 +7,7 @@ from collections.abc import Collection
 from ...model import INTERFACES, Spi
 from ...model.expressions import Expression, ExpressionError
 from ..problems import DocumentReport, Path, listed, missing, quoted
-from ..written_layouts import WrittenField, WrittenLayout
+from ..written_layouts import KIND_KEYS, WrittenField, WrittenLayout
 from ..written_parts import WrittenExample, WrittenSpec
 from .parts import (
     FieldList,
@@ -19,8 +19,6 @@ from .parts import (
     interface_of,
 )
 
-#: Keys that define the kind of a field. A field without any is a number.
-KINDS = ("constant", "unused", "active", "values", "values_of", "crc", "parity_of", "digits", "text")
 #: Keys that give the place of a field.
 PLACES = ("at", "top_bit", "low_bit")
 #: Begins the names of values that a manual reserves, such as ``reserved_5``.
@@ -60,7 +58,7 @@ _EXAMPLES: dict[str, KeysOfKind] = {
 _ALL_EXAMPLES = frozenset(("name", "kind", "source", "erratum", "note"))
 
 
-def check_layout_keys(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_layout_keys(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that fields and layouts have valid combinations of keys. A field with ``use`` only includes a group."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -71,7 +69,7 @@ def check_layout_keys(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
                 _check_others(field_list, field, report)
         _check_placing(field_list, report)
         if field_list.layout is not None:
-            _check_carriage(field_list, field_list.layout, raw, report)
+            _check_carriage(field_list, field_list.layout, as_read, report)
 
 
 def _check_use(fields: FieldList, field: WrittenField, report: DocumentReport) -> None:
@@ -99,9 +97,9 @@ def _check_field(field: WrittenField, report: DocumentReport) -> None:
 
 
 def _check_kind(field: WrittenField, report: DocumentReport) -> None:
-    """Check that a field has one of ``KINDS`` or none, which makes it a number, and only keys of that kind."""
+    """Check that a field has one of ``KIND_KEYS`` or none, which makes it a number, and only keys of that kind."""
     name = quoted(field.name)
-    kinds = [key for key in KINDS if field.has(key)]
+    kinds = [key for key in KIND_KEYS if field.has(key)]
     if len(kinds) > 1:
         problem = f"{listed(map(quoted, kinds))} exclude each other; keep one of them"
         report.add("layout-keys", field.place_of(kinds[1]), problem, at_key=True)
@@ -237,7 +235,7 @@ def _check_placing(fields: FieldList, report: DocumentReport) -> None:
     report.add("layout-keys", field.path, message)
 
 
-def _check_carriage(fields: FieldList, layout: WrittenLayout, raw: WrittenSpec, report: DocumentReport) -> None:
+def _check_carriage(fields: FieldList, layout: WrittenLayout, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a layout has only keys for the way in which it is carried, as bits or as bytes.
 
     Without ``carried_as``, it is carried in the way of its interface.
@@ -245,7 +243,7 @@ def _check_carriage(fields: FieldList, layout: WrittenLayout, raw: WrittenSpec, 
     interface = INTERFACES[fields.interface]
     carried_as = layout.carried_as or interface.carried_as
     name = quoted(layout.name)
-    if carried_as == "bytes" and not layout.byte_order and not _is_one_byte(layout, raw):
+    if carried_as == "bytes" and not layout.byte_order and not _is_one_byte(layout, as_read):
         message = f"{name} is carried as bytes, so it needs 'byte_order': low_byte_first or high_byte_first"
         report.add("layout-keys", layout.path, message)
     if carried_as == "bits":
@@ -278,7 +276,7 @@ def _wrong_order(interface: str, layout: WrittenLayout) -> str:
     return ""
 
 
-def _is_one_byte(layout: WrittenLayout, raw: WrittenSpec) -> bool:
+def _is_one_byte(layout: WrittenLayout, as_read: WrittenSpec) -> bool:
     """Return True if the layout is one byte whose fields need no order: a single field, or all with places.
 
     The single field may be a group, a CRC, a padded field or one with a constant width.
@@ -288,10 +286,13 @@ def _is_one_byte(layout: WrittenLayout, raw: WrittenSpec) -> bool:
     if len(layout.fields) > 1:
         return False
     field = layout.fields[0]
-    group = by_name(raw.field_groups).get(field.use)
-    crc = by_part_name(raw.crcs).get(field.crc)
-    width = (group.bits if group is not None else 0) or (crc.part.width if crc is not None else 0)
-    return (width or field.padded_to or constant_width(field)) == 8
+    group = by_name(as_read.field_groups).get(field.use)
+    crc = by_part_name(as_read.crcs).get(field.crc)
+    if group is not None and group.bits:
+        return group.bits == 8
+    if crc is not None and crc.part.width:
+        return crc.part.width == 8
+    return (field.padded_to or constant_width(field)) == 8
 
 
 def _top_bit(field: WrittenField) -> int:
@@ -301,7 +302,7 @@ def _top_bit(field: WrittenField) -> int:
     return int(top_bit) if top_bit.isdecimal() else 0
 
 
-def check_missing_byte_orders(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_missing_byte_orders(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers of several bytes with addresses have a byte order, because no default is safe."""
     for register in spec.registers:
         interface = INTERFACES.get(interface_of(register))
@@ -315,7 +316,7 @@ def check_missing_byte_orders(spec: WrittenSpec, raw: WrittenSpec, report: Docum
             report.add("byte-order-missing", register.path, message)
 
 
-def check_example_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_example_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that each example has the keys of its kind, and that a frame is complete."""
     for example in spec.examples:
         subject = f"a {example.kind} example"
@@ -349,9 +350,9 @@ def _check_frame(example: WrittenExample, report: DocumentReport) -> None:
         report.add("example-shape", example.path, "a refused example needs 'erratum' or 'note' to explain it")
 
 
-def check_example_arguments(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_example_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an example of a procedure has a value for each argument of the procedure."""
-    procedures = by_name(raw.procedures)
+    procedures = by_name(as_read.procedures)
     for example in spec.examples:
         procedure = procedures.get(example.procedure)
         if example.kind != "procedure" or procedure is None:

@@ -12,7 +12,7 @@ from ..problems import DocumentReport, listed, quoted, suggestion
 from ..written import Located
 from ..written_interfaces import WrittenBiss, WrittenSsi
 from ..written_parts import WrittenExample, WrittenSection, WrittenSpec
-from .parts import PlacedPart, WrittenInterface, by_name, clocks_of, explained, interfaces
+from .parts import PlacedPart, WrittenInterface, by_name, clocks_of, has_erratum_at, interfaces
 from .walk import leaves, leaves_of, mapping, sources
 
 _CITED = re.compile(r"(?P<section>[0-9]+(?:\.[0-9]+)*|[^\W\d_][^:;]*?)(?:\s+p\.(?P<page>[0-9]+))?")
@@ -39,13 +39,13 @@ class _LaterPage:
 _Spans = Mapping[str, Mapping[str, tuple[int, int]]]
 
 
-def check_cited_place(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_cited_place(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that every cited section of the manual is in its contents, and every cited page in its section.
 
     In a spec whose sources cite the pages on which sections and entries begin, a source with only later pages is
     reported.
     """
-    contents = raw.manual.contents
+    contents = as_read.manual.contents
     if not contents:
         return
     spans = _find_spans(contents)
@@ -65,7 +65,9 @@ def check_cited_place(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
                 first_page_count += 1
             elif first_pages and cited_pages.isdisjoint(first_pages):
                 earlier_pages = [first_page for first_page in first_pages if first_page < page]
-                later_pages.append(_LaterPage(path, section, page, max(earlier_pages, default=page)))
+                later_pages.append(
+                    _LaterPage(path=path, section=section, page=page, first_page=max(earlier_pages, default=page))
+                )
     first_pages_needed = max(_ENOUGH, _SHARE * (first_page_count + len(later_pages)))
     if first_page_count >= first_pages_needed:
         _report_later_pages(later_pages, report)
@@ -133,7 +135,7 @@ def _page_of_section(section: WrittenSection, default: int) -> int:
     return default if section.page is None else section.page
 
 
-def _printed_names(data: object, path: Path) -> tuple[list[str], list[str]]:
+def _printed_names(root: object, path: Path) -> tuple[list[str], list[str]]:
     """Return the printed names of the item with a source, and those of all items around it, the innermost first.
 
     The first list is empty if the innermost map has none. Names are in lower case, for comparison.
@@ -141,7 +143,7 @@ def _printed_names(data: object, path: Path) -> tuple[list[str], list[str]]:
     enclosing_names: list[str] = []
     own_names: list[str] = []
     for end in range(1, len(path)):
-        node = value_at(data, path[:end])
+        node = value_at(root, path[:end])
         if isinstance(node, dict):
             printed_names = (node.get("printed_name"), *mapping(node, "names").values())
             own_names = [name.casefold() for name in printed_names if isinstance(name, str)]
@@ -190,7 +192,7 @@ _WHOLE = "all pages"
 _SOURCE = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?(.*?)\s*", re.DOTALL)
 
 
-def check_evidence(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_evidence(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the evidence supports the grade and lists each source once, and that each fact cites enough of them.
 
     Only the grades ``quoted`` and ``corroborated`` make demands on the source of each fact.
@@ -200,7 +202,7 @@ def check_evidence(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) 
         if key in stated.documents or key in stated.implementations[:index]:
             problem = f"{quoted(key)} is listed twice; list each source once, so that it counts once"
             report.add("evidence-grade", ("evidence", "implementations", index), problem)
-    _check_vectors(stated, by_name(raw.examples), report)
+    _check_vectors(stated, by_name(as_read.examples), report)
     if not spec.evidence.is_valid("grade"):
         return
     for problem in _yield_missing_support(stated):
@@ -215,7 +217,7 @@ def _check_vectors(stated: Evidence, examples: Mapping[str, WrittenExample], rep
     The second applies only to a grade that needs it, and if all of the examples exist.
     """
     for index, name in enumerate(stated.vectors):
-        if name in examples and not _discriminates(examples[name]):
+        if name in examples and not _has_different_bits(examples[name]):
             problem = f"{quoted(name)} has the same bits throughout, so it cannot show an error; use another example"
             report.add("evidence-grade", ("evidence", "vectors", index), problem)
     are_known = bool(stated.vectors) and all(name in examples for name in stated.vectors)
@@ -279,16 +281,16 @@ def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
             report.add("evidence-grade", path, problem + _suggest_source(first_place, spec.documents))
 
 
-def _suggest_source(place: str, documents: Collection[str]) -> str:
+def _suggest_source(cited_place: str, documents: Collection[str]) -> str:
     """Return how to write a source whose place has no key of a document, or an empty string without such a place."""
-    if not place:
+    if not cited_place:
         return ""
-    if place in documents:
-        return f"; write {quoted(f'{place}: PLACE')} with a place in it"
-    return f"; write {quoted(f'KEY: {place}')} with the key of its document"
+    if cited_place in documents:
+        return f"; write {quoted(f'{cited_place}: PLACE')} with a place in it"
+    return f"; write {quoted(f'KEY: {cited_place}')} with the key of its document"
 
 
-def _discriminates(example: WrittenExample) -> bool:
+def _has_different_bits(example: WrittenExample) -> bool:
     """Return True if the bits of an example, or its bytes if it has those, differ from one another."""
     frame_text = example.bits or example.bytes
     is_bytes = " " in frame_text
@@ -332,7 +334,7 @@ _CABLE = _LimitKeys(("below_hz",), "leave the table out")
 _SUPPLY = _LimitKeys(("min_mv", "max_mv"), "list the voltage in use under 'characteristics'")
 
 
-def check_limit_sources(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_limit_sources(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that limits cite a document of the manufacturer if the grade does not demand it of every fact."""
     grade = spec.evidence.part.grade
     documents_read = spec.evidence.part.documents
@@ -377,27 +379,27 @@ def _limited_parts(interface: WrittenInterface) -> Iterator[tuple[Located[object
         yield cable_length, _CABLE
 
 
-def _source_of_part(part: Located[object]) -> str:
+def _source_of_part(located_part: Located[object]) -> str:
     """Return the source of a part, or an empty string if it has none."""
-    return str(part.source or "")
+    return str(located_part.source or "")
 
 
-def check_revision_in_history(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_revision_in_history(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the history of a manual lists its own revision, unless an erratum explains it."""
     # A revision that is not text is reported by the schema, and can still be the right one.
-    revisions = [str(history_row.data.get("revision")) for history_row in raw.manual.history]
+    revisions = [str(history_row.data.get("revision")) for history_row in as_read.manual.history]
     revision = spec.manual.revision
     is_repeated = len(set(revisions)) < len(revisions)  # Reported by another rule.
     if not revisions or is_repeated or not revision or revision in revisions:
         return
-    if explained(report.document, "manual", "history"):
+    if has_erratum_at(report.document, "manual", "history"):
         return
     problem = f"the manual has revision {quoted(revision)}, but its history lists {', '.join(revisions)}"
     remedy = "correct one of the two, or add an erratum that affects manual.history if the manual prints this"
     report.add("revision-not-in-history", ("manual", "revision"), f"{problem}; {remedy}")
 
 
-def check_open_quotation(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_open_quotation(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that double quotation marks in the printed text of an erratum come in pairs."""
     for erratum in spec.errata:
         if erratum.printed.count('"') % 2:

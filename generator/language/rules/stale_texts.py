@@ -41,7 +41,7 @@ _TEXTS = (PROSE | {"used"}) - {"title", "why", "changes", "source"}
 _ELSEWHERE = frozenset(("documents", "manual", "editions", "evidence", "lost_figures"))
 
 
-def check_erratum_quantities(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_erratum_quantities(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the quantities that an erratum uses are those of the facts that it affects.
 
     An erratum without quantities under 'used' uses those that are printed. A quantity is compared with all of its kind
@@ -62,17 +62,22 @@ def check_erratum_quantities(spec: WrittenSpec, raw: WrittenSpec, report: Docume
         stated_by_kind: dict[str, dict[Decimal, str]] = {}
         for kind, number, stated_text in _stated_quantities(facts):
             stated_by_kind.setdefault(kind, {})[number] = stated_text
-        for match in matches:
-            number_text, unit = match.group("number", "unit")
-            kind = _KIND_OF_UNIT[unit]
-            number = _in_smallest_unit(number_text, unit)
-            if kind in stated_by_kind and number not in stated_by_kind[kind]:
-                texts = listed(list(stated_by_kind[kind].values()), "or")
-                message = (
-                    f"the text says {quoted(match[0])}, but the facts affected have {texts}; correct one of the two"
-                )
-                report.add("left-behind", erratum.place_of(key), message)
-                break
+        messages = [message for match in matches if (message := _contradiction_of(match, stated_by_kind))]
+        if messages:
+            report.add("left-behind", erratum.place_of(key), messages[0])
+
+
+def _contradiction_of(quantity: re.Match[str], stated_by_kind: Mapping[str, Mapping[Decimal, str]]) -> str:
+    """Return the message about a quantity that differs from those of its kind in the facts, or an empty string.
+
+    ``stated_by_kind`` has the quantities of the facts: their numbers in the smallest unit, with their texts.
+    """
+    number_text, unit = quantity.group("number", "unit")
+    text_by_number = stated_by_kind.get(_KIND_OF_UNIT[unit], {})
+    if not text_by_number or _in_smallest_unit(number_text, unit) in text_by_number:
+        return ""
+    texts = listed(list(text_by_number.values()), "or")
+    return f"the text says {quoted(quantity[0])}, but the facts affected have {texts}; correct one of the two"
 
 
 def _stated_quantities(facts: Iterable[object]) -> Iterator[tuple[str, Decimal, str]]:
@@ -93,11 +98,11 @@ def _stated_quantities(facts: Iterable[object]) -> Iterator[tuple[str, Decimal, 
                     yield _KIND_OF_UNIT[unit], _in_smallest_unit(str(number), unit), f"{number} {unit}"
 
 
-def _in_smallest_unit(number: str, unit: str) -> Decimal:
-    return Decimal(number.replace(",", "").replace("−", "-")) * _UNITS[_KIND_OF_UNIT[unit]][unit]
+def _in_smallest_unit(number_text: str, unit: str) -> Decimal:
+    return Decimal(number_text.replace(",", "").replace("−", "-")) * _UNITS[_KIND_OF_UNIT[unit]][unit]
 
 
-def check_repeated_waits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_waits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a timing about writes to a register, by its printed name, has the wait of this register."""
     waiting_registers: dict[str, WrittenRegister] = {}
     for register in by_name(spec.registers).values():
@@ -126,7 +131,7 @@ def _check_wait(timing: Located[Timing], registers: Mapping[str, WrittenRegister
         report.add("left-behind", (*timing.path, "at_least_us"), message)
 
 
-def check_quoted_names(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_quoted_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a bit, register, command, alarm or input that a text names in quotes has this printed name.
 
     Names are compared without regard to capitals and punctuation. Overlays and older editions change names without
@@ -158,15 +163,15 @@ def _printed_names(spec: WrittenSpec, report: DocumentReport) -> list[str]:
     return list(names)
 
 
-def _fold_name(name: str) -> str:
+def _fold_name(printed_name: str) -> str:
     """Return a name in lower case, with one space for all other characters between letters and digits."""
-    return re.sub(r"[\W_]+", " ", name).strip().casefold()
+    return re.sub(r"[\W_]+", " ", printed_name).strip().casefold()
 
 
 _LABEL = re.compile(r"(?<![\w/-])[A-Z][A-Z0-9]+(?![\w/-])")
 
 
-def check_labels_in_errata(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_labels_in_errata(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an erratum about order codes uses only existing labels next to another label of the same shape.
 
     Labels have the same shape if they have letters and digits at the same places, such as ``A12`` and ``B07``.
@@ -207,7 +212,7 @@ def _shape_of_label(label: str) -> str:
 _NAMED_ERROR = re.compile(r"\b([A-Z]{2,}) (error|alarm|flag|warning)\b")
 
 
-def check_alarm_names(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_alarm_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a name such as ``ST error`` in a text has a word in capitals that is in some printed name of the spec.
 
     This holds if an alarm of the spec has such a name. Specs with overlays and older editions are not checked.
@@ -218,16 +223,13 @@ def check_alarm_names(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
     capital_names = {name for name in names if _NAMED_ERROR.fullmatch(name)}
     if not capital_names:
         return
-    printed_names = [
-        str(text) for path, text in leaves_of(spec.data, report) if path[-1] in ("printed_name", "title", "signal")
-    ]
-    known_words = {word for name in printed_names for word in re.findall(r"[A-Z]{2,}", name)}
+    known_words: set[str] = set()  # The words in capitals of all printed names.
     for path, text in leaves_of(spec.data, report):
-        if (
-            not isinstance(text, str)
-            or path[0] in _ELSEWHERE
-            or path[-1] not in _TEXTS | {"when_active", "when_inactive"}
-        ):
+        if path[-1] in ("printed_name", "title", "signal"):
+            known_words.update(re.findall(r"[A-Z]{2,}", str(text)))
+    checked_keys = _TEXTS | {"when_active", "when_inactive"}
+    for path, text in leaves_of(spec.data, report):
+        if not isinstance(text, str) or path[0] in _ELSEWHERE or path[-1] not in checked_keys:
             continue
         for match in _NAMED_ERROR.finditer(text):
             if match[1] not in known_words:

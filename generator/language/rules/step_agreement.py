@@ -20,7 +20,7 @@ _NUMBERS = ("two", "three", "four", "five", "six", "seven", "eight", "nine", "te
 _REPETITIONS = re.compile(rf"\b({'|'.join(_NUMBERS)}|[1-9]\d?) requests\b", re.IGNORECASE)
 
 
-def check_interface_of_steps(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_interface_of_steps(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure for an interface of the spec accesses only registers of this interface."""
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
@@ -36,9 +36,9 @@ def check_interface_of_steps(spec: WrittenSpec, raw: WrittenSpec, report: Docume
                 report.add("interface-mismatch", step.place_of("register"), message, cause=procedure.name)
 
 
-def check_register_of_argument(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_register_of_argument(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the register whose limits apply to an argument is one of those to which steps write the argument."""
-    registers = by_name(raw.registers)
+    registers = by_name(as_read.registers)
     for procedure in spec.procedures:
         for argument in procedure.arguments:
             writes = [step for step in procedure.steps if step.do == "write" and step.value == argument.name]
@@ -51,10 +51,10 @@ def check_register_of_argument(spec: WrittenSpec, raw: WrittenSpec, report: Docu
                 report.add("argument-register", argument.place_of("of"), message)
 
 
-def check_polled_values(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_polled_values(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a poll waits for a value that its field can have."""
     registers = by_name(spec.registers)
-    groups = by_name(raw.field_groups)
+    groups = by_name(as_read.field_groups)
     for procedure in spec.procedures:
         for step in procedure.steps:
             register = registers.get(step.register)
@@ -75,7 +75,7 @@ def _width_of(register: WrittenRegister, field_name: str, groups: Groups) -> int
     return None
 
 
-def check_waits_of_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_waits_of_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the waits after a write are together not longer than the register needs.
 
     A text of the procedure that gives the time explains it.
@@ -113,7 +113,7 @@ def _waits_after_writes(procedure: WrittenProcedure) -> Iterator[tuple[WrittenSt
             yield step, waits
 
 
-def check_wait_at_end(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_wait_at_end(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Report a procedure that ends with a wait and a write, if the wait is exactly the one that this write needs.
 
     Then the wait is likely on the wrong side of the write, unless the step before it needs one too.
@@ -123,21 +123,25 @@ def check_wait_at_end(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
         steps = procedure.steps
         if len(steps) < 2 or (steps[-2].do, steps[-1].do) != ("wait", "write"):
             continue
-        # Without a step before the wait, the wait itself is used. It has no register, so it needs no wait.
-        earlier_register, last_register = (
-            registers.get(step.register) for step in (steps[-3] if len(steps) > 2 else steps[-2], steps[-1])
-        )
-        needed_ms = last_register.wait_at_least_ms if last_register is not None else None
-        earlier_ms = earlier_register.wait_at_least_ms if earlier_register is not None else None
-        if needed_ms is not None and earlier_ms is None and steps[-2].at_least_ms == needed_ms:
+        wait, last_write = steps[-2:]
+        needed_ms = _needed_wait(last_write, registers)
+        step_before_wait = steps[-3] if len(steps) > 2 else None
+        is_for_step_before = step_before_wait is not None and _needed_wait(step_before_wait, registers) is not None
+        if needed_ms is not None and not is_for_step_before and wait.at_least_ms == needed_ms:
             message = (
-                f"{quoted(steps[-1].register)} needs a wait of {needed_ms} ms after a write, and the procedure waits"
+                f"{quoted(last_write.register)} needs a wait of {needed_ms} ms after a write, and the procedure waits"
                 " before it; move the wait behind this step, or add another one"
             )
-            report.add("wait-too-short", steps[-1].path, message, cause=steps[-1].register)
+            report.add("wait-too-short", last_write.path, message, cause=last_write.register)
 
 
-def check_intervals(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def _needed_wait(step: WrittenStep, registers: Mapping[str, WrittenRegister]) -> int | None:
+    """Return the wait in ms that the register of a step needs after a write, or None if it needs none."""
+    register = registers.get(step.register)
+    return register.wait_at_least_ms if register is not None else None
+
+
+def check_intervals(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the interval between requests is one of the shortest times of the RS-485 interface, if it has any."""
     interface = spec.interfaces.rs485
     shortest_times = [] if interface is None else [timing.part.at_least_us for timing in interface.timings]
@@ -154,7 +158,7 @@ def check_intervals(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport)
                 report.add("time-repeated", step.place_of("every_at_least_us"), message)
 
 
-def check_counted_requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_counted_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a text of a procedure with one repeated request among others gives the number of its repetitions."""
     for procedure in spec.procedures:
         repeated_steps = [step for step in procedure.steps if step.times is not None]
@@ -169,16 +173,16 @@ def check_counted_requests(spec: WrittenSpec, raw: WrittenSpec, report: Document
                 report.add("quantity-repeated", (*procedure.path, *path), message)
 
 
-def _counts_in_texts(data: Mapping[str, object]) -> Iterator[tuple[Path, int]]:
+def _counts_in_texts(part_data: Mapping[str, object]) -> Iterator[tuple[Path, int]]:
     """Yield the numbers of requests in the texts of a procedure, with the paths of the texts below it."""
-    for path, text in leaves(data):
+    for path, text in leaves(part_data):
         for number_text in _REPETITIONS.findall(text) if isinstance(text, str) else ():
             is_digits = number_text.isdigit()
             # The words begin with two.
             yield path, int(number_text) if is_digits else _NUMBERS.index(number_text.casefold()) + 2
 
 
-def check_polled_levels(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_polled_levels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a meaning such as ``0 until the value is saved`` agrees with the value for which the poll waits.
 
     The bit has the stated level until, while or during something, so the poll waits for the other one. With ``when``,
@@ -189,7 +193,8 @@ def check_polled_levels(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
             stated_level = _LEVEL_OF_STEP.match(step.meaning)
             if step.do != "poll" or stated_level is None or step.until not in (0, 1):
                 continue
-            expected_level = int(stated_level[1]) if stated_level[2] == "when" else 1 - int(stated_level[1])
+            level = int(stated_level[1])
+            expected_level = level if stated_level[2] == "when" else 1 - level
             if step.until != expected_level:
                 message = (
                     f"the meaning says {quoted(stated_level[0])}, but 'until' is {step.until}; one of the two is wrong"

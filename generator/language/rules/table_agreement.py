@@ -19,7 +19,7 @@ _FREQUENCIES = frozenset(("Hz", "kHz", "MHz"))
 _NANOMETRES = {"nm": 1, "µm": 1_000, "mm": 1_000_000}
 
 
-def check_edges_and_periods(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_edges_and_periods(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a table with frequencies of periods and of edges has four edges a period.
 
     The signals A and B have two edges each in one period. An erratum about the table that has both numbers explains
@@ -48,21 +48,21 @@ def _numbers_of_errata(spec: WrittenSpec, affected_path: str) -> set[str]:
 
 def _frequency_column(table: Table, word: str) -> int | None:
     """Return the only column of frequencies with this word in its heading, if its unit is that of the others."""
-    columns = [
-        index
-        for index, (heading, unit) in enumerate(zip(table.columns, table.units, strict=False))
-        if unit in _FREQUENCIES and re.search(rf"\b{word}\b", heading, re.IGNORECASE)
-    ]
+    columns: list[int] = []
+    for index, (heading, unit) in enumerate(zip(table.columns, table.units, strict=False)):
+        if unit in _FREQUENCIES and re.search(rf"\b{word}\b", heading, re.IGNORECASE):
+            columns.append(index)
     frequency_units = {unit for unit in table.units if unit in _FREQUENCIES}
     return columns[0] if len(columns) == 1 and len(frequency_units) == 1 else None
 
 
 def _number_in_cell(row: tuple[str, ...], column: int) -> Decimal | None:
+    """Return the number in a cell, or None if the cell is missing or has another text."""
     cell = row[column] if column < len(row) else ""
     return Decimal(cell) if _NUMBER.fullmatch(cell) else None
 
 
-def check_order_codes_in_rows(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_order_codes_in_rows(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a row about an order code has the quantity that the meaning of its label gives.
 
     For example, the label ``0050`` means ``50 µm``, so its row has 50 in the column ``Resolution µm``. The column
@@ -71,11 +71,10 @@ def check_order_codes_in_rows(spec: WrittenSpec, raw: WrittenSpec, report: Docum
     for table in spec.tables:
         for part in spec.order_code.parts:
             meanings = {label: value.meaning for label, value in part.values.items()}
-            columns = [
-                index
-                for index, heading in enumerate(table.part.columns)
-                if part.meaning and heading.casefold().startswith(part.meaning.casefold())
-            ]
+            columns: list[int] = []
+            for index, heading in enumerate(table.part.columns):
+                if part.meaning and heading.casefold().startswith(part.meaning.casefold()):
+                    columns.append(index)
             if len(columns) == 1 and columns[0] < len(table.part.units):
                 _compare_rows(table, columns[0], meanings, report)
 
@@ -98,7 +97,7 @@ def _compare_rows(table: Located[Table], column: int, meanings: dict[str, str], 
             report.add("table-arithmetic", (*table.path, "rows", index, column), message)
 
 
-def check_order_codes_in_tables(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_order_codes_in_tables(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the order codes in a column named after them begin as the pattern does, and have its numbers.
 
     A number between two hyphens is a label of a part of the order code, or one that an open part accepts.
@@ -108,12 +107,14 @@ def check_order_codes_in_tables(spec: WrittenSpec, raw: WrittenSpec, report: Doc
         return
     for table in spec.tables:
         headings = [heading.casefold() for heading in table.part.columns]
-        column = headings.index("order code") if "order code" in headings else len(headings)
+        if "order code" not in headings:
+            continue
+        column = headings.index("order code")
         for index, row in enumerate(table.part.rows):
             codes = re.findall(r"\S+-\.\.\.", row[column]) if column < len(row) else []
-            problem = next(filter(None, (_wrong_code(code, start, spec) for code in codes)), "")
-            if problem:
-                report.add("table-arithmetic", (*table.path, "rows", index, column), f"{problem}; correct it")
+            problems = [problem for code in codes if (problem := _wrong_code(code, start, spec))]
+            if problems:
+                report.add("table-arithmetic", (*table.path, "rows", index, column), f"{problems[0]}; correct it")
 
 
 def _wrong_code(code: str, start: str, spec: WrittenSpec) -> str:
@@ -129,7 +130,7 @@ def _wrong_code(code: str, start: str, spec: WrittenSpec) -> str:
     return ""
 
 
-def check_reserved_addresses(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_reserved_addresses(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no register is in a range of addresses that a table calls reserved."""
     for table in spec.tables:
         headings = [heading.casefold() for heading in table.part.columns]
@@ -149,13 +150,14 @@ def check_reserved_addresses(spec: WrittenSpec, raw: WrittenSpec, report: Docume
                     break
 
 
-def check_lengths_of_errata(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_lengths_of_errata(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the lengths that an erratum about a table uses are in this table, if it has a column of lengths."""
     tables = {f"tables.{table.part.name}": table.part for table in spec.tables}
     for erratum in spec.errata:
-        lengths = {
-            length for affected in erratum.affects if affected in tables for length in _yield_lengths(tables[affected])
-        }
+        lengths: set[Decimal] = set()
+        for affected in erratum.affects:
+            if affected in tables:
+                lengths.update(_yield_lengths(tables[affected]))
         for number, unit in re.findall(r"(\d[\d,]*(?:\.\d+)?) (nm|µm|mm)\b", erratum.used) if lengths else ():
             if Decimal(number.replace(",", "")) * _NANOMETRES[unit] not in lengths:
                 message = f"no table that it affects has {number} {unit}; correct one of the two"

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import datetime
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import combinations, pairwise
 
-from ...model import INTERFACES, CableLength, Clock, Supply
+from ...model import INTERFACES, CableLength, Clock, Revision, Supply
 from ...say.plain_text import counted
 from ..document import Path, is_placeholder
 from ..problems import DocumentReport, missing, quoted, suggestion
@@ -15,14 +15,14 @@ from ..schema_files import is_second
 from ..written import Located
 from ..written_interfaces import WrittenRs485, WrittenSsi
 from ..written_layouts import WrittenField
-from ..written_parts import WrittenSpec
+from ..written_parts import WrittenManual, WrittenSpec
 from .parts import (
     MAX_FIELDS,
     by_name,
     clocks_of,
     constant_width,
-    explained,
     field_lists,
+    has_erratum_at,
     interface_of,
     interfaces,
     last_address,
@@ -41,9 +41,9 @@ _PAGE = r"p\.[0-9]+(?:-[0-9]+)?"
 _PLACE = re.compile(rf"(?:{_SECTION})(?: {_PAGE})?|{_PAGE}")
 
 
-def check_field_count(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_field_count(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no list of fields has more than ``MAX_FIELDS`` if the groups in it are written out."""
-    counts_by_group = {name: len(group.fields) for name, group in by_name(raw.field_groups).items()}
+    counts_by_group = {name: len(group.fields) for name, group in by_name(as_read.field_groups).items()}
     for field_list in field_lists(spec):
         count = sum(counts_by_group.get(field.use, 1) for field in field_list.fields)
         if count > MAX_FIELDS:
@@ -51,7 +51,7 @@ def check_field_count(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
             report.add("too-long", field_list.owner.place_of("fields"), problem)
 
 
-def check_crc_numbers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_crc_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that polynomial, start value and final XOR of a CRC fit its width, and that the polynomial is odd."""
     for crc in spec.crcs:
         width = crc.part.width
@@ -82,7 +82,7 @@ def _numbers_in(field: WrittenField) -> Iterator[tuple[Path, str, int]]:
             yield field.place_of(key), f"{quoted(key)} is", number
 
 
-def check_value_widths(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_value_widths(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the numbers of a field are not negative and fit into it, if its width is the same for all codes."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -98,7 +98,7 @@ def check_value_widths(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
                     report.add("value-too-wide", path, message)
 
 
-def check_register_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_register_range(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register is within the addresses of its interface, or of a bank if it is in one."""
     for register in spec.registers:
         interface = INTERFACES[interface_of(register)]
@@ -117,7 +117,7 @@ def check_register_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRe
             report.add("register-range", register.place_of("address"), message)
 
 
-def check_timing_bounds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_timing_bounds(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a timing has a lowest, a typical or a highest value, and that these are in ascending order."""
     for timing in timings(spec):
         part = timing.part
@@ -136,9 +136,9 @@ def check_timing_bounds(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRep
                 report.add("timing-order", (*timing.path, high_key), message)
 
 
-def check_clock_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_clock_range(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a clock has a highest limit or clocks in use, in ascending order and within the limits."""
-    raw_clocks = {name: clocks_of(interface) for name, interface in interfaces(raw)}
+    raw_clocks = {name: clocks_of(interface) for name, interface in interfaces(as_read)}
     for name, interface in interfaces(spec):
         raw_clocks_by_path = {clock.path: clock for clock in raw_clocks[name]}
         for clock in clocks_of(interface):
@@ -176,7 +176,7 @@ def _report_missing_limit(clock: Located[Clock], report: DocumentReport) -> None
         report.add("missing-key", clock.path, f"{missing(['max_hz'], 'a clock')}; {remedy}", at_key=True)
 
 
-def check_cable_order(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_cable_order(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that longer cables have slower clocks, and that no two rows of the table have the same length.
 
     An erratum that affects the clocks of the table explains a different order.
@@ -184,7 +184,7 @@ def check_cable_order(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
     for name, interface in interfaces(spec):
         if not isinstance(interface, WrittenSsi):
             continue
-        if explained(report.document, "interfaces", name, "cable_lengths"):
+        if has_erratum_at(report.document, "interfaces", name, "cable_lengths"):
             continue
         by_length = sorted(interface.cable_lengths, key=lambda row: row.part.shorter_than_m)
         for shorter, longer in combinations(by_length, 2):
@@ -207,40 +207,54 @@ def _check_cable_order(
         report.add("cable-order", (*row.path, "below_hz"), problem)
 
 
-def check_dates(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_dates(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that dates exist, that revisions are in order, and that the transcribed one has the manual's date."""
-    manual = spec.manual
+    _check_that_dates_exist(spec.manual, report)
+    dated_history = [revision for revision in spec.manual.history if _parse_date(revision.part.date)]
+    _check_order_of_revisions(dated_history, report)
+    _check_date_of_transcribed(spec.manual, dated_history, report)
+
+
+def _check_that_dates_exist(manual: WrittenManual, report: DocumentReport) -> None:
+    """Check each date of the manual, its editions and its history. It may be empty or only a year."""
     dated_parts = [(manual.path, manual.date)]
     dated_parts += [(edition.path, edition.part.date) for edition in manual.editions]
     dated_parts += [(revision.path, revision.part.date) for revision in manual.history]
     for path, date in dated_parts:
-        # A date may be empty or only a year.
         is_only_a_year = len(date) <= len("2024")
         if not is_only_a_year and _parse_date(date) is None:
             report.add("date", (*path, "date"), f"{quoted(date)} is not a valid date")
-    dated_history = [revision for revision in manual.history if _parse_date(revision.part.date)]
+
+
+def _check_order_of_revisions(dated_history: Sequence[Located[Revision]], report: DocumentReport) -> None:
+    """Check that no revision of the history has an earlier date than the one before it."""
     for earlier, later in pairwise(dated_history):
         if later.part.date < earlier.part.date:
             problem = f"revision {later.part.revision} is dated {later.part.date}"
             problem += f", before revision {earlier.part.revision}, dated {earlier.part.date}"
             report.add("date", (*later.path, "date"), f"{problem}; list the oldest first")
-    dates_of_transcribed = [
-        revision.part.date for revision in dated_history if revision.part.revision == manual.revision
-    ]
-    if dates_of_transcribed and _parse_date(manual.date) and dates_of_transcribed[-1] != manual.date:
-        problem = f"revision {manual.revision} is dated {manual.date}, but {dates_of_transcribed[-1]} in 'history'"
+
+
+def _check_date_of_transcribed(
+    manual: WrittenManual, dated_history: Sequence[Located[Revision]], report: DocumentReport
+) -> None:
+    """Check that the history gives the revision of the manual the date of the manual, if it has both."""
+    date_by_revision = {release.part.revision: release.part.date for release in dated_history}
+    date_in_history = date_by_revision.get(manual.revision, manual.date)
+    if _parse_date(manual.date) and date_in_history != manual.date:
+        problem = f"revision {manual.revision} is dated {manual.date}, but {date_in_history} in 'history'"
         report.add("date", manual.place_of("date"), problem)
 
 
-def _parse_date(text: str) -> datetime.date | None:
+def _parse_date(date_text: str) -> datetime.date | None:
     """Return the date that a text gives as 2024-05-31, or None."""
     try:
-        return datetime.date.fromisoformat(text)
+        return datetime.date.fromisoformat(date_text)
     except ValueError:
         return None
 
 
-def check_supply_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_supply_range(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that not both the device and order code values have a supply, and that each has its voltages in order."""
     supplies: list[Located[Supply]] = []
     if spec.supply is not None and spec.supply.data:
@@ -260,22 +274,22 @@ def check_supply_range(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepo
             report.add("supply-range", (*supply.path, "min_mv"), problem)
 
 
-def check_source_format(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_source_format(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that sources are well-formed, and that cited editions and documents are listed.
 
     A source has one or more places, separated by semicolons, each with an optional document: ``6.4 p.35; errata: 2``.
     """
-    editions = [edition.part.language for edition in raw.manual.editions if edition.part.language]
-    documents = document_names(raw)
-    own_language = raw.manual.language
+    editions = [edition.part.language for edition in as_read.manual.editions if edition.part.language]
+    documents = document_names(as_read)
+    own_language = as_read.manual.language
     for path, value in sources(leaves_of(spec.data, report)):
         for cited_place in value.split(";"):
             _check_piece(cited_place.strip(), path, editions, documents, own_language, report)
 
 
-def document_names(raw: WrittenSpec) -> list[str]:
+def document_names(as_read: WrittenSpec) -> list[str]:
     """Return the keys of the documents, even of those with a wrong shape."""
-    return raw.names_in("documents")
+    return as_read.names_in("documents")
 
 
 def _check_piece(
@@ -317,7 +331,7 @@ _LIKELY_MEGA = 50
 _STANDARD_BAUDS = (9600, 19_200, 38_400, 57_600, 115_200, 230_400, 460_800, 921_600)
 
 
-def check_plausible_rates(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_plausible_rates(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no clock or baud rate is too low for an encoder, unless the interface has a note."""
     if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
         return
@@ -335,7 +349,7 @@ def check_plausible_rates(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
             _report_rate(port.part.baud, "baud", "baud", (*port.path, "baud"), report)
 
 
-def _report_rate(rate: int, key: str, unit: str, path: Path, report: DocumentReport) -> None:
+def _report_rate(rate: int, rate_key: str, unit: str, path: Path, report: DocumentReport) -> None:
     """Report a rate that is too low, with the number to write if the manual gives it in a larger unit."""
     prefix, factor = ("M", 1_000_000) if rate < _LIKELY_MEGA else ("k", 1000)
     likely_rate = rate * factor
@@ -343,7 +357,7 @@ def _report_rate(rate: int, key: str, unit: str, path: Path, report: DocumentRep
         # Manuals round standard rates: 115 kbaud is 115200 baud.
         standard_rates = [standard for standard in _STANDARD_BAUDS if standard // 1000 == rate]
         likely_rate = standard_rates[0] if standard_rates else likely_rate
-    problem = f"'{key}' is {rate} {unit}, which is implausible; if the manual means {rate} {prefix}{unit}"
+    problem = f"'{rate_key}' is {rate} {unit}, which is implausible; if the manual means {rate} {prefix}{unit}"
     remedy = f"write {likely_rate}. If the number is right, say so in a 'note' of the interface"
     report.add("implausible-rate", path, f"{problem}, {remedy}")
 
@@ -358,7 +372,7 @@ _DECIMAL = re.compile("[0-9]{2,}")
 _LEADING_ZERO = re.compile("[-+]?0[0-9]+")
 
 
-def check_number_base(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_number_base(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that numbers printed in hexadecimal are written with 0x, and that no number has leading zeros.
 
     A JSON file may use decimal numbers, because JSON has no others. A single digit is the same in both bases.
@@ -385,7 +399,7 @@ def check_number_base(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
             report.add("number-base", path, message)
 
 
-def check_typographic_quotes(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_typographic_quotes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no text begins and ends with typographic quotes, which YAML treats as part of the text."""
     for path, value in leaves_of(spec.data, report):
         if isinstance(value, str) and len(value) > 1 and (value[0], value[-1]) in _TYPOGRAPHIC:

@@ -13,19 +13,19 @@ from ..problems import DocumentReport, Path
 Data = Mapping[str, object]
 
 
-def mapping(data: object, *keys: str) -> Data:
+def mapping(root: object, *keys: str) -> Data:
     """Return the map found by following ``keys``, or an empty one."""
     for key in keys:
-        data = data.get(key) if isinstance(data, dict) else None
-    return data if isinstance(data, dict) else {}
+        root = root.get(key) if isinstance(root, dict) else None
+    return root if isinstance(root, dict) else {}
 
 
-def items(data: object, *keys: str) -> Iterator[tuple[Path, Data]]:
+def items(root: object, *keys: str) -> Iterator[tuple[Path, Data]]:
     """Yield the maps in the list found by following ``keys``, each with its path.
 
     For ``("manual", "editions")`` these have paths such as ``("manual", "editions", 0)``.
     """
-    list_value = mapping(data, *keys[:-1]).get(keys[-1])
+    list_value = mapping(root, *keys[:-1]).get(keys[-1])
     for index, list_item in enumerate(list_value if isinstance(list_value, list) else ()):
         if isinstance(list_item, dict):
             yield (*keys, index), list_item
@@ -41,10 +41,10 @@ def leaves_of(spec: Data, report: DocumentReport) -> Sequence[tuple[Path, object
     return report.leaves[1]
 
 
-def leaves(data: object) -> list[tuple[Path, object]]:
+def leaves(root: object) -> list[tuple[Path, object]]:
     """Return every text, number and boolean with its path."""
     located_values: list[tuple[Path, object]] = []
-    _add_leaves(data, (), located_values)
+    _add_leaves(root, (), located_values)
     return located_values
 
 

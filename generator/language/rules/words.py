@@ -41,7 +41,7 @@ _VOLTAGES = re.compile(r"(?<![A-Za-z])[+-]?\d*(?:[.,]\d+)? ?V", re.IGNORECASE)
 _TEXTS = ("meaning", "note", "remedy", "detected", "precondition", "result", "when_active", "when_inactive")
 
 
-def check_threshold_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_threshold_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the texts of an alarm below a voltage do not say that it is raised above the same voltage."""
     for alarm in spec.alarms:
         limit = alarm.part.below_mv
@@ -55,7 +55,7 @@ def check_threshold_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentR
                     report.add("words-contradict", path, message)
 
 
-def check_latch_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_latch_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no text of an alarm that latches says that it clears itself, and of another one that it stays."""
     for alarm in spec.alarms:
         latch = alarm.part.latch
@@ -69,7 +69,7 @@ def check_latch_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
                 report.add("words-contradict", path, message)
 
 
-def check_level_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_level_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the texts of a flag that say at which level it is active name its active level."""
     levels = {"low": "0", "high": "1"}
     for field_list in field_lists(spec):
@@ -85,7 +85,7 @@ def check_level_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentRepor
                     report.add("words-contradict", path, message)
 
 
-def check_name_and_meaning(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_name_and_meaning(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a value whose name has a word such as ``binary`` does not have only its opposite in the meaning."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -95,9 +95,9 @@ def check_name_and_meaning(spec: WrittenSpec, raw: WrittenSpec, report: Document
                     report.add("words-contradict", value.place_of("meaning"), f"{message}; correct one of the two")
 
 
-def _yield_contradictions(name: str, meaning: str) -> Iterator[tuple[str, str]]:
+def _yield_contradictions(field_name: str, meaning: str) -> Iterator[tuple[str, str]]:
     """Yield each word of a name with its opposite, if only the opposite is in the meaning: ``("binary", "gray")``."""
-    plain_name = name.replace("counter_clockwise", "counterclockwise")
+    plain_name = field_name.replace("counter_clockwise", "counterclockwise")
     plain_meaning = re.sub(r"counter-?clockwise", "counterclockwise", meaning.casefold())
     meaning_words = set(re.findall(r"[a-z]+", plain_meaning))
     for word in plain_name.split("_"):
@@ -106,7 +106,7 @@ def _yield_contradictions(name: str, meaning: str) -> Iterator[tuple[str, str]]:
             yield word, opposite
 
 
-def check_named_wires(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_named_wires(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that two wires named together are both of a supply or of a pair, as the tables of cables say.
 
     Wires that no cable has are not checked. A colour may have several signals, in different cables.
@@ -159,9 +159,9 @@ def _all_texts(spec: WrittenSpec) -> Iterator[tuple[Path, str]]:
         yield from _texts_of(alarm, _TEXTS)
 
 
-def _texts_of(part: PlacedPart, keys: Sequence[str]) -> Iterator[tuple[Path, str]]:
+def _texts_of(placed_part: PlacedPart, keys: Sequence[str]) -> Iterator[tuple[Path, str]]:
     """Yield the texts of a part under these keys, with their paths."""
     for key in keys:
-        text = part.data.get(key)
+        text = placed_part.data.get(key)
         if isinstance(text, str):
-            yield (*part.path, key), text
+            yield (*placed_part.path, key), text

@@ -9,31 +9,31 @@ from ..part import DescribedKey, description_of, keys_of
 from .member import Member, Part
 
 
-def described_part(kind: Any, *additional: Member, after: str = "", name: str = "") -> Part:
+def described_part(part_class: Any, *additional: Member, after: str = "", name: str = "") -> Part:
     """Return the part that a class describes.
 
     ``additional`` members, which only the data have, follow the member ``after``. ``name`` is the name of the part, if
     it differs from that of the class.
     """
-    description = description_of(kind)
+    description = description_of(part_class)
     members = []
-    for described in keys_of(kind):
+    for described in keys_of(part_class):
         if described.name == "source":
             continue
-        members.append(_member(described))
+        members.append(_build_member(described))
         if described.name == after:
             members += additional
     return Part(
-        name or name_of_part(kind.__name__),
+        name or name_of_part(part_class.__name__),
         description.data or description.about,
         *members,
-        of=kind.__name__,
+        of=part_class.__name__,
         identity=description.identity,
         is_sourced=description.is_sourced,
     )
 
 
-def _member(described: DescribedKey) -> Member:
+def _build_member(described: DescribedKey) -> Member:
     key = described.key
     about = key.data or f"{key.about} {key.reading}".rstrip()
     return Member(described.name, data_notation(described), about, **key.member)

@@ -14,10 +14,10 @@ from functools import lru_cache
 from markupsafe import Markup, escape
 
 from ...dump.xml import clean
-from ...model import Biss, Crc, Device, Field, Layout, Variant, assert_never
+from ...model import Biss, Crc, Device, Field, Layout, Variant
 from ...model.record import dataclass
 from ...order_codes.parameters import run_time_widths
-from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
+from ...plan.values import Active, meaning_of
 from ...say import order_code as say_order_code
 from ...say.errata import errata, erratum
 from ...say.layout import crc_parameters
@@ -225,13 +225,11 @@ def _errata_lines(device: Device, layout: Layout, ids: Sequence[IdBits]) -> list
 
 def _active_level(status: Field) -> str:
     """Return ``active low`` or ``active high`` for a status bit, or ``not used, always 1`` if it is not a flag."""
-    match meaning_of(status):
-        case Active(low):
-            return "active low" if low else "active high"
-        case Raw() | TwosComplement() | ZeroMeans() | Named() | DigitRuns() | Characters():
-            return "not used, always 1"
-        case meaning:
-            assert_never(meaning)
+    # A status bit is a flag or one unused bit that is always 1.
+    meaning = meaning_of(status)
+    if not isinstance(meaning, Active):
+        return "not used, always 1"
+    return "active low" if meaning.low else "active high"
 
 
 def _lengths_by_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:

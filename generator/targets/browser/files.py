@@ -31,7 +31,7 @@ from ...model import (
 from ...model.known_crcs import KNOWN_CRCS
 from ...model.layout import have_lengths
 from ...order_codes import labels
-from ...order_codes.labels import AFTER, LONGEST, NEAR, as_listed, regex
+from ...order_codes.labels import AFTER, LONGEST, NEAR, as_listed, expression_of_code
 from ...plan.crcs import Carrier, carriers
 from ...plan.frames import Dispatch, HeldParameter, dispatches, held_parameters
 from ...plan.verdicts import reportings
@@ -87,7 +87,9 @@ def label_grammar(device: Device) -> Data:
     return {
         "pattern": order_code.pattern,
         "written": [_spelling_data(device, spelling) for spelling in spellings],
-        "wrong": [_javascript_pattern(regex(order_code, listed_spelling, part.name)) for part in order_code.parts],
+        "wrong": [
+            _javascript_pattern(expression_of_code(order_code, listed_spelling, part.name)) for part in order_code.parts
+        ],
         "parts": [_part_data(part) for part in order_code.parts],
     }
 
@@ -107,7 +109,9 @@ def _spelling_data(device: Device, spelling: Spelling) -> Data:
     for part_value in spelling.values:
         values_by_part.setdefault(part_value.part, {})[part_value.text.upper()] = part_value.value
     return without_empty(
-        label=_javascript_pattern(regex(device.order_code, spelling)), where=spelling.where, values=values_by_part
+        label=_javascript_pattern(expression_of_code(device.order_code, spelling)),
+        where=spelling.where,
+        values=values_by_part,
     )
 
 

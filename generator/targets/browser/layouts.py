@@ -150,7 +150,7 @@ def channel_data(device: Device, interface: Interface) -> Data:
     frame = channel_frame(interface)
     if frame is None:
         return {}
-    has_position = [device.tells_position(interface.name, layout) for layout in frame.layouts]
+    has_position = [device.sends_position(interface.name, layout) for layout in frame.layouts]
     return without_empty(
         order=[interface.layouts.index(layout) for layout in frame.layouts],
         compared=[[frame.layouts.index(field.layout), field.name] for field in frame.compared],

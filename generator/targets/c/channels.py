@@ -67,7 +67,7 @@ class ChannelCode:
     def position_codec(self) -> StructCodec:
         """The channel with the position."""
         interface = self._context.interface.name
-        layouts = (layout for layout in self._frame.layouts if self._context.device.tells_position(interface, layout))
+        layouts = (layout for layout in self._frame.layouts if self._context.device.sends_position(interface, layout))
         layout = first_of(layouts, "channel with the position")
         return self.codecs[self._frame.layouts.index(layout)]
 

@@ -69,10 +69,8 @@ class Encoder:
                 needs_cast = True
             case Named():
                 needs_cast = self.struct.enumeration(field) is not None
-            case Raw() | TwosComplement() | ZeroMeans() | DigitRuns() | Characters():
+            case _:
                 needs_cast = False
-            case meaning:
-                assert_never(meaning)
         return Cast("uint32_t", self.member_of(field)) if needs_cast else self.member_of(field)
 
     def joined(self, whole: Whole) -> Expr:

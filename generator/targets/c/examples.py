@@ -18,7 +18,6 @@ from ...model import (
     Value,
     Verdict,
     WriteStep,
-    assert_never,
     cite,
     first_of,
     number_to_bytes,
@@ -27,7 +26,7 @@ from ...model.record import dataclass
 from ...plan.frames import SSI_AROUND, FrameSize, received
 from ...plan.operations import Part
 from ...plan.steps import Sends
-from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
+from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, meaning_of
 from ...say.names_and_places import title, words
 from ...say.text import WORTH
 from .chosen import Chosen, Frame, NoFrame
@@ -413,10 +412,8 @@ class ExampleCode:
             case DigitRuns(runs):
                 member_names = (part.field.name, *(run.name for run in runs))
                 yield from (self.number(name, variable) for name in member_names)
-            case Raw() | ZeroMeans():
+            case _:
                 yield self.number(part.field.name, variable)
-            case never:
-                assert_never(never)
 
     @staticmethod
     def number(name: str, variable: str) -> PrintedMember:

@@ -16,7 +16,7 @@ from collections.abc import Iterator, Mapping, Sequence, Set
 
 from ...model import CodePart, Device, Spelling, Variant
 from ...model.record import dataclass
-from ...order_codes.labels import filled, spelled, without_blanks
+from ...order_codes.labels import fill_pattern, values_by_spelling, without_blanks
 from .. import TargetError
 
 _ATOM = re.compile(r"(?P<unit>\[[^\]]+\]|\\d|\\.|[A-Za-z0-9-])(?:\{(?P<least>\d+)(?:,(?P<most>\d+))?\}|(?P<maybe>\?))?")
@@ -214,7 +214,7 @@ def _open_codes_of(codes: _Codes, spelling: _Spelling) -> list[OpenCode]:
             is_needed = bool(unlisted) or not spelling.is_listed
         if is_needed:
             shown_texts = {name: choice.shown for name, choice in chosen.items()}
-            label_pattern = filled(without_blanks(spelling.pattern), shown_texts)
+            label_pattern = fill_pattern(without_blanks(spelling.pattern), shown_texts)
             open_codes_of_spelling.append(OpenCode(pattern=label_pattern, code=index, unlisted=unlisted))
     return sorted(open_codes_of_spelling, key=lambda open_code: len(open_code.unlisted))
 
@@ -230,7 +230,7 @@ def _open_choices(choices: Sequence[_Choice]) -> list[_Choice]:
 def _choices_in(part: CodePart, spelling: Spelling) -> list[_Choice]:
     """Return the choices for a part in another spelling: its own texts for the values, or else those of the part."""
     if any(value.part == part.name for value in spelling.values):
-        texts_on_label = spelled(part, spelling).items()
+        texts_on_label = values_by_spelling(part, spelling).items()
         choices = [_Choice(value, is_open=False, label=text) for text, value in texts_on_label]
         if choices:
             return choices

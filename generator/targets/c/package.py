@@ -107,7 +107,7 @@ def _yield_unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
     """Yield the frames over SSI with a position that have no CRC, at least with some order codes."""
     for device in devices:
         for interface, layout in device.layouts():
-            has_position = device.tells_position(interface.name, layout)
+            has_position = device.sends_position(interface.name, layout)
             if isinstance(interface, Ssi) and has_position and not layout.always_has_crc:
                 yield _frame_name(device, interface.title, layout) + _of_some_codes(layout)
 
@@ -117,7 +117,7 @@ def _with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
     for device in devices:
         for interface, layout in device.layouts():
             has_only_parity = layout.has_parity and not layout.always_has_crc
-            if has_only_parity and device.tells_position(interface.name, layout):
+            if has_only_parity and device.sends_position(interface.name, layout):
                 yield _frame_name(device, interface.title, layout) + _of_some_codes(layout)
 
 

@@ -12,7 +12,6 @@ from ...model import (
     Interface,
     Register,
     RegisterMeaning,
-    assert_never,
     member_named,
     number_to_bytes,
 )
@@ -23,7 +22,7 @@ from ...plan.codec import Codec
 from ...plan.frames import identities
 from ...plan.limits import NoPowerOfTwo, OutsideLimits, depends, limits_of, outside, refusals
 from ...plan.operations import IsOneOf
-from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
+from ...plan.values import Active, Characters, Named, Raw, meaning_of
 from ...say.names_and_places import full_title, title, words
 from .. import TargetError
 from .about import about_access, about_alarm, about_member, about_register, table
@@ -292,13 +291,7 @@ class RegisterCode:
     @staticmethod
     def has_shift(field: Field) -> bool:
         """Return True if a field needs a shift and a mask. For a flag, the mask is enough."""
-        match meaning_of(field):
-            case Active():
-                return False
-            case Raw() | TwosComplement() | ZeroMeans() | Named() | DigitRuns() | Characters():
-                return True
-            case never:
-                assert_never(never)
+        return not isinstance(meaning_of(field), Active)
 
     @property
     def masked(self) -> tuple[Field, ...]:
@@ -375,13 +368,7 @@ def _is_byte(plan: Codec) -> bool:
     if not plan.parts or any(isinstance(refusal, NoPowerOfTwo) for refusal in refusals(plan)):
         return False
     only_part = plan.parts[0]
-    match only_part.meaning:
-        case Raw() | Named():
-            return only_part.field.width == Expression(8)
-        case TwosComplement() | ZeroMeans() | Active() | DigitRuns() | Characters():
-            return False
-        case never:
-            assert_never(never)
+    return isinstance(only_part.meaning, (Raw, Named)) and only_part.field.width == Expression(8)
 
 
 @dataclass(frozen=True, slots=True)

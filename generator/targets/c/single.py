@@ -195,7 +195,7 @@ class SingleCode:
             return
         device, interface = self.view.device, self.view.context.interface
         codecs = self.view.interface.codecs
-        yield from (codec for codec in codecs if device.tells_position(interface.name, codec.struct.layout))
+        yield from (codec for codec in codecs if device.sends_position(interface.name, codec.struct.layout))
 
     # -- names
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 
-from ...model import Field, Layout, Register, Spi, assert_never
+from ...model import Field, Layout, Register, Spi
 from ...plan.codec import Codec, characters, codec_of
 from ...plan.operations import FrameCrc
 from ...plan.values import (
@@ -13,7 +13,6 @@ from ...plan.values import (
     Characters,
     DigitRuns,
     Named,
-    Raw,
     TwosComplement,
     ZeroMeans,
     meaning_of,
@@ -144,12 +143,10 @@ class Struct:
                 return choice.type if choice is not None else unsigned(field.widest)
             case TwosComplement():
                 return signed(field.widest)
-            case Raw() | ZeroMeans() | DigitRuns():
-                return unsigned(widest_value(field))
             case Characters():
                 return "char"
-            case never:
-                assert_never(never)
+            case _:
+                return unsigned(widest_value(field))
 
     def member(self, field: Field) -> str:
         """Return the name of a member in its declaration, with the length of a string."""
@@ -200,8 +197,6 @@ class Struct:
                 choice = self.choice(field)
                 constants = choice.names if choice is not None else {}
                 yield constants.get(initial_number, number(initial_number, hexadecimal=True))
-            case Raw() | ZeroMeans():
-                yield number(initial_number, hexadecimal=True)
             case TwosComplement():
                 yield signed_number(initial_number)
             case DigitRuns(runs):
@@ -210,8 +205,8 @@ class Struct:
                     yield number(initial_number // run.divisor % run.modulus)
             case Characters():
                 yield '""'
-            case never:
-                assert_never(never)
+            case _:
+                yield number(initial_number, hexadecimal=True)
 
     def is_none_of(self, field: Field, name: Expr, values: Sequence[int], is_raw: bool = False) -> Expr:
         """Return the condition that ``name`` has none of these values, such as ``kind != 0x01U && kind != 0x02U``.

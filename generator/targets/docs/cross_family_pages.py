@@ -157,7 +157,7 @@ def _position_frame_rows(device: Device) -> Iterator[Row]:
     ``none`` is one of the CRCs if the frames of some order codes have none.
     """
     for interface, layout in device.layouts():
-        if device.tells_position(interface.name, layout):
+        if device.sends_position(interface.name, layout):
             crcs = [f"{crc.polynomial}, {crc_sent(crc)}" for crc in device.crcs_of(layout)]
             without_crc = [] if layout.always_has_crc else ["none"]
             byte_order = layout.byte_order.replace("_", " ")

@@ -195,7 +195,7 @@ def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
 def _position_frame_links(device: Device) -> Iterator[str]:
     """Yield a link to each frame with the position, with its name if its interface has several of them."""
     for interface in device.interfaces:
-        layouts = [layout for layout in interface.layouts if device.tells_position(interface.name, layout)]
+        layouts = [layout for layout in interface.layouts if device.sends_position(interface.name, layout)]
         for layout in layouts:
             frame_name = f" {code(layout.name)}" if len(layouts) > 1 else ""
             yield page_links.link_to_layout(device, layout, interface.title + frame_name)

@@ -23,7 +23,7 @@ from ...model import (
     Verdict,
     member_named,
 )
-from ...order_codes.labels import filled
+from ...order_codes.labels import fill_pattern
 from ...order_codes.parameters import parameters_of, run_time_names, with_answers
 from ...plan.values import Active, TwosComplement, meaning_of
 from ...plan.verdicts import Judgement, Match, VerdictCause
@@ -239,7 +239,7 @@ def _pattern(order_code: OrderCode, part_names: Sequence[str], texts_of_parts: S
         text_or_letter_by_part[part_name] = next(letters)
         choice = f"{', '.join(texts[:-1])} or {texts[-1]}"
         letter_meanings.append(f"{text_or_letter_by_part[part_name]} = {choice}")
-    pattern = code(filled(order_code.pattern, text_or_letter_by_part))
+    pattern = code(fill_pattern(order_code.pattern, text_or_letter_by_part))
     return f"{pattern} with {', '.join(letter_meanings)}" if letter_meanings else pattern
 
 
@@ -285,7 +285,7 @@ _EXPONENT = re.compile(r"\^([0-9]*)")
 def position_frame(family: Device, interface: Interface) -> Layout | None:
     """Return the frame with the most parts of the position. With a tie, it has the most flags, then is shortest."""
     family_layouts = family.interface(interface.name).layouts
-    position_frames = {layout.name for layout in family_layouts if family.tells_position(interface.name, layout)}
+    position_frames = {layout.name for layout in family_layouts if family.sends_position(interface.name, layout)}
     candidates = [layout for layout in interface.layouts if layout.name in position_frames]
     parts_of_position = family.position_names(interface.name)
 

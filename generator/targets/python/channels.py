@@ -28,7 +28,7 @@ def channel_code(context: Context, interface: Interface, scope: Scope) -> Channe
     if frame is None:
         return None
     indices = {layout.name: index for index, layout in enumerate(frame.layouts)}
-    position_layouts = (layout for layout in frame.layouts if context.device.tells_position(interface.name, layout))
+    position_layouts = (layout for layout in frame.layouts if context.device.sends_position(interface.name, layout))
     compared = []
     for field in frame.compared:
         attribute_name = ClassNames(field.layout, None, ()).attribute(field.name)

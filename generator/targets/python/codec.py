@@ -9,7 +9,6 @@ from functools import cached_property
 
 from ...model import Digits, Fault, Field, Layout, Register
 from ...model.expressions import Expression
-from ...model.lookup import assert_never
 from ...model.record import dataclass
 from ...plan.codec import codec_of
 from ...plan.crcs import carrier_of
@@ -21,8 +20,6 @@ from ...plan.values import (
     DigitRuns,
     Named,
     Raw,
-    TwosComplement,
-    ZeroMeans,
     is_named,
     is_number,
     meaning_of,
@@ -180,8 +177,6 @@ class Coder:
             case Raw():
                 stated = self._stated_number(field)
                 yield self._number(field, stated if stated is not None else self._default(field))
-            case TwosComplement() | ZeroMeans():
-                yield self._number(field, self._default(field))
             case Active():
                 yield self._attribute(field, "bool", default=str(bool(self._default(field))))
             case Named():
@@ -191,8 +186,8 @@ class Coder:
                     yield Attribute(self.names.attribute(run.name), type="int", meaning=self._of_run(field, run))
             case Characters():
                 yield self._attribute(field, "str")
-            case meaning:
-                assert_never(meaning)
+            case _:  # Any other conversion of a number.
+                yield self._number(field, self._default(field))
 
     def _stated_number(self, field: Field) -> int | None:
         """Return the value that the manual gives for a number in a frame, or None. The selector has none."""

@@ -6,10 +6,9 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 
 from ...model import Field, Piece
-from ...model.lookup import assert_never
 from ...plan.codec import Codec
 from ...plan.operations import AlwaysIs, Check, IsOneOf, ParityIs
-from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
+from ...plan.values import Named, meaning_of
 from .literals import coded
 
 
@@ -61,13 +60,9 @@ class FirstByte:
 
         A value without a name is a number.
         """
-        match meaning_of(selector):
-            case Named(choices):
-                members = {choice.value: f"{self.enum(selector)}.{choice.name.upper()}" for choice in choices}
-            case Raw() | TwosComplement() | ZeroMeans() | Active() | DigitRuns() | Characters():
-                members = {}
-            case meaning:
-                assert_never(meaning)
+        meaning = meaning_of(selector)
+        choices = meaning.values if isinstance(meaning, Named) else ()
+        members = {choice.value: f"{self.enum(selector)}.{choice.name.upper()}" for choice in choices}
         selectors = self.selectors_by_byte.items()
         return {byte: members.get(selector_value, coded(selector_value)) for byte, selector_value in selectors}
 

@@ -8,7 +8,7 @@ from functools import cached_property, reduce
 from ...model.expressions import Expression, Factor, Term
 from ...model.lookup import assert_never
 from ...model.record import dataclass
-from ...plan.values import Active, Characters, DigitRuns, Meaning, Named, Raw, TwosComplement, ZeroMeans
+from ...plan.values import Active, Meaning, TwosComplement, ZeroMeans
 from .line_breaks import broken
 
 #: Operators by precedence, lowest first. Arithmetic gets parentheses next to bit operators.
@@ -334,24 +334,16 @@ def _code(value: Code | Hex | Member | Call | ConditionalItem) -> str:
 
 def of_number(meaning: Meaning) -> dict[str, Literal]:
     """Return the member that a record has for the meaning of an unsigned number: ``zero_means``, or none."""
-    match meaning:
-        case ZeroMeans(number):
-            return {"zero_means": number}
-        case Raw() | TwosComplement() | Active() | Named() | DigitRuns() | Characters():
-            return {}
-        case _:
-            assert_never(meaning)
+    return {"zero_means": meaning.number} if isinstance(meaning, ZeroMeans) else {}
 
 
 def of_facts(meaning: Meaning) -> dict[str, Literal]:
     """Return the members of ``FieldFacts``, with None for those that do not apply to the field."""
     without_members: dict[str, Literal] = {"active": None, "signed": None, "zero_means": None}
     match meaning:
-        case Raw() | ZeroMeans() | Named() | DigitRuns() | Characters():
-            return without_members | of_number(meaning)
         case TwosComplement():
             return without_members | {"signed": True}
         case Active(low):
             return without_members | {"active": "low" if low else "high"}
         case _:
-            assert_never(meaning)
+            return without_members | of_number(meaning)

@@ -7,7 +7,6 @@ from functools import cached_property
 from itertools import chain, pairwise
 
 from ...model import Argument, Field, Procedure, Register
-from ...model.lookup import assert_never
 from ...model.record import dataclass
 from ...plan.limits import NotOneOf, TooWide
 from ...plan.steps import (
@@ -23,7 +22,7 @@ from ...plan.steps import (
     Writes,
     run_of,
 )
-from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
+from ...plan.values import DigitRuns, Raw, meaning_of
 from . import docstrings
 from .codec import Coder
 from .decode import digits
@@ -185,10 +184,8 @@ class Steps:
         match meaning_of(fields_of_member[0]) if fields_of_member else Raw():
             case DigitRuns(runs):
                 return [(attribute_of(run.name), value_of_run) for run, value_of_run in digits(argument, runs)]
-            case Raw() | TwosComplement() | ZeroMeans() | Active() | Named() | Characters():
+            case _:
                 return [(attribute_of(value.member), argument)]
-            case meaning:
-                assert_never(meaning)
 
     def joins(self, value: AsMember, register: Register) -> bool:
         return any(join.name == value.member for join in register.layout.joins)

@@ -1,0 +1,144 @@
+"""Check the excess of positions that are sent in Gray code."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from typing import NamedTuple
+
+from ..language.document import Path
+from ..language.problems import DocumentReport
+from ..model import Device, Interface, Layout, Measurement, Number, Variant
+from ..model.expressions import Expression
+
+
+class KeyProblem(NamedTuple):
+    """A problem of one key of a measurement or of ``gray``. Without a key, one is missing."""
+
+    key: str
+    message: str
+
+
+def is_power_of_two(number: int) -> bool:
+    """Return True for 1, 2, 4 and so on."""
+    return number > 0 and number & (number - 1) == 0
+
+
+def check_gray_positions(device: Device, report: DocumentReport) -> None:
+    """Report a position in Gray code without the excess that its counts per turn need, or with one it cannot have."""
+    run_time_names = _set_at_run_time(device)
+    for interface in device.interfaces:
+        measurement = device.measurement_of(interface.name)
+        for layout in interface.layouts:
+            problem = _reason_against_excess(layout, measurement, run_time_names)
+            if problem is None and measurement is not None and _is_in_gray(layout, measurement):
+                variants = _gray_variants(device, interface, layout, run_time_names)
+                problem = _problem_of_counts(layout, measurement, variants)
+            if problem is not None:
+                path: Path = ("interfaces", interface.name, "layouts", layout.name, "gray")
+                # Without a key, 'gray' itself is marked: it lacks 'excess'.
+                place = (*path, problem.key) if problem.key else path
+                report.add("gray-excess", place, problem.message, at_key=not problem.key)
+
+
+def _gray_variants(device: Device, interface: Interface, layout: Layout, switched: Collection[str]) -> list[Variant]:
+    """Return the order codes whose position is in Gray code, or can be if a register switches it."""
+    variants = device.variants_over(interface.name)
+    if layout.gray_when in switched:
+        return list(variants)
+    return [variant for variant in variants if layout.place(variant.parameters).gray]
+
+
+def _is_in_gray(layout: Layout, measurement: Measurement) -> bool:
+    """Return True if the lowest field of the measured position is in Gray code, and counts within a turn."""
+    if layout.sender != "encoder" or measurement.counts_per_turn is None:
+        return False
+    if not layout.gray_of or measurement.of not in layout.member_names:
+        return False
+    return layout.names_in(measurement.of)[-1] in layout.names_in(layout.gray_of)
+
+
+def _is_position_alone(layout: Layout, measurement: Measurement) -> bool:
+    """Return True if the number in Gray code is the whole position, one unsigned field, with ``turns: 1``."""
+    names = layout.names_in(layout.gray_of)
+    if len(names) != 1 or names != layout.names_in(measurement.of) or measurement.turns != Expression(1):
+        return False
+    kind = layout.field(names[0]).kind
+    return isinstance(kind, Number) and not kind.signed and not kind.zero_means
+
+
+def _reason_against_excess(
+    layout: Layout, measurement: Measurement | None, switched: Collection[str]
+) -> KeyProblem | None:
+    """Return the key and the message if the layout has an ``excess`` that cannot be checked, otherwise None.
+
+    ``switched`` are the parameters that depend on a register.
+    """
+    if layout.gray_excess is None:
+        return None
+    if measurement is None or not _is_in_gray(layout, measurement) or not _is_position_alone(layout, measurement):
+        problem = f"'excess' needs 'counts_per_turn' and 'turns: 1' of '{layout.gray_of}', as one unsigned field"
+        return KeyProblem("excess", f"{problem}; measure this field of a frame from the encoder, or leave 'excess' out")
+    if measurement.highest is not None or layout.position_range is not None:
+        problem = "'excess' is only for positions from 0 to 'counts_per_turn' - 1"
+        return KeyProblem("excess", f"{problem}; leave 'highest' and 'position_range' out, or leave 'excess' out")
+    counts = measurement.counts_per_turn
+    names = [*layout.gray_excess.parameters, *(counts.parameters if counts is not None else ())]
+    at_run_time = sorted({name for name in names if name in switched})
+    if at_run_time:
+        problem = f"'{at_run_time[0]}' depends on a register, but the excess of an order code is fixed"
+        return KeyProblem(
+            "excess", f"{problem}; leave 'gray' and 'measurement' out, and convert the position in your program"
+        )
+    return None
+
+
+def _problem_of_counts(layout: Layout, measurement: Measurement, variants: Sequence[Variant]) -> KeyProblem | None:
+    """Return the key and the message for the first order code without the excess that its counts per turn need."""
+    assert measurement.counts_per_turn is not None
+    counts_by_code = {variant.code: measurement.counts_per_turn.value(variant.parameters) for variant in variants}
+    for variant in variants:
+        counts = counts_by_code[variant.code]
+        bits = (counts - 1).bit_length()
+        # The codes in use are in the middle of all codes, so half of the others come before them.
+        excess = ((1 << bits) - counts) // 2
+        stated = layout.gray_excess.value(variant.parameters) if layout.gray_excess is not None else 0
+        # Counts below 1 are reported elsewhere. With an even number and the right excess, nothing is wrong.
+        if counts < 1 or (stated == excess and counts & 1 == 0):
+            continue
+        # Not a power of two, so it needs an excess, but it is odd or not alone in its number.
+        if not is_power_of_two(counts) and (counts & 1 or not _is_position_alone(layout, measurement)):
+            return KeyProblem("", _no_excess_message(layout, variant, counts))
+        formula = f"(2^{bits} - {counts}) / 2 = {excess}"
+        if layout.gray_excess is not None:
+            return KeyProblem(
+                "excess", f"'excess' is {stated} for {variant.code}; for {counts} counts per turn, it is {formula}"
+            )
+        remedy = f"write 'excess: {excess}' in 'gray'"
+        if len(set(counts_by_code.values())) > 1:
+            remedy = (
+                f"write 'excess: PARAMETER' in 'gray', which is {excess} for this order code and 0 for a power of two"
+            )
+        return KeyProblem(
+            "", f"{_counts_text(layout, variant, counts)}, so it is sent in Gray excess, {formula}; {remedy}"
+        )
+    return None
+
+
+def _counts_text(layout: Layout, variant: Variant, counts: int) -> str:
+    return f"'{layout.gray_of}' has {counts} counts per turn for {variant.code}, not a power of two"
+
+
+def _no_excess_message(layout: Layout, variant: Variant, counts: int) -> str:
+    """Return the message about counts that are not a power of two in Gray code, and cannot have an excess."""
+    reason = "and Gray excess is only for the position within a turn, in one unsigned field"
+    if counts & 1:
+        reason = "and an odd number of counts cannot be sent in Gray excess"
+    remedy = "leave 'gray' and 'measurement' out, call the field 'gray_code', and convert it in your program"
+    return f"{_counts_text(layout, variant, counts)}, {reason}; {remedy}"
+
+
+def _set_at_run_time(device: Device) -> set[str]:
+    """Return the parameters that depend on a register, directly or through other parameters."""
+    held_names = {parameter.name for parameter in device.run_time_parameters}
+    names = (parameter.name for parameter in device.parameters)
+    return {name for name in names if not held_names.isdisjoint(device.needed_parameters([name]))}
