@@ -117,13 +117,13 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.record:
         if not arguments.unchecked:
             _refuse_unproved(new.families, cache)
-        comparison = _record(comparison, new)
+        comparison = _write_records(comparison, new)
     relevant_changes, notices_about_accepted = _without_accepted(comparison.changes, arguments)
     comparison = replace(comparison, notices=(*comparison.notices, *notices_about_accepted))
     if arguments.format in ("github", "sarif"):
         from .review_formats import as_review
 
-        print(as_review(_findings(relevant_changes, new), arguments.format))
+        print(as_review(_findings_in_new_specs(relevant_changes, new), arguments.format))
     else:
         _print_comparison(comparison, old, new, arguments)
     lowest_impact = Impact[arguments.fail_on.upper()] if arguments.fail_on else Impact.DOCUMENTATION
@@ -138,7 +138,7 @@ def _compare_sides(arguments: argparse.Namespace, cache: Cache) -> tuple[_Side, 
         progress.text = f"codewheel: reading {arguments.new}"
         new = _load_side(arguments.new, cache, lenient=arguments.lenient, old_side=old)
         progress.text = "codewheel: comparing the specs and what they generate"
-        return old, new, _compare(old, new, cache)
+        return old, new, _compare_families(old, new, cache)
 
 
 def _print_comparison(comparison: DiffResult, old: _Side, new: _Side, arguments: argparse.Namespace) -> None:
@@ -204,7 +204,7 @@ def _without_accepted(
         raise Stop(str(error), 2) from None
 
 
-def _compare(old: _Side, new: _Side, cache: Cache) -> DiffResult:
+def _compare_families(old: _Side, new: _Side, cache: Cache) -> DiffResult:
     """Return the changes in the families that could be read on both sides, with the notices of both.
 
     Generated files are compared only if the families differ. Otherwise, and if they cannot be generated, they are None.
@@ -230,7 +230,7 @@ def _comparable_devices(side: _Side, other_side: _Side) -> tuple[Device, ...]:
     return tuple(family.device for family in side.families if family.device.name not in excluded_names)
 
 
-def _record(comparison: DiffResult, new: _Side) -> DiffResult:
+def _write_records(comparison: DiffResult, new: _Side) -> DiffResult:
     """Write the records, and return ``comparison`` with notices about them and with the version that was written.
 
     Notices that it already has mean that a part was not compared. Then nothing is written.
@@ -352,7 +352,7 @@ def _not_comparable_error(text: str, problems: Sequence[Problem], *, is_old: boo
 # -- places in the new specs, for review tools
 
 
-def _findings(changes: Sequence[Change], side: _Side) -> list[Finding]:
+def _findings_in_new_specs(changes: Sequence[Change], side: _Side) -> list[Finding]:
     """Return the changes with their places in the new specs. A removed item is at the nearest place that is left.
 
     A change in a family that the new specs lack is at the beginning of their first spec.

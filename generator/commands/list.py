@@ -76,12 +76,12 @@ def _rows_of_specs(paths: Sequence[Path], cache: Cache) -> list[Row]:
     stored_rows: list[Row] | None = cached_rows.get()
     if stored_rows is not None:
         return stored_rows
-    new_rows = rows(_devices(paths))
+    new_rows = rows(_load_devices(paths))
     cached_rows.put(new_rows)
     return new_rows
 
 
-def _devices(paths: Sequence[Path]) -> Sequence[Device]:
+def _load_devices(paths: Sequence[Path]) -> Sequence[Device]:
     """Return the devices of the specs.
 
     Raises:

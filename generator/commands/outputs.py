@@ -228,16 +228,16 @@ def listing() -> str:
         try:
             target = load_target(name)
         except TargetError as error:
-            lines += _wrapped(str(error), first=name_column, indent=indent)
+            lines += _wrap_paragraph(str(error), first=name_column, indent=indent)
             continue
-        lines += _wrapped(target.summary, first=name_column, indent=indent)
+        lines += _wrap_paragraph(target.summary, first=name_column, indent=indent)
         for option in target.options:
             values = "|".join(option.values) or "VALUE"
             option_text = f"--option {name}.{option.name}={values}: {option.summary} (default: {option.default})"
-            lines += _wrapped(option_text, first=indent, indent=indent + "  ")
+            lines += _wrap_paragraph(option_text, first=indent, indent=indent + "  ")
     return "\n".join(lines)
 
 
-def _wrapped(text: str, first: str, indent: str) -> list[str]:
+def _wrap_paragraph(text: str, first: str, indent: str) -> list[str]:
     """Return the lines of a paragraph, of which the first begins with ``first`` and the others with ``indent``."""
     return textwrap.wrap(text, _WIDTH, initial_indent=first, subsequent_indent=indent, break_on_hyphens=False)

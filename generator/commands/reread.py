@@ -183,7 +183,7 @@ def _passage_lines(changed_passage: _ChangedPassage) -> Iterator[str]:
     old_text, new_text = changed_passage.passage.shown
     for edition, passage_text in (("old", old_text), ("new", new_text)):
         if passage_text:
-            yield f"  {edition}: {_shortened(passage_text)}"
+            yield f"  {edition}: {_shorten_text(passage_text)}"
     if not changed_passage.facts_of_section:
         yield "  no fact in the spec cites this place"
         return
@@ -210,7 +210,7 @@ def _groups_of_equal_facts(facts: Sequence[Citing]) -> list[list[Citing]]:
     return [list(group) for _, group in groupby(facts, key_and_value)]
 
 
-def _shortened(text: str) -> str:
+def _shorten_text(text: str) -> str:
     """Return the text with at most ``_LONGEST`` characters."""
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
 

@@ -119,10 +119,10 @@ def _schema_or_null(notation: str) -> JsonSchema:
 
 def schema_text() -> str:
     """Return the schema as text, with one member per line."""
-    return "".join(_lines(show_schema(), "")) + "\n"
+    return "".join(_schema_lines(show_schema(), "")) + "\n"
 
 
-def _lines(value: Any, indent: str) -> Iterator[str]:
+def _schema_lines(value: Any, indent: str) -> Iterator[str]:
     """Yield pieces of the text of a schema, in which only object schemas and maps of schemas take several lines.
 
     ``indent`` is the white space in front of the closing brace.
@@ -136,7 +136,7 @@ def _lines(value: Any, indent: str) -> Iterator[str]:
     for index, (key, member) in enumerate(value.items()):
         is_last = index == len(value) - 1
         yield f"{indent}  {json.dumps(key)}: "
-        yield from _lines(member, f"{indent}  ")
+        yield from _schema_lines(member, f"{indent}  ")
         yield "\n" if is_last else ",\n"
     yield indent + "}"
 

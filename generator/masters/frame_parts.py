@@ -66,7 +66,7 @@ def frame_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: 
         if field.high + 1 != unread_bits:
             raise NoRecord(f"the bits of '{layout.name}' above '{field.name}' have no meaning in the spec")
         unread_bits = field.low
-        role = _role(field, placed_layout, position_field_names, stage)
+        role = _role_of_field(field, placed_layout, position_field_names, stage)
         if role == "position":
             yield from _position_parts(field, turn_bits[field.name])
         else:
@@ -113,7 +113,9 @@ def rough_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: 
         yield _part_without_position(field, role)
 
 
-def _role(field: PlacedField, placed_layout: PlacedLayout, position_field_names: Sequence[str], stage: str) -> str:
+def _role_of_field(
+    field: PlacedField, placed_layout: PlacedLayout, position_field_names: Sequence[str], stage: str
+) -> str:
     """Return the role of a field, with ``before`` and ``after`` for zero bits.
 
     ``stage`` is the last role of the common frame that has been reached. A field that the common frame cannot have

@@ -33,10 +33,10 @@ def groups_of(device: Device, interface: Interface) -> list[Group]:
     for code_record in records_of(device, interface):
         facts_without_code = repr(replace(code_record, code=""))
         records_by_facts.setdefault(facts_without_code, []).append(code_record)
-    return [_group(device, records) for records in records_by_facts.values()]
+    return [_build_group(device, records) for records in records_by_facts.values()]
 
 
-def _group(device: Device, records: Sequence[Record]) -> Group:
+def _build_group(device: Device, records: Sequence[Record]) -> Group:
     codes = tuple(code_record.code for code_record in records)
     return Group(device, codes, record=records[0])
 

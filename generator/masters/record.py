@@ -134,7 +134,7 @@ def record(
     deciding_alternatives = device.alternatives_of(frame.placed_layout.layout)
     parts, obstacle = _parts_and_obstacle(frame)
     crc_obstacle = _crc_obstacle(device, frame.placed_layout)
-    numbers = _numbers(frame, parts)
+    numbers = _numbers_by_name(frame, parts)
     cables = cable_table(device, frame.interface, variant.code)
     needed_answers = {alternative.name: answers[alternative.name] for alternative in deciding_alternatives}
     notes = (
@@ -146,7 +146,7 @@ def record(
         *filter(None, (obstacle, crc_obstacle)),
     )
     # Without the limit of a cable.
-    unlimited = _record(frame, parts, numbers, cables, notes, needed_answers)
+    unlimited = _build_record(frame, parts, numbers, cables, notes, needed_answers)
     unlimited = replace(unlimited, obstacle=obstacle, crc_obstacle=crc_obstacle)
     return unlimited if cable_m is None else _with_cable(unlimited, cable_m)
 
@@ -202,7 +202,7 @@ def _is_common_form(device: Device, crc: Crc) -> bool:
     return not is_reflected and crc.xorout in (0, crc.mask) and bool(crc.poly & 1)
 
 
-def _record(
+def _build_record(
     frame: _PositionFrame,
     parts: tuple[Part, ...],
     numbers: Mapping[str, int | None],
@@ -217,7 +217,7 @@ def _record(
     return Record(
         code=frame.variant.code,
         family=device.name,
-        words=_words(frame, parts, numbers),
+        words=_words_by_name(frame, parts, numbers),
         numbers=numbers,
         parts=parts,
         timeout=timeout_words(timeout) if timeout is not None else "",
@@ -233,7 +233,7 @@ def _record(
     )
 
 
-def _numbers(frame: _PositionFrame, parts: Sequence[Part]) -> dict[str, int | None]:
+def _numbers_by_name(frame: _PositionFrame, parts: Sequence[Part]) -> dict[str, int | None]:
     """Return the numbers of a record by name, in the order of ``NUMBERS``."""
     variant = frame.variant
     crc = frame.device.crc_of(frame.placed_layout)
@@ -248,7 +248,7 @@ def _numbers(frame: _PositionFrame, parts: Sequence[Part]) -> dict[str, int | No
     return {name: numbers[name] for name in NUMBERS}
 
 
-def _words(frame: _PositionFrame, parts: Sequence[Part], numbers: Mapping[str, int | None]) -> dict[str, str]:
+def _words_by_name(frame: _PositionFrame, parts: Sequence[Part], numbers: Mapping[str, int | None]) -> dict[str, str]:
     """Return the facts of a record that are words, by name: ``{"coding": "gray", "parity": "none", ...}``."""
     movement = frame.device.movement
     return {

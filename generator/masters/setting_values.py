@@ -115,7 +115,7 @@ def value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | None
     if "unknown" in rule:
         raise UnknownValue(rule["unknown"])
     if "value" in rule:
-        number = _evaluate(rule["value"], rule["name"], record, may_be_negative=rule.get("as") == "signed")
+        number = _evaluate_expression(rule["value"], rule["name"], record, may_be_negative=rule.get("as") == "signed")
         if rule.get("as") == "boolean":
             text = "TRUE" if number else "FALSE"
             return bool(number), text, ""
@@ -136,7 +136,7 @@ def value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | None
     return text, text, ""
 
 
-def _evaluate(value: int | str, setting_name: str, record: Record, *, may_be_negative: bool = False) -> int:
+def _evaluate_expression(value: int | str, setting_name: str, record: Record, *, may_be_negative: bool = False) -> int:
     """Return the value of an expression for a record.
 
     Raises:

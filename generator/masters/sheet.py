@@ -208,7 +208,7 @@ def sheet(master: Master, record: Record) -> Sheet:
         return _refusing_sheet(master, *refusals)
     device_notes = [f"Not for {listed(sorted(devices))}. {refusal.reason}" for refusal, devices in device_refusals]
     notes = [filled(note["text"], record) for note in master.notes if applies(note, record)]
-    gaps = [_gap(uncovered)] if uncovered else []
+    gaps = [_refusal_of_gap(uncovered)] if uncovered else []
     if record.channels and master.several_channels:
         notes.insert(0, master.several_channels)
     elif record.channels:
@@ -319,7 +319,7 @@ def _uncovered_parts(master: Master, record: Record) -> str:
     return listed(f"'{name}'" for name in uncovered_names)
 
 
-def _gap(uncovered: str) -> Refusal:
+def _refusal_of_gap(uncovered: str) -> Refusal:
     reason = f"The description of this master does not say how it handles {uncovered} in the frame."
     return Refusal(reason=reason, standing="inferred", source="")
 

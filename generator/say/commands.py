@@ -162,12 +162,12 @@ class Commands:
         """True if something here, other than a reset, may change the position."""
         if self.settings or self.inputs:
             return True
-        return any(_PRESET.search(text) for text in (*self._texts(), *self._request_texts()))
+        return any(_PRESET.search(text) for text in (*self._texts_on_commands(), *self._request_texts()))
 
     @property
     def may_save(self) -> bool:
         """True if something here may keep settings."""
-        if self.settings or any(_SAVE_TO.search(text) for text in self._texts()):
+        if self.settings or any(_SAVE_TO.search(text) for text in self._texts_on_commands()):
             return True
         return any(_SAVE.search(text) for text in self._request_texts())
 
@@ -176,7 +176,7 @@ class Commands:
         """Requests that reset the encoder or its position."""
         return tuple(request for request in self.requests if isinstance(request, DataId) and request.purpose == "reset")
 
-    def _texts(self) -> Iterator[str]:
+    def _texts_on_commands(self) -> Iterator[str]:
         """Yield the names and texts of procedures, registers and inputs, without procedures that only send resets."""
         resets = {request.name for request in self.resets}
         for procedure in self.procedures:
@@ -186,7 +186,7 @@ class Commands:
                 yield from (procedure.name, procedure.title, procedure.result, procedure.note)
         for register in (*self.registers, *self.settings):
             yield from (register.name, register.printed_name, register.meaning, register.note)
-            for value in _values(register):
+            for value in _named_values(register):
                 yield from (value.name, value.printed_name, value.meaning)
         for pin in self.inputs:
             yield from (pin.name, pin.printed_name, pin.meaning, pin.low, pin.high, pin.note)
@@ -223,7 +223,7 @@ def commands_over(device: Device, interface: Interface) -> Commands:
         procedures=tuple(procedure for procedure in procedures if _changes_encoder(procedure)),
         registers=tuple(command_registers),
         settings=tuple(settings),
-        requests=tuple(request for request in _requests(interface) if request.purpose not in _READING),
+        requests=tuple(request for request in _requests_of_interface(interface) if request.purpose not in _READING),
         inputs=device.inputs,
         has_control_data=isinstance(interface, Biss) and bool(interface.control_data),
     )
@@ -232,10 +232,10 @@ def commands_over(device: Device, interface: Interface) -> Commands:
 def holds_commands(register: Register) -> bool:
     """Return whether the named values of a register are commands: those written once, not settings that are kept."""
     is_written_once = not register.readable or register.clears_itself
-    return register.writable and is_written_once and bool(_values(register))
+    return register.writable and is_written_once and bool(_named_values(register))
 
 
-def _values(register: Register) -> tuple[Value, ...]:
+def _named_values(register: Register) -> tuple[Value, ...]:
     """Return the named values of all fields."""
     return tuple(value for field in register.layout.fields for value in field.values)
 
@@ -245,7 +245,7 @@ def _changes_encoder(procedure: Procedure) -> bool:
     return any(isinstance(step, (WriteStep, ModifyStep, SendStep)) for step in procedure.steps)
 
 
-def _requests(interface: Interface) -> Iterator[DataId | Exchange]:
+def _requests_of_interface(interface: Interface) -> Iterator[DataId | Exchange]:
     """Yield the T-format requests and the other exchanges of an interface."""
     if isinstance(interface, Rs485):
         yield from interface.data_ids

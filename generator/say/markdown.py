@@ -23,11 +23,11 @@ _BLOCK_START = re.compile(r"^(\d+)([.)])(?=\s|$)|^([-+#=])")
 
 def text(value: object) -> str:
     """Return one line of text with all Markdown and HTML markup escaped."""
-    return _escaped(plain(value))
+    return _escape_markdown(plain(value))
 
 
 @lru_cache(4096)
-def _escaped(value: str) -> str:
+def _escape_markdown(value: str) -> str:
     return _EDGE_UNDERSCORE.sub(r"\\_", value.translate(_MARKS))
 
 
@@ -138,7 +138,7 @@ def reference(ref: Ref) -> str:
 
 #: Style of statements on a Markdown page.
 STYLE = Style(
-    text=lambda part: _escaped(one_line(part)),
+    text=lambda part: _escape_markdown(one_line(part)),
     code=code,
     ref=reference,
     cited=lambda sources: f"({cited(sources)})" if sources else "",

@@ -123,11 +123,11 @@ def conditions(values: Iterable[tuple[Field, int]]) -> Statement:
 
     In ``values``, 1 stands for an active flag. The text has its bit.
     """
-    phrases = [_condition(field, value) for field, value in values]
+    phrases = [_condition_parts(field, value) for field, value in values]
     return statement(*parted(phrases, " and "))
 
 
-def _condition(field: Field, value: int) -> tuple[Part, ...]:
+def _condition_parts(field: Field, value: int) -> tuple[Part, ...]:
     """Return a field with its bit or value: ``error is 0`` or ``mode is 5h (test)``.
 
     ``value`` is 1 for an active flag, whose bit is 0 if it is active low.

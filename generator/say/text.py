@@ -195,7 +195,7 @@ def parted(groups: Iterable[Sequence[Part]], between: str = ", ") -> Iterator[Pa
         yield from group
 
 
-def _bracketed(sources: Sources) -> str:
+def _bracketed_sources(sources: Sources) -> str:
     return f"[{cite(sources)}]" if sources else ""
 
 
@@ -206,14 +206,14 @@ class Style:
     text: Callable[[str], str]
     code: Callable[[str], str]
     ref: Callable[[Ref], str]
-    cited: Callable[[Sources], str] = _bracketed
+    cited: Callable[[Sources], str] = _bracketed_sources
     #: Function that fills known values into an expression, for an output about one order code.
     resolve: Callable[[Expression], Expression] = lambda expression: expression
     level: Callable[[Level], str] = lambda level: level.value
 
     def phrase(self, statement: Statement) -> str:
         """Return the parts without a label, a source and a full stop."""
-        return "".join(map(self._part, statement.parts))
+        return "".join(map(self._write_part, statement.parts))
 
     def sentence(self, statement: Statement) -> str:
         """Return the statement as a sentence: ``Clock: 100 kHz to 4 MHz [5.3].``
@@ -251,7 +251,7 @@ class Style:
             return number(resolved.constant)
         return self.code(resolved.render())
 
-    def _part(self, part: Part) -> str:
+    def _write_part(self, part: Part) -> str:
         """Return a part of a statement in the syntax of the output."""
         match part:
             case str():

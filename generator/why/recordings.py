@@ -194,7 +194,7 @@ _OTHERS_IN_FRONT = Recording("bits_in_front", "other bits come first, and then t
 _TOO_SHORT = Incomplete("it is too short: it has {0} of the {1} bits. Clocks still needed: {2}", "^(?P<frame>[01]*)$")
 
 
-def _shifts(cause: str) -> tuple[FrameOffset, ...]:
+def _one_clock_offsets(cause: str) -> tuple[FrameOffset, ...]:
     """Return the offsets by one clock, in which the number of received bits is that of the frame.
 
     ``cause`` continues the text after "one clock late" or "one clock early". A missing first bit is tried as 0 and 1.
@@ -212,11 +212,15 @@ LINES: Mapping[str, Line] = MappingProxyType(
     {
         "biss": _BISS,
         "ssi_msb_left": Line(
-            _shifts(""), (_WORD_TWICE, _WORD_FIRST, _BIT_IN_FRONT, _OTHERS_BEHIND, _BITS_AROUND), (_TOO_SHORT,)
+            _one_clock_offsets(""),
+            (_WORD_TWICE, _WORD_FIRST, _BIT_IN_FRONT, _OTHERS_BEHIND, _BITS_AROUND),
+            (_TOO_SHORT,),
         ),
-        "ssi_lsb_right": Line(_shifts(""), (_WORD_LAST, _WORD_TWICE, _BIT_IN_FRONT, _OTHERS_IN_FRONT), (_TOO_SHORT,)),
+        "ssi_lsb_right": Line(
+            _one_clock_offsets(""), (_WORD_LAST, _WORD_TWICE, _BIT_IN_FRONT, _OTHERS_IN_FRONT), (_TOO_SHORT,)
+        ),
         "spi": Line(
-            _shifts(", as with the other clock edge"),
+            _one_clock_offsets(", as with the other clock edge"),
             (_WORD_FIRST, _BIT_IN_FRONT, _WORD_LAST, _OTHERS_BEHIND, _OTHERS_IN_FRONT),
             (_TOO_SHORT,),
         ),

@@ -84,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
     if _print_stored(cached_check, arguments):
         # Only runs without problems are stored.
         return 0
-    return _check(specs.paths, settings, arguments, cache, cached_check)
+    return _check_and_print(specs.paths, settings, arguments, cache, cached_check)
 
 
 def _print_stored(result: CachedResult, arguments: argparse.Namespace) -> bool:
@@ -98,7 +98,7 @@ def _print_stored(result: CachedResult, arguments: argparse.Namespace) -> bool:
     return True
 
 
-def _check(
+def _check_and_print(
     paths: Sequence[Path],
     settings: Configuration | None,
     arguments: argparse.Namespace,

@@ -84,19 +84,19 @@ class ChannelDecoder:
         result = ChannelResult(
             channels=decoded_channels,
             findings=findings,
-            whys=tuple(map(self._why, decoded_channels)),
+            whys=tuple(map(self._explain_channel, decoded_channels)),
             problems=problems,
             readings=(),
         )
-        return replace(result, readings=self._readings(number, bits)) if result.has_problem else result
+        return replace(result, readings=self._possible_readings(number, bits)) if result.has_problem else result
 
-    def _why(self, decoded: codec.Decoded) -> Diagnosis | None:
+    def _explain_channel(self, decoded: codec.Decoded) -> Diagnosis | None:
         """Return the explanations of a channel with an error, or None."""
         assert decoded.layout is not None
         text = f"0b{decoded.number:0{decoded.layout.bits}b}"
         return why_text(self._device, self._variant, "encoder", text, decoded) if decoded.problems else None
 
-    def _readings(self, number: int, bits: int) -> tuple[str, ...]:
+    def _possible_readings(self, number: int, bits: int) -> tuple[str, ...]:
         from ...why.channels import channel_readings
 
         return tuple(channel_readings(self._device, self.frame, number, bits))
@@ -120,11 +120,11 @@ def described_channels(device: Device, variant: Variant, frame: PlacedChannels, 
     for decoded, findings, why in channels:
         yield from described_frame(device, variant, decoded, findings, why)
         yield ""
-    yield from (wrapped(line, WIDTH, prefix="  ", first="") for line in _summary(frame, result))
+    yield from (wrapped(line, WIDTH, prefix="  ", first="") for line in _summary_lines(frame, result))
     yield from evidence_lines(device)
 
 
-def _summary(frame: PlacedChannels, result: ChannelResult) -> Iterator[str]:
+def _summary_lines(frame: PlacedChannels, result: ChannelResult) -> Iterator[str]:
     """Yield the errors of the whole frame, the comparison of its positions, and its verdict."""
     for problem in result.problems:
         yield f"{problem.fault.value} error: {problem.message}"

@@ -139,13 +139,13 @@ class Decoding:
                 if self._channels is not None and channel_frame is not None:
                     self._print_channels(line, self._channels, channel_frame)
                     continue
-                decoded, why = self._decode(line.text)
+                decoded, why = self._decode_text(line.text)
             except (FrameTextError, RegisterError, UndecidedError) as error:
                 self._codes.add(NO_FRAME)
                 line_prefix = f"line {line.number}: " if line.number is not None else ""
                 print(f"codewheel: {line_prefix}{error}", file=sys.stderr)
                 continue
-            frame_findings = self._findings(decoded)
+            frame_findings = self._findings_of_frame(decoded)
             self._codes.add(_exit_code(decoded, frame_findings))
             other_layouts = self._other_layouts(line.text, decoded)
             if is_frame_of_other_kind(decoded, other_layouts):
@@ -153,7 +153,7 @@ class Decoding:
                 why = None
             if why is not None and decoded.problems:
                 self._failed_frames.append((line.text, decoded, why))
-            output = self._output(line, decoded, frame_findings, why, other_layouts)
+            output = self._frame_output(line, decoded, frame_findings, why, other_layouts)
             # Someone who reads many frames should not have to wait for the end.
             is_one_of_many = line.number is not None
             print(output, flush=is_one_of_many)
@@ -205,7 +205,7 @@ class Decoding:
         whys = [why_text(device, variant, sender, text, decoded, with_pairs=True) for text, decoded, _ in failed_frames]
         return judge_together([why for why in whys if why is not None])
 
-    def _decode(self, text: str) -> tuple[codec.Decoded, Diagnosis | None]:
+    def _decode_text(self, text: str) -> tuple[codec.Decoded, Diagnosis | None]:
         """Return a decoded frame with its explanations (None if it needs none), or a decoded register value with None.
 
         Raises:
@@ -237,7 +237,7 @@ class Decoding:
             refuse_undecided(self._request.device, placed.layout, self._request.answers)
             self._decided_layouts.add(placed.name)
 
-    def _findings(self, decoded: codec.Decoded) -> Findings:
+    def _findings_of_frame(self, decoded: codec.Decoded) -> Findings:
         """Return the verdict and the reports on a decoded frame, with all values that differ from the manual.
 
         These are, in this order, values of ``--register`` that contradict the order code, values in the frame that the
@@ -294,7 +294,7 @@ class Decoding:
                 decisive_answers[alternative.name] = answer
         return decisive_answers
 
-    def _output(
+    def _frame_output(
         self,
         line: Line,
         decoded: codec.Decoded,

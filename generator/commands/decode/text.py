@@ -335,7 +335,7 @@ def _mistake_lines(why: Diagnosis) -> list[str]:
     chance = f"{mistakes} tried; {percent} of 100 random frames would match at least one"
     lines = [""]
     if why.explanations:
-        lines.append(wrapped(_introduction(why, chance), WIDTH, prefix="  ", first=""))
+        lines.append(wrapped(_introduction_sentence(why, chance), WIDTH, prefix="  ", first=""))
     elif why.tried:
         lines.append(wrapped(f"No common mistake explains it ({chance}).", WIDTH, prefix="  ", first=""))
     for explanation in why.explanations:
@@ -366,12 +366,12 @@ def together_lines(mistakes: Sequence[CommonMistake], failed_frames: int) -> Ite
     introduction = say.explained_together(f"{explained_frames}", f"{failed_frames}")
     yield f"\n{wrapped(introduction, WIDTH, prefix='  ', first='')}:"
     for mistake in mistakes:
-        chance = f"; matches by chance in {_frequency(mistake.one_in)}" if mistake.one_in > 1 else ""
+        chance = f"; matches by chance in {_frequency_text(mistake.one_in)}" if mistake.one_in > 1 else ""
         yield wrapped(f"{mistake.text}{chance}", WIDTH, prefix=" " * 6, first="    - ")
     yield ""
 
 
-def _introduction(why: Diagnosis, chance: str) -> str:
+def _introduction_sentence(why: Diagnosis, chance: str) -> str:
     """Return the sentence in front of the explanations. Only with a CRC does it give their ``chance``."""
     if not why.has_crc:
         return f"{UNCERTAIN_READINGS}:"
@@ -384,7 +384,7 @@ def _chance_and_values(explanation: Explanation) -> str:
     """Return how often a mistake matches by chance, and the values without it: ``…1 of 64 frames, and gives x 5``."""
     details = []
     if explanation.one_in > 1:
-        details.append(f"matches by chance in {_frequency(explanation.one_in)} frames")
+        details.append(f"matches by chance in {_frequency_text(explanation.one_in)} frames")
     if explanation.reads:
         values = ", ".join(f"{name} {number}" for name, number in explanation.reads.items())
         details.append(f"gives {values}")
@@ -396,7 +396,7 @@ def _parts_of_recording(explanation: Explanation) -> str:
     return ", ".join(f"{name.replace('_', '-')} {bits}" for name, bits in explanation.parts)
 
 
-def _frequency(frames_per_match: int) -> str:
+def _frequency_text(frames_per_match: int) -> str:
     return f"1 of {frames_per_match:,}" if frames_per_match < 1_000_000 else "fewer than 1 of a million"
 
 

@@ -150,7 +150,7 @@ def _render_and_write(arguments: argparse.Namespace, cache: Cache, selection: Se
     specs_line = _line_about_specs(devices, report, arguments.packaged, selection.packaged)
     print(specs_line)
     accepted = devices_by_target([target.name for target in targets], devices, selection.only)
-    files = _render(Library(devices, arguments.templates), accepted, targets, options, cache)
+    files = _render_targets(Library(devices, arguments.templates), accepted, targets, options, cache)
     families_by_target = {name: owners(target_devices) for name, target_devices in accepted.items()}
     if are_built_in(targets, arguments.target):
         result.put(result_to_store(specs_line, files, families_by_target))
@@ -205,7 +205,7 @@ def _line_about_specs(
     return f"{specs_line}\n{todo_line}" if todo_line else specs_line
 
 
-def _render(
+def _render_targets(
     library: Library,
     accepted: Mapping[str, tuple[Device, ...]],
     targets: Sequence[Target],

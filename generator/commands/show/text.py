@@ -109,12 +109,12 @@ def _order_code_lines(device: Device) -> Iterator[str]:
         yield wrapped(part.meaning, WIDTH, prefix="    ", first=f"  {part.name}: ")
         yield from pairs(((option.text, option.meaning) for option in part.values), indent=4)
         for statement in open_values(part):
-            yield _paragraph(BY_NAME.sentence(statement))
+            yield _indented_paragraph(BY_NAME.sentence(statement))
     for also_written in device.order_code.also_written:
         yield wrapped(BY_NAME.sentence(spelling(also_written)), WIDTH, prefix="    ", first="  ")
 
 
-def _paragraph(text: str) -> str:
+def _indented_paragraph(text: str) -> str:
     """Return text about something that has a heading, whose further lines are indented."""
     return wrapped(text, WIDTH, prefix="      ", first="    ")
 
@@ -166,8 +166,8 @@ def alternative_lines(device: Device) -> list[str]:
         lines.append(
             wrapped(BY_NAME.sentence(question(alternative)), WIDTH, prefix="      ", first=f"  {alternative.name}: ")
         )
-        lines += [_paragraph(BY_NAME.sentence(say_answer(answer))) for answer in alternative.answers]
-        lines.append(_paragraph(_how_to_choose(alternative)))
+        lines += [_indented_paragraph(BY_NAME.sentence(say_answer(answer))) for answer in alternative.answers]
+        lines.append(_indented_paragraph(_how_to_choose(alternative)))
     return lines
 
 
@@ -247,7 +247,7 @@ def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[s
     width_rows = [(name, ", ".join(widths)) for name, widths in widths_by_name.items()]
     lines += pairs(width_rows, indent=4)
     for statement in (*say_layout.facts(interface, layout), *needed_answers(device, layout)):
-        lines.append(_paragraph(BY_NAME.sentence(statement)))
+        lines.append(_indented_paragraph(BY_NAME.sentence(statement)))
     return lines
 
 
@@ -395,7 +395,7 @@ def _errata_lines(device: Device) -> list[str]:
             wording_count += 1
             continue
         heading, *details = BY_NAME.lines(say_errata.erratum(erratum, whole=True))
-        lines += [wrapped(heading, WIDTH, prefix="    ", first="  "), *map(_paragraph, details)]
+        lines += [wrapped(heading, WIDTH, prefix="    ", first="  "), *map(_indented_paragraph, details)]
     if wording_count:
         summary = f"and {wording_count} about wording only, listed by --json and the documentation"
         lines.append(wrapped(summary, WIDTH, prefix="    ", first="  "))

@@ -173,7 +173,7 @@ def master_settings(
 
     ``crc`` is None if order codes differ in it. Each length then states its own CRC.
     """
-    heading = "Further settings of the master:" if one_encoder else _heading(device, layout, lengths)
+    heading = "Further settings of the master:" if one_encoder else _first_settings_line(device, layout, lengths)
     lines = [heading, *_lengths_by_profile(device, lengths)]
     for length in lengths:
         own_crc_text = _own_crc_text(device, length) if crc is None else ""
@@ -298,7 +298,7 @@ def _sent_fields(layout: Layout) -> str:
     return ", ".join(texts_in_order) + without_status
 
 
-def _heading(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> str:
+def _first_settings_line(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> str:
     """Return the first line of the settings, with the reason if the file gives no length.
 
     The reason is that registers change the length, or that one device ID covers several lengths.

@@ -131,9 +131,9 @@ class SharedParts:
     def with_indexes(self, layout: Data) -> Data:
         """Return the layout with indexes in place of its fields, checks and reports: ``{"fields": [0, 4], …}``."""
         names = [name for name in ("fields", "checks", "tells") if name in layout]
-        return layout | {name: list(map(self._index, layout[name])) for name in names}
+        return layout | {name: list(map(self._index_of_part, layout[name])) for name in names}
 
-    def _index(self, part: Data) -> int:
+    def _index_of_part(self, part: Data) -> int:
         """Return the index of a part, which is added unless there is an equal one. Equal parts have the same JSON."""
         index = self._indexes.setdefault(script_json(part), len(self.parts))
         if index == len(self.parts):

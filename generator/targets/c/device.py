@@ -251,7 +251,7 @@ class DeviceView:
 
     def documents(self, text: str) -> list[Paragraph]:
         """Return the other documents that ``text`` cites."""
-        cited_documents = (document for document in self.device.documents if _cites(text, document.key))
+        cited_documents = (document for document in self.device.documents if _has_source_with_key(text, document.key))
         return [(f"  {document.key}: ", _title_and_url(document)) for document in cited_documents]
 
     @property
@@ -313,7 +313,7 @@ def _bank_selectors_first(device: Device) -> list[Register]:
     return sorted(device.registers, key=lambda register: register.name not in selector_names)
 
 
-def _cites(text: str, key: str) -> bool:
+def _has_source_with_key(text: str, key: str) -> bool:
     """Return True if a text has a source such as ``data sheet: page 4`` with this key."""
     # The first test is much faster, and few documents pass it.
     return f"{key}:" in text and re.search(rf"\b{key}:", text) is not None

@@ -336,11 +336,11 @@ class ExampleCode:
 
     @property
     def has_registers(self) -> bool:
-        return bool(self.reads) or any(isinstance(step, RegisterStep) for step in self._steps)
+        return bool(self.reads) or any(isinstance(step, RegisterStep) for step in self._procedure_steps)
 
     @property
     def sends(self) -> bool:
-        return any(isinstance(step, SendStep) for step in self._steps)
+        return any(isinstance(step, SendStep) for step in self._procedure_steps)
 
     @property
     def size(self) -> int:
@@ -348,7 +348,7 @@ class ExampleCode:
         return max((128, *(register.last_address + 1 for register in self.view.device.registers)))
 
     @property
-    def _steps(self) -> tuple[object, ...]:
+    def _procedure_steps(self) -> tuple[object, ...]:
         return self.run.code.run.procedure.steps if self.run is not None else ()
 
     def _shown_run(self) -> ShownRun | None:
@@ -389,7 +389,7 @@ class ExampleCode:
 
         Those that the procedure writes have their factory default instead, or 0 if the manual gives none.
         """
-        written_names = {step.register for step in self._steps if isinstance(step, (WriteStep, ModifyStep))}
+        written_names = {step.register for step in self._procedure_steps if isinstance(step, (WriteStep, ModifyStep))}
         registers_and_examples = sorted(self._chosen.registers.values(), key=_address_of_register)
         for register, example in registers_and_examples:
             if register.name in written_names:

@@ -63,7 +63,7 @@ def sending_section(
     commands = tuple(_command_rows(device, variant, errata_at))
     presets = list(_registers_with_known_zero(device, variant))
     possible_commands = commands_over(device, interface)
-    introduction = _introduction(
+    introduction = _introduction_paragraphs(
         device, interface, possible_commands, has_rows=bool(commands), has_preset=bool(presets)
     )
     facts = list(introduction)
@@ -84,7 +84,7 @@ def sending_section(
     )
 
 
-def _introduction(
+def _introduction_paragraphs(
     device: Device, interface: Interface, possible_commands: Commands, *, has_rows: bool, has_preset: bool
 ) -> Iterator[str]:
     """Yield what the bytes mean, and what the interface lacks, such as a preset.
@@ -236,7 +236,7 @@ def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: C
     if reply is not None:
         reply_link = f" → {link(counted(reply.widest // 8, 'byte'), f'#layout-{reply.name}')}"
     procedures = _procedures_sending_only(device, data_id)
-    repetitions = (_repetition(procedure) for procedure in procedures)
+    repetitions = (_repetition_text(procedure) for procedure in procedures)
     description = joined([text(data_id.meaning or data_id.purpose), *repetitions], ". ")
     identifier = f"<small>Data ID {data_id.id:X} {code(data_id.name)}</small>"
     errata_links = errata_at(*(f"procedures.{procedure.name}" for procedure in procedures))
@@ -267,7 +267,7 @@ def _requests_sent(procedure: Procedure) -> list[str]:
     return [step.data_id for step in procedure.steps if isinstance(step, SendStep)]
 
 
-def _repetition(procedure: Procedure) -> str:
+def _repetition_text(procedure: Procedure) -> str:
     """Return how often a procedure repeats its only request, such as ``Send it 10 times, at least 40 µs apart``."""
     send_step = next(step for step in procedure.steps if isinstance(step, SendStep))
     waits = [f"wait {microseconds(step.microseconds)}" for step in procedure.steps if isinstance(step, WaitStep)]
@@ -282,10 +282,10 @@ def _layout_with_data_id(interface: Rs485, sender: str, data_id: int) -> Layout 
 
 def _writing_procedures(device: Device) -> list[Procedure]:
     """Return the procedures that write a register, in whole or in part."""
-    return [procedure for procedure in device.procedures if _writes(procedure)]
+    return [procedure for procedure in device.procedures if _has_write_step(procedure)]
 
 
-def _writes(procedure: Procedure) -> bool:
+def _has_write_step(procedure: Procedure) -> bool:
     return any(isinstance(step, (WriteStep, ModifyStep)) for step in procedure.steps)
 
 

@@ -319,7 +319,7 @@ def page_values(devices: Sequence[Device]) -> GlossaryPage:
         pages += [_interface_page(device, interface) for interface in device.interfaces]
     term_rows: list[tuple[str, str, str]] = []
     for term in sorted(TERMS, key=lambda term: term.name.casefold()):
-        term_links = _links(term, pages)
+        term_links = _links_to_term(term, pages)
         if term_links:
             term_rows.append((text(term.name), text(term.meaning), term_links))
     return {"term_rows": term_rows}
@@ -330,7 +330,7 @@ def _interface_page(device: Device, interface: Interface) -> _InterfacePage:
     return _InterfacePage(interface_device, interface, tuple(_anchors_by_name(interface_device, interface)))
 
 
-def _links(term: Term, pages: Sequence[_InterfacePage]) -> str:
+def _links_to_term(term: Term, pages: Sequence[_InterfacePage]) -> str:
     """Return links to the sections about a term, one for each interface page that has one."""
     page_links: list[str] = []
     for page in pages:

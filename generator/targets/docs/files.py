@@ -51,11 +51,11 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     files = licence_in("docs")
     sections: list[Section] = []
     for device in library.devices:
-        files |= library.files_of(_family, device, options)
+        files |= library.files_of(_files_of_family, device, options)
         sections += _order_code_sections(order_code_page.OrderCodes(device))
     identification_values = cross_family_pages.identification_page_values(library.devices)
     pages: dict[str, tuple[str, Mapping[str, Any]]] = {
-        "README.md": ("index.md.jinja", _index(library, sections)),
+        "README.md": ("index.md.jinja", _index_values(library, sections)),
         verdict_page.PAGE: ("usable.md.jinja", verdict_page.usable_values(library.devices)),
         cross_family_pages.WHICH_ENCODER: (f"{cross_family_pages.WHICH_ENCODER}.jinja", identification_values),
         cross_family_pages.COMPARISON: (f"{cross_family_pages.COMPARISON}.jinja", identification_values),
@@ -75,16 +75,16 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     return files
 
 
-def _family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
+def _files_of_family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path of each picture and page of a family, and a function for its text."""
     try:
         masters = shipped_masters()
     except ValueError as error:
         raise TargetError(str(error)) from None
     codes = order_code_page.OrderCodes(device)
-    for name, picture in _pictures(codes):
+    for name, picture in _pictures_of_family(codes):
         yield f"docs/{device.name}/{name}", picture
-    for name, template, page_values in _pages(codes, masters):
+    for name, template, page_values in _pages_of_family(codes, masters):
         yield f"docs/{name}", partial(_family_page, device, name, template, page_values, library)
 
 
@@ -107,7 +107,7 @@ def _page_text(template: str, values: Mapping[str, Any], library: Library) -> st
     return _without_surplus_spaces(TEMPLATES.render(template, values, library.own_templates))
 
 
-def _pages(
+def _pages_of_family(
     codes: order_code_page.OrderCodes, masters: tuple[Master, ...]
 ) -> Iterator[tuple[str, str, Callable[[], Mapping[str, Any]]]]:
     """Yield the name of each page, its template, and a function for its values."""
@@ -160,7 +160,7 @@ def _code_values(
     return order_code_page.page_values(group, has_masters, codes.pictures)
 
 
-def _pictures(codes: order_code_page.OrderCodes) -> Iterator[tuple[str, Callable[[], str]]]:
+def _pictures_of_family(codes: order_code_page.OrderCodes) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the file name of each picture of a family and its order codes, with a function for its text."""
     for pictures in (codes.pictures, *(group.pictures for group in codes.groups)):
         yield from ((picture.name, partial(str, picture.svg)) for picture in pictures.values())
@@ -195,7 +195,7 @@ def _order_code_sections(codes: order_code_page.OrderCodes) -> Iterator[Section]
             }
 
 
-def _index(library: Library, order_codes: list[Section]) -> Index:
+def _index_values(library: Library, order_codes: list[Section]) -> Index:
     """Return the values of the index of all families."""
     rows = [_index_row(device) for device in library.devices]
     trademarks = list(
@@ -262,5 +262,5 @@ TARGET = Target(
     summary="Markdown pages with pictures of every frame, and the settings of BiSS and SSI masters",
     files=generate,
     templates=TEMPLATES,
-    family=_family,
+    family=_files_of_family,
 )

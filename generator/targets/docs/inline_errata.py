@@ -48,27 +48,32 @@ class ErrataLines:
         Errata about wording are one item, and so are the differences in other editions.
         """
         manual_errata, edition_errata = _by_origin(self._device, *paths, exactly=exactly)
-        list_items = [self._line(erratum) for erratum in manual_errata if erratum.severity != "wording"]
+        list_items = [self._erratum_line(erratum) for erratum in manual_errata if erratum.severity != "wording"]
         wording_errata = [erratum for erratum in manual_errata if erratum.severity == "wording"]
         if wording_errata:
             mistakes = "mistake" if len(wording_errata) == 1 else "mistakes"
-            links = link_list(self._link(erratum, text(erratum.title)) for erratum in wording_errata)
+            links = link_list(self._link_to_erratum(erratum, text(erratum.title)) for erratum in wording_errata)
             list_items.append(f"- Wording {mistakes} in the manual: {links}")
         if edition_errata:
-            edition_links = [self._link(erratum, text(_edition_phrase(erratum))) for erratum in edition_errata]
+            edition_links = [
+                self._link_to_erratum(erratum, text(_edition_phrase(erratum))) for erratum in edition_errata
+            ]
             list_items.append(f"- Other editions differ: {', '.join(dict.fromkeys(edition_links))}")
         return "\n".join(list_items)
 
     def links_in_cell(self, *paths: str) -> str:
         """Return the errata about these paths, those about wording included, as links for a table cell."""
         affecting_errata = errata(self._device, *paths, wording=True)
-        links = [f"{status_badge(erratum)} {self._link(erratum, text(erratum.title))}" for erratum in affecting_errata]
+        links = [
+            f"{status_badge(erratum)} {self._link_to_erratum(erratum, text(erratum.title))}"
+            for erratum in affecting_errata
+        ]
         return link_list(links)
 
-    def _link(self, erratum: Erratum, label: str) -> str:
+    def _link_to_erratum(self, erratum: Erratum, label: str) -> str:
         return link(label, f"{self._page}#erratum-{erratum.name}")
 
-    def _line(self, erratum: Erratum) -> str:
+    def _erratum_line(self, erratum: Erratum) -> str:
         """Return an erratum as an item of a list: its text at the first mention on the page, then a link to that."""
         if erratum.name in self._names_on_page:
             first_mention = link(text(erratum.title), f"#erratum-{erratum.name}")
@@ -182,10 +187,10 @@ def erratum_line(listed_erratum: Erratum, page: str) -> str:
     if listed_erratum.overlay:
         reasons = map(STYLE.sentence, erratum_statement(listed_erratum).below)
         return " ".join([f"{title_link} {STYLE.cited(listed_erratum.source)}:", *reasons])
-    return f"{title_link}: {text(_shortened(sentence(listed_erratum.used)))}"
+    return f"{title_link}: {text(_shorten_sentences(sentence(listed_erratum.used)))}"
 
 
-def _shortened(sentences: str) -> str:
+def _shorten_sentences(sentences: str) -> str:
     """Return a long text up to the last full sentence that fits, or else the last full word, with an ellipsis."""
     if len(sentences) <= _LONGEST_TEXT:
         return sentences
@@ -208,7 +213,7 @@ def page_values(device: Device) -> ErrataPage:
     """Return the values of the page with the errata of a family."""
     manual_errata = _errata_of_manual(device)
     open_errata = [erratum for erratum in manual_errata if erratum.status == "open"]
-    summary = _summary(len(manual_errata), len(open_errata))
+    summary = _summary_of_counts(len(manual_errata), len(open_errata))
     return {
         "device": device,
         "errata_summary": summary + fact_tables.sentence_on_changes(len(device.errata) - len(manual_errata)),
@@ -226,7 +231,7 @@ def _erratum_section(erratum: Erratum) -> dict[str, Any]:
     return {"erratum": erratum, "title": text(erratum.title), "summary": summary, "head": head, "cells": cells}
 
 
-def _summary(count: int, open_count: int) -> str:
+def _summary_of_counts(count: int, open_count: int) -> str:
     """Return sentences with the number of errata, and with the meaning of their status."""
     if not count:
         return "No errata are known."

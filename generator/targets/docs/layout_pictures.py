@@ -56,12 +56,12 @@ def card(title: str, body: Sequence[str], width: float, height: float, descripti
         'font-family="system-ui, -apple-system, Segoe UI, Helvetica, Arial, sans-serif">'
     )
     size = f'width="{number(width - 1)}" height="{number(height - 1)}"'
-    descriptions = [f"<title>{_escaped(title)}</title>", f"<desc>{_escaped(description)}</desc>"]
+    descriptions = [f"<title>{_escape_xml(title)}</title>", f"<desc>{_escape_xml(description)}</desc>"]
     background = f'<rect x="0.5" y="0.5" {size} rx="6" class="card"/>'
     return "\n".join([svg_start, *descriptions, _style_element(), background, *body, "</svg>", ""])
 
 
-def _escaped(words: str) -> str:
+def _escape_xml(words: str) -> str:
     """Return words as the content of an element."""
     return html.escape(plain(words), quote=False)
 
@@ -94,7 +94,7 @@ def text(
     """
     weight = ' font-weight="600"' if bold else ""
     look = f'font-size="{size}" text-anchor="{anchor}" class="{"faint" if faint else "ink"}"{weight}'
-    return f'<text x="{number(x)}" y="{number(y)}" {look}>{_escaped(words)}</text>'
+    return f'<text x="{number(x)}" y="{number(y)}" {look}>{_escape_xml(words)}</text>'
 
 
 def width(words: str, size: float) -> float:
@@ -189,7 +189,7 @@ def bit_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
     # Lowest bit of each byte of the number. The first byte may have fewer than eight bits.
     lows = range((placed_layout.bits - 1) // 8 * 8, -1, -8)
     labels = [bit_range(min(low + 7, placed_layout.bits - 1), low) for low in lows]
-    return Stack(caption, _rows(runs, lows, labels), f"{placed_layout.bits} bits: {_runs_text(runs)}")
+    return Stack(caption, _byte_rows(runs, lows, labels), f"{placed_layout.bits} bits: {_runs_text(runs)}")
 
 
 def register_stack(caption: str, placed_layout: PlacedLayout, address: int, low_byte_first: bool) -> Stack:
@@ -199,7 +199,7 @@ def register_stack(caption: str, placed_layout: PlacedLayout, address: int, low_
     labels = [f"{address + index:02X}h" for index in range(len(lows))]
     order = "low byte first" if low_byte_first else "high byte first"
     first_byte = f"{labels[0]}, {order}" if len(lows) > 1 else labels[0]
-    return Stack(caption, _rows(runs, lows, labels), f"{first_byte}: {_runs_text(runs)}")
+    return Stack(caption, _byte_rows(runs, lows, labels), f"{first_byte}: {_runs_text(runs)}")
 
 
 def byte_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
@@ -237,7 +237,7 @@ def group_stack(caption: str, fields: Sequence[tuple[Field, int, int]], bits: in
     runs = [_run_of_field(field, high, low) for field, high, low in fields]
     # Lowest bit of each byte, highest first.
     lows = range((bits - 1) // 8 * 8, -1, -8)
-    return Stack(caption, _rows(runs, lows, [""] * len(lows)), _runs_text(runs))
+    return Stack(caption, _byte_rows(runs, lows, [""] * len(lows)), _runs_text(runs))
 
 
 def text_alternative(stacks: Sequence[Stack]) -> str:
@@ -267,7 +267,7 @@ def _lowest_bits(bits: int, low_byte_first: bool) -> range:
     return range(0, bits, 8) if low_byte_first else range(bits - 8, -1, -8)
 
 
-def _rows(runs: Sequence[_BitRun], lows: Sequence[int], labels: Sequence[str]) -> tuple[ByteRow, ...]:
+def _byte_rows(runs: Sequence[_BitRun], lows: Sequence[int], labels: Sequence[str]) -> tuple[ByteRow, ...]:
     """Return a row for each lowest bit of a byte. Boxes have bit numbers in the whole layout."""
     byte_rows = []
     for low, row_label in zip(lows, labels, strict=True):
@@ -290,7 +290,7 @@ def runs_of(placed_layout: PlacedLayout) -> list[_BitRun]:
     """Return the fields, and the bits that belong to no field, highest first."""
     fields = placed_layout.fields
     runs = [_run_of_field(placed_field.field, placed_field.high, placed_field.low) for placed_field in fields]
-    runs += [_BitRun(high, low, "no field", _NOTHING) for high, low in _gaps(placed_layout)]
+    runs += [_BitRun(high, low, "no field", _NOTHING) for high, low in _gaps_between_fields(placed_layout)]
     return sorted(runs, key=lambda run: -run.high)
 
 
@@ -326,7 +326,7 @@ def _run_of_field(field: Field, high: int, low: int) -> _BitRun:
     )
 
 
-def _gaps(placed_layout: PlacedLayout) -> list[tuple[int, int]]:
+def _gaps_between_fields(placed_layout: PlacedLayout) -> list[tuple[int, int]]:
     """Return the highest and lowest bit of each run of bits that belong to no field, highest run first."""
     gaps: list[tuple[int, int]] = []
     # All bits from here on upwards are fields or listed gaps.
@@ -372,7 +372,7 @@ def _row_elements(row: ByteRow, top: float) -> Iterator[str]:
     for box in row.boxes:
         # Bit 7 is at the left.
         left = _MARGIN + _LABELS + (7 - box.high) * _BIT
-        box_width = _width(box)
+        box_width = _width_of_box(box)
         yield rect(left, top, box_width, _BOX, box.fill)
         name_lines = _lines_inside(box)
         number_of_lines = len(name_lines) + bool(box.place)
@@ -386,7 +386,7 @@ def _row_elements(row: ByteRow, top: float) -> Iterator[str]:
             yield text(center, baseline, box.place, _SMALL, "middle", faint=True)
 
 
-def _width(box: Box) -> float:
+def _width_of_box(box: Box) -> float:
     return (box.high - box.low + 1) * _BIT
 
 
@@ -398,7 +398,7 @@ def _lines_inside(box: Box) -> list[str]:
     """
     if box.active_low:
         return []
-    name_lines = wrapped(box.name, _width(box) - 4, _SMALL)
+    name_lines = wrapped(box.name, _width_of_box(box) - 4, _SMALL)
     fits = len(name_lines) == 1 or (len(name_lines) == 2 and not box.place and " ".join(name_lines) == box.name)
     return name_lines if fits else []
 

@@ -59,7 +59,7 @@ def placements(
     layouts_by_shape: dict[_Shape, PlacedLayout] = {}
     for variant in device.variants_over(interface_name):
         placed_layout = layout.place({**variant.parameters, **parameters})
-        shape = _shape(placed_layout)
+        shape = _shape_of(placed_layout)
         layouts_by_shape.setdefault(shape, placed_layout)
         codes_by_shape.setdefault(shape, []).append(variant.code)
     different_placements = []
@@ -68,7 +68,7 @@ def placements(
     return tuple(sorted(different_placements, key=lambda placement: placement.placed_layout.bits))
 
 
-def _shape(placed_layout: PlacedLayout) -> _Shape:
+def _shape_of(placed_layout: PlacedLayout) -> _Shape:
     return tuple((field.name, field.low, field.width) for field in placed_layout.fields)
 
 
@@ -267,7 +267,7 @@ def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
     if len(answers_and_placements) < 2:
         return ""
     moved_fields = _fields_moved_by_order_code(device, layout)
-    containers = _containers(layout, moved_fields)
+    containers = _places_of_containers(layout, moved_fields)
     table_rows = []
     for answers, placement in answers_and_placements:
         placed_layout = placement.placed_layout
@@ -292,7 +292,7 @@ def _fields_moved_by_order_code(device: Device, layout: Layout) -> list[Field]:
     return [field for field in fields_with_content if _depends_on_order_code(field, set_by_answers)]
 
 
-def _containers(layout: Layout, fields: Sequence[Field]) -> dict[str, str]:
+def _places_of_containers(layout: Layout, fields: Sequence[Field]) -> dict[str, str]:
     """Return, by the name of the field, the place of each container that a field of a frame fills partly.
 
     Registers have none.
@@ -363,7 +363,7 @@ def captioned_shapes(device: Device, interface: Interface, layout: Layout) -> li
     for answers, parameters in choices(device.alternatives_of(layout)):
         for placement in placements(device, layout, interface.name, parameters):
             caption = _caption_with_answers(answers, f"{placement.placed_layout.bits} bits")
-            shapes.setdefault(_shape(placement.placed_layout), (caption, placement.placed_layout))
+            shapes.setdefault(_shape_of(placement.placed_layout), (caption, placement.placed_layout))
     if len(shapes) > 1:
         return list(shapes.values())
     return [("", placed_layout) for _, placed_layout in shapes.values()]

@@ -214,12 +214,12 @@ class OrderCodes:
     @cached_property
     def links(self) -> dict[str, str]:
         """Links to the page of each order code, for pages next to the folder of the family."""
-        return self._links(f"{self.device.name}/")
+        return self._links_to_order_codes(f"{self.device.name}/")
 
     @cached_property
     def links_in_folder(self) -> dict[str, str]:
         """Links to the page of each order code, relative to the folder of the family."""
-        return self._links("")
+        return self._links_to_order_codes("")
 
     def page_links(self, interface_name: str) -> list[str]:
         """Return links to the order code pages of an interface, for pages next to it."""
@@ -230,7 +230,7 @@ class OrderCodes:
                 links.append(link(label, f"{self.device.name}/{group.name}.md"))
         return links
 
-    def _links(self, folder: str) -> dict[str, str]:
+    def _links_to_order_codes(self, folder: str) -> dict[str, str]:
         """Return the link to the page of each order code, from pages that reach it through ``folder``."""
         links: dict[str, str] = {}
         for group in self.groups:

@@ -45,7 +45,7 @@ def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
     for part in device.order_code.parts:
         name_cell, meaning_cell = code(part.name), text(part.meaning)
         for value in part.values:
-            assignments = [_assignment(parameters[name], number) for name, number in value.sets.items()]
+            assignments = [_assignment_text(parameters[name], number) for name, number in value.sets.items()]
             value_meaning_cell = joined([text(value.meaning), ", ".join(assignments), _only_with(value.only_with)])
             yield name_cell, meaning_cell, code(value.text), value_meaning_cell, cited(value.source or part.source)
             # Only the first row of a part names it.
@@ -55,7 +55,7 @@ def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
             yield "", "", "", other_values_cell, cited(part.source)
 
 
-def _assignment(parameter: Parameter, number: int) -> str:
+def _assignment_text(parameter: Parameter, number: int) -> str:
     """Return a parameter with the value that a part of an order code, or an answer, sets."""
     return f"{code(parameter.name)} = {parameter_value(parameter, number)}"
 
@@ -176,7 +176,7 @@ def _answer_row(device: Device, alternative: Alternative, answer: Answer) -> tup
     for name, value in answer.sets.items():
         # The page of one interface lacks the parameters of others.
         if name in parameters:
-            assignments.append(f"{_assignment(parameters[name], value)}: {text(parameters[name].meaning)}")
+            assignments.append(f"{_assignment_text(parameters[name], value)}: {text(parameters[name].meaning)}")
     return code(answer.name), text(answer.meaning), joined(assignments), cited(answer.source or alternative.source)
 
 
@@ -217,15 +217,15 @@ def patterns(device: Device, codes: Collection[str]) -> list[str]:
     part_names = [part.name for part in device.order_code.parts]
     variants = [variant for variant in device.variants if variant.code in codes]
     texts_by_variant = [_texts_of_parts(variant, part_names) for variant in variants]
-    products = _products(texts_by_variant)
-    return [_pattern(device.order_code, part_names, texts_by_part) for texts_by_part in products]
+    products = _group_into_products(texts_by_variant)
+    return [_code_pattern(device.order_code, part_names, texts_by_part) for texts_by_part in products]
 
 
 def _texts_of_parts(variant: Variant, part_names: Sequence[str]) -> PartTexts:
     return tuple(variant.parts.get(name, "") for name in part_names)
 
 
-def _pattern(order_code: OrderCode, part_names: Sequence[str], texts_of_parts: Sequence[Sequence[str]]) -> str:
+def _code_pattern(order_code: OrderCode, part_names: Sequence[str], texts_of_parts: Sequence[Sequence[str]]) -> str:
     """Return the codes with these texts for each part, in order, such as ```` `A-x/B` with x = 1 or 2````."""
     # A letter that the pattern or a text contains would be ambiguous.
     fixed_letters = set(re.sub(r"\{\w+\}", "", order_code.pattern)).union(*map("".join, texts_of_parts))
@@ -249,7 +249,7 @@ def _letters_without(fixed_letters: Collection[str]) -> Iterator[str]:
     yield from (f"x{number}" for number in count(1))
 
 
-def _products(combinations: Sequence[PartTexts]) -> Iterator[list[list[str]]]:
+def _group_into_products(combinations: Sequence[PartTexts]) -> Iterator[list[list[str]]]:
     """Yield the combinations as products: a list of texts for each part, ``[["A"], ["1", "2"]]`` for A-1 and A-2.
 
     If the texts of a part combine with different other parts, the combinations are first split by such a part, namely
@@ -263,7 +263,7 @@ def _products(combinations: Sequence[PartTexts]) -> Iterator[list[list[str]]]:
         yield [list(dict.fromkeys(texts)) for texts in texts_by_part]
         return
     for group in min(splitting_groups, key=len):
-        yield from _products(group)
+        yield from _group_into_products(group)
 
 
 def _divided_by_part(combinations: Sequence[PartTexts], index: int) -> list[list[PartTexts]]:

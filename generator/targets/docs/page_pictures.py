@@ -99,16 +99,16 @@ def pictures_of_family(device: Device) -> Pictures:
     pictures: Pictures = {}
     for interface, layout in device.layouts():
         stacks = layout_tables.layout_stacks(device, interface, layout)
-        pictures[_layout_key(layout)] = _picture(f"{layout.name}.svg", layout, stacks)
+        pictures[_layout_key(layout)] = _draw_picture(f"{layout.name}.svg", layout, stacks)
     groups = {group.name: group for group in device.field_groups}
     for interface in device.interfaces:
         for name in layout_tables.used_groups(interface):
             stacks = layout_tables.group_stacks(device, groups[name])
-            pictures[f"group-{name}"] = _picture(f"{name}.svg", groups[name], stacks)
+            pictures[f"group-{name}"] = _draw_picture(f"{name}.svg", groups[name], stacks)
     for register in device.registers:
         if layout_tables.has_picture(register):
             stacks = layout_tables.register_stacks(device, register)
-            pictures[_register_key(register)] = _picture(f"register-{register.name}.svg", register, stacks)
+            pictures[_register_key(register)] = _draw_picture(f"register-{register.name}.svg", register, stacks)
     for connector in device.connectors:
         key = f"connector-{connector.name}"
         pictures[key] = Picture(f"{key}.svg", connector_text(connector), connector_picture(connector))
@@ -124,10 +124,10 @@ def pictures_of_order_codes(family: Device, narrowed_family: Device, page: str, 
     pictures: Pictures = {}
     for interface, layout in narrowed_family.layouts():
         if layout.name == frame_name:
-            stacks = _uncaptioned(layout_tables.layout_stacks(narrowed_family, interface, layout))
+            stacks = _without_only_caption(layout_tables.layout_stacks(narrowed_family, interface, layout))
             # A frame of bits has captions in the picture of the family, so that its picture differs.
             if not layout.in_bytes or stacks != layout_tables.layout_stacks(family, interface, layout):
-                pictures[_layout_key(layout)] = _picture(f"{page}-{layout.name}.svg", layout, stacks)
+                pictures[_layout_key(layout)] = _draw_picture(f"{page}-{layout.name}.svg", layout, stacks)
             shapes = layout_tables.captioned_shapes(narrowed_family, interface, layout)
             pictures[f"wide-{layout.name}"] = Picture(
                 name=f"{page}-{layout.name}-wide.svg",
@@ -137,8 +137,8 @@ def pictures_of_order_codes(family: Device, narrowed_family: Device, page: str, 
     for register in narrowed_family.registers:
         differs = len(layout_tables.register_stacks(family, register)) > 1
         if differs and layout_tables.has_picture(register):
-            stacks = _uncaptioned(layout_tables.register_stacks(narrowed_family, register))
-            pictures[_register_key(register)] = _picture(f"{page}-register-{register.name}.svg", register, stacks)
+            stacks = _without_only_caption(layout_tables.register_stacks(narrowed_family, register))
+            pictures[_register_key(register)] = _draw_picture(f"{page}-register-{register.name}.svg", register, stacks)
     return pictures
 
 
@@ -150,10 +150,10 @@ def _register_key(register: Register) -> str:
     return f"register-{register.name}"
 
 
-def _picture(name: str, titled: Titled, stacks: Sequence[Stack]) -> Picture:
+def _draw_picture(name: str, titled: Titled, stacks: Sequence[Stack]) -> Picture:
     return Picture(name, text_alternative(stacks), stacks_picture(title(titled), stacks))
 
 
-def _uncaptioned(stacks: Sequence[Stack]) -> list[Stack]:
+def _without_only_caption(stacks: Sequence[Stack]) -> list[Stack]:
     """Return the stacks, a single one without its caption."""
     return [replace(stacks[0], caption="")] if len(stacks) == 1 else list(stacks)

@@ -85,7 +85,7 @@ def _rows_of_frame(device: Device, interface: Interface, layout: Layout, judgeme
     A last row is for order codes without the bits that judge the position, if there are any.
     """
     signs = {sign.flag.name: sign for sign in layout.signs}
-    deciders = _deciders(layout, judgement)
+    deciders = _deciding_fields(layout, judgement)
     for decider in deciders:
         yield _decider_row(device, interface, layout, decider, signs.get(decider.field.name))
     name_of_other_cases = "none of these" if deciders else "no field decides"
@@ -105,7 +105,7 @@ class _Decider:
     conditions: tuple[Only, ...] = ()
 
 
-def _deciders(layout: Layout, judgement: Judgement) -> list[_Decider]:
+def _deciding_fields(layout: Layout, judgement: Judgement) -> list[_Decider]:
     """Return the fields that decide the verdict on a frame, worst verdict first, then in order of the frame.
 
     With ``otherwise`` UNKNOWN, fields with a warning or UNKNOWN also lead to UNKNOWN. Fields for which the position is

@@ -50,10 +50,10 @@ def verdict_table(family: Device, device: Device, layout: Layout, variant: Varia
         with_crc = "" if placed.crc_field is None else ", and the CRC is correct"
         rows.append(("", f"none of these{with_crc}", "", EFFECTS[judgement.otherwise], ""))
     columns_with_content = _indices_with_content(rows)
-    return _columns(_HEAD, columns_with_content), [_columns(row, columns_with_content) for row in rows]
+    return _cells_at(_HEAD, columns_with_content), [_cells_at(row, columns_with_content) for row in rows]
 
 
-def _columns(row: Row, indexes: Iterable[int]) -> Row:
+def _cells_at(row: Row, indexes: Iterable[int]) -> Row:
     """Return the cells with these indexes."""
     return tuple(row[index] for index in indexes)
 
@@ -102,7 +102,7 @@ def _rows_of_other_flags(
 
 def _build_row(device: Device, placed: PlacedLayout, field: Field, level: str, effect: str) -> Row:
     """Return a row of place, name, active level, effect on the position, remedy."""
-    return _place(placed, field.name), _name(field), level, effect, _remedy_cell(device, field)
+    return _place_of_field(placed, field.name), _names_of_field(field), level, effect, _remedy_cell(device, field)
 
 
 def _remedy_cell(device: Device, field: Field) -> str:
@@ -118,7 +118,7 @@ def _remedy_cell(device: Device, field: Field) -> str:
     return joined(sentences, " ")
 
 
-def _name(field: Field) -> str:
+def _names_of_field(field: Field) -> str:
     """Return the name of a field in words, its printed name if that differs, and its name in programs."""
     if is_reserved(field):
         return f"Reserved <small>{code(field.name)}</small>"
@@ -130,12 +130,12 @@ def _name(field: Field) -> str:
 
 def _row_of_match(placed: PlacedLayout, match: Match, effect: str) -> Row:
     """Return the row of values that lead to a verdict together."""
-    places = ", ".join(_place(placed, part.field.name) for part, _ in match.conditions)
+    places = ", ".join(_place_of_field(placed, part.field.name) for part, _ in match.conditions)
     phrase = STYLE.phrase(conditions((part.field, value) for part, value in match.conditions))
     return places, phrase, "", effect, ""
 
 
-def _place(placed: PlacedLayout, name: str) -> str:
+def _place_of_field(placed: PlacedLayout, name: str) -> str:
     """Return the bit of a field, or its byte and bit in a frame of bytes."""
     field = placed.field(name)
     if placed.layout.in_bytes:
@@ -155,13 +155,13 @@ def applicable_causes(judgement: Judgement, variant: Variant) -> dict[Verdict, l
     """Return the causes of each verdict that apply to an order code, the worst verdict first."""
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {}
     for verdict, causes in judgement.worst_first:
-        causes_for_variant = [cause for cause in causes if _applies(cause, variant)]
+        causes_for_variant = [cause for cause in causes if _holds_for_variant(cause, variant)]
         if causes_for_variant:
             causes_by_verdict[verdict] = causes_for_variant
     return causes_by_verdict
 
 
-def _applies(cause: VerdictCause, variant: Variant) -> bool:
+def _holds_for_variant(cause: VerdictCause, variant: Variant) -> bool:
     """Return whether all conditions of a cause hold for an order code and the answers chosen for it."""
     return all(bool(variant.parameters.get(only.parameter, 0)) == only.holds for only in cause.conditions)
 

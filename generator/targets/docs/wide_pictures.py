@@ -75,7 +75,7 @@ def _frame_elements(placed_layout: PlacedLayout, stack: Stack, top: float) -> tu
     for cell in cells:
         elements += _cell_elements(cell, box_top)
     if not placed_layout.layout.in_bytes:
-        elements.append(f'<path d="{_ticks(placed_layout.bits, box_top)}" class="line"/>')
+        elements.append(f'<path d="{_ruler_ticks(placed_layout.bits, box_top)}" class="line"/>')
     bottom = box_top + _BOX
     for line_bottom, element in _names_below(cells, bottom + 4):
         elements.append(element)
@@ -160,7 +160,7 @@ def _byte_marks(stack: Stack) -> Iterator[tuple[float, str, str]]:
         yield _MARGIN + byte_width * (index + 0.5), row.label, "middle"
 
 
-def _ticks(bits: int, top: float) -> str:
+def _ruler_ticks(bits: int, top: float) -> str:
     """Return the ticks of the ruler, longer at every eighth bit, counted from the lowest one."""
     ticks = []
     for index in range(bits + 1):

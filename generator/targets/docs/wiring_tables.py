@@ -52,8 +52,8 @@ def wiring(device: Device, order_codes: Sequence[str]) -> Wiring:
 
     Connectors whose contacts are mostly the same share a column.
     """
-    columns = _columns(device.connectors, order_codes)
-    heads = _heads(columns)
+    columns = _connectors_by_column(device.connectors, order_codes)
+    heads = _column_heads(columns)
     contacts = [contact for connector in device.connectors for contact in connector.contacts]
     signals = dict.fromkeys(_signal_cell(contact, order_codes) for contact in contacts)
     about_columns = []
@@ -68,7 +68,7 @@ def wiring(device: Device, order_codes: Sequence[str]) -> Wiring:
     )
 
 
-def _heads(columns: Sequence[Sequence[Connector]]) -> list[str]:
+def _column_heads(columns: Sequence[Sequence[Connector]]) -> list[str]:
     """Return the head of each column: ``Pin`` or ``Wire``, if no other column has this head.
 
     Columns with the same head have the short name of their first connector instead.
@@ -103,7 +103,7 @@ def _common_sentences(connectors: Sequence[Connector]) -> list[str]:
     return common_sentences
 
 
-def _columns(connectors: Sequence[Connector], order_codes: Sequence[str]) -> list[list[Connector]]:
+def _connectors_by_column(connectors: Sequence[Connector], order_codes: Sequence[str]) -> list[list[Connector]]:
     """Group connectors for the columns of the table.
 
     A connector joins the first column whose first connector has similar contacts, as in ``_have_similar_contacts``.
@@ -226,13 +226,13 @@ def unstated_facts(family: Device, interface: Interface, subjects: Mapping[str, 
     be valid for this one too.
     """
     unmentioned = [label for label, subject in subjects.items() if not mentions(family, interface, subject)]
-    sentences = [f"{_capitalized(unmentioned)}: the {document(family)} does not say."] if unmentioned else []
+    sentences = [f"{_join_capitalized(unmentioned)}: the {document(family)} does not say."] if unmentioned else []
     mentioned = [label for label in subjects if label not in unmentioned]
     if mentioned:
         places = [link("times", "#timings")]
         if family.characteristics:
             places.append(link("characteristics", "hardware.md#characteristics"))
-        sentences.append(f"{_capitalized(mentioned)}: see {' and '.join(places)}.")
+        sentences.append(f"{_join_capitalized(mentioned)}: see {' and '.join(places)}.")
     if sentences:
         yield " ".join(sentences)
 
@@ -257,7 +257,7 @@ def no_supply(family: Device, interface: Interface) -> str:
     return f"the {document(family)} does not say"
 
 
-def _capitalized(labels: list[str]) -> str:
+def _join_capitalized(labels: list[str]) -> str:
     """Return labels as the beginning of a sentence."""
     phrase = BY_NAME.phrase(statement(*listed(labels)))
     return phrase[:1].upper() + phrase[1:]
@@ -306,16 +306,16 @@ def _clock_section(family: Device, device: Device, interface: Ssi | Biss, layout
     clocked_lengths = [bits + start_bits for bits in lengths]
     if lengths:
         example_hz = _example_clock(clock)
-        durations = _durations(clocked_lengths, example_hz)
+        durations = _duration_range(clocked_lengths, example_hz)
         with_start_bits = ", with the start bit and the CDS bit" if start_bits else ""
         facts.append(f"{_joined_by_or(map(str, lengths))} bits at {hertz(example_hz)}: {durations}{with_start_bits}.")
-    facts += _pauses(family, interface)
+    facts += _pause_sentences(family, interface)
     cable_clocks = cable_table(device, interface)
     cable_rows: list[Row] = []
     for cable in cable_clocks.rows:
         if clock.fastest_hz is not None and cable.hz >= (clock.min_hz or 0):
             clock_hz = min(cable.hz, clock.fastest_hz)
-            cable_rows.append((f"{cable.metres} m", hertz(clock_hz), _durations(clocked_lengths, clock_hz)))
+            cable_rows.append((f"{cable.metres} m", hertz(clock_hz), _duration_range(clocked_lengths, clock_hz)))
     if cable_rows:
         facts.append(f"Clock for each cable length: from {text(cable_clocks.origin)}{_limit_of_used_clocks(clock)}.")
     if any(cable.is_below for cable in cable_clocks.rows):
@@ -341,7 +341,7 @@ def _limit_of_used_clocks(clock: Clock) -> str:
     return f", up to {hertz(clock.fastest_hz)}, the fastest clock in use"
 
 
-def _pauses(family: Device, interface: Ssi | Biss) -> Iterator[str]:
+def _pause_sentences(family: Device, interface: Ssi | Biss) -> Iterator[str]:
     """Yield the pause between two frames over SSI, or the time-out and the reply time over BiSS."""
     match interface:
         case Ssi():
@@ -363,7 +363,7 @@ def _baud_section(family: Device, device: Device, interface: Rs485) -> SpeedSect
     reply_sizes = sorted({layout.widest // 8 for layout in interface.layouts if layout.sender == "encoder"})
     durations = []
     for size in (1, *reply_sizes):
-        durations.append(f"{counted(size, 'byte')} {_duration(size * bits_per_byte, port.baud)}")
+        durations.append(f"{counted(size, 'byte')} {_duration_text(size * bits_per_byte, port.baud)}")
     # The first setting of a serial interface is its baud rate.
     baud_rate = STYLE.phrase(next(iter(settings(device, interface))))
     facts = (
@@ -383,11 +383,11 @@ def _joined_by_or(alternatives: Iterable[str]) -> str:
     return " or ".join(alternatives)
 
 
-def _durations(lengths: Iterable[int], hz: int) -> str:
-    return _joined_by_or(_duration(bits, hz) for bits in lengths)
+def _duration_range(lengths: Iterable[int], hz: int) -> str:
+    return _joined_by_or(_duration_text(bits, hz) for bits in lengths)
 
 
-def _duration(bits: int, hz: int) -> str:
+def _duration_text(bits: int, hz: int) -> str:
     """Return the duration of some bits, rounded to 0.1 µs unless it is a multiple of 100 ns."""
     exact_ns = bits * 1_000_000_000 / hz
     return nanoseconds(round(exact_ns)) if exact_ns % 100 == 0 else f"{exact_ns / 1000:.1f} µs"

@@ -173,11 +173,11 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """
     files: dict[str, str] = {}
     for device in library.devices:
-        files |= library.files_of(_family, device, options)
-    return files | {"masters/README.md": _index(library, files)} | licence_in("masters")
+        files |= library.files_of(_files_of_family, device, options)
+    return files | {"masters/README.md": _format_page(library, files)} | licence_in("masters")
 
 
-def _family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
+def _files_of_family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path of each file of a family, and a function for its text."""
     is_one_file_each = options.get(_ORDER_CODES_OPTION.name, _ORDER_CODES_OPTION.default) == _ONE_FILE_EACH
     files_of_device = _file_of_each_order_code if is_one_file_each else _bulk_file
@@ -221,7 +221,7 @@ def _usable_sheets(interface_sheets: Sequence[GroupSheets], number: int) -> Iter
                 yield sheet, group.record, group.codes
 
 
-def _index(library: Library, files: Iterable[str]) -> str:
+def _format_page(library: Library, files: Iterable[str]) -> str:
     """Return the page about the formats of masters. Formats of which ``files`` contains no path are left out."""
     folders = {path.rpartition("/")[0].removeprefix("masters/") for path in files}
     rows: list[dict[str, str]] = []
@@ -344,5 +344,5 @@ TARGET = Target(
     files=generate,
     options=(_ORDER_CODES_OPTION,),
     templates=TEMPLATES,
-    family=_family,
+    family=_files_of_family,
 )

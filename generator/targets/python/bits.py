@@ -24,7 +24,7 @@ class Maker:
         self.codec = codec
         self.names = names
 
-    def _bits(self, field: Field) -> Expr:
+    def _checked_bits(self, field: Field) -> Expr:
         """Return the bits of a field, with a check of its value like that of ``encode``.
 
         An example is ``check_width("turns", self.turns, 12)``.
@@ -54,11 +54,11 @@ class Maker:
 
     def digits(self, field: Field) -> Expr:
         """Return the number that the runs of decimal digits of a field form, each times its divisor."""
-        return joined("+", (times(self._index(run.name), run.divisor) for run in field.runs))
+        return joined("+", (times(self._index_of_choice(run.name), run.divisor) for run in field.runs))
 
     def checked_bits(self, whole: Whole) -> list[tuple[str, Expr]]:
         """Return each attribute of a joined number, most significant first, with a checked expression for its bits."""
-        return [(self.names.attribute(field.name), self._bits(field)) for field in whole.fields]
+        return [(self.names.attribute(field.name), self._checked_bits(field)) for field in whole.fields]
 
     def whole_of_numbers(self, whole: Whole, scope: Scope, expression_of: Callable[[str], str]) -> Expr:
         """Return a joined number of attributes that are unsigned numbers, without checks of their values.
@@ -97,12 +97,12 @@ class Maker:
                 parameters.update(field.width.parameters)
         return frozenset(parameters)
 
-    def _index(self, name: str) -> Expr:
+    def _index_of_choice(self, name: str) -> Expr:
         return call("index", f"self.{self.names.attribute(name)}")
 
 
 def _has_width_check(field: Field) -> bool:
-    """Return whether ``_bits`` compares a value with the width of the field."""
+    """Return whether ``_checked_bits`` compares a value with the width of the field."""
     match meaning_of(field):
         case Raw() | Named() | TwosComplement() | ZeroMeans():
             return True

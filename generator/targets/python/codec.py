@@ -156,7 +156,7 @@ class Coder:
         return self._attributes_of(part.field for part in self.plan.parts)
 
     @property
-    def _unused(self) -> list[Attribute]:
+    def _unused_attributes(self) -> list[Attribute]:
         if self.plan.keeps_others:
             return [Attribute("unused", type="int", meaning=docstrings.OF_OTHERS, default="0")]
         if self.plan.reserved:
@@ -172,25 +172,25 @@ class Coder:
         attributes: list[Attribute] = []
         for field in fields:
             attributes += self._field_attributes(field)
-        return _with_defaults(attributes + self._unused)
+        return _with_defaults(attributes + self._unused_attributes)
 
     def _field_attributes(self, field: Field) -> Iterator[Attribute]:
         """Yield the attribute of a field, or one for each run of digits. The value in the manual is its default."""
         match meaning_of(field):
             case Raw():
                 stated = self._stated_number(field)
-                yield self._number(field, stated if stated is not None else self._default(field))
+                yield self._number_attribute(field, stated if stated is not None else self._request_default(field))
             case TwosComplement() | ZeroMeans():
-                yield self._number(field, self._default(field))
+                yield self._number_attribute(field, self._request_default(field))
             case Active():
-                yield self._attribute(field, "bool", default=str(bool(self._default(field))))
+                yield self._field_attribute(field, "bool", default=str(bool(self._request_default(field))))
             case Named():
-                yield self._attribute(field, self.enum(field))
+                yield self._field_attribute(field, self.enum(field))
             case DigitRuns(runs):
                 for run in runs:
                     yield Attribute(self.names.attribute(run.name), type="int", meaning=self._of_run(field, run))
             case Characters():
-                yield self._attribute(field, "str")
+                yield self._field_attribute(field, "str")
             case meaning:
                 assert_never(meaning)
 
@@ -200,15 +200,15 @@ class Coder:
             return None
         return field.equals if isinstance(field.equals, int) else None
 
-    def _default(self, field: Field) -> int | None:
+    def _request_default(self, field: Field) -> int | None:
         """Return the default of a number or flag in a request, if it has one."""
         is_request = self.register is None and self.layout.sender == "master"
         return field.default if is_request else None
 
-    def _number(self, field: Field, default: int | None) -> Attribute:
-        return self._attribute(field, "int", coded(default) if default is not None else "")
+    def _number_attribute(self, field: Field, default: int | None) -> Attribute:
+        return self._field_attribute(field, "int", coded(default) if default is not None else "")
 
-    def _attribute(self, field: Field, type_: str, default: str = "") -> Attribute:
+    def _field_attribute(self, field: Field, type_: str, default: str = "") -> Attribute:
         """Return the attribute of a field, whose description says if some order codes lack it."""
         variants = () if field.width.is_constant else self.context.device.variants
         may_be_absent = any(field.width.value(variant.parameters) == 0 for variant in variants)

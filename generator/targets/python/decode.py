@@ -295,9 +295,9 @@ class Decoder:
         for attribute, expression in zip(attributes, self.values(part), strict=True):
             code = str(expression)
             shows_its_name = code == self.local(attribute)
-            decoded.values.append((code, "" if shows_its_name else self._comment(part, attribute)))
+            decoded.values.append((code, "" if shows_its_name else self._place_comment(part, attribute)))
 
-    def _comment(self, part: Part, attribute: Field | Digits) -> str:
+    def _place_comment(self, part: Part, attribute: Field | Digits) -> str:
         """Return the name of an attribute, with the place of its bits if its expression reads them.
 
         An example is ``warning, bit 6, active low``.

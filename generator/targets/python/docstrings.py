@@ -79,10 +79,10 @@ def _block_lines(block: Block, pad: str) -> list[str]:
     title, entries = block
     if not entries:
         return []
-    return [wrapped(_in_docstring(f"{title}:"), WIDTH, pad), *(_entry(name, text, pad) for name, text in entries)]
+    return [wrapped(_in_docstring(f"{title}:"), WIDTH, pad), *(_block_entry(name, text, pad) for name, text in entries)]
 
 
-def _entry(name: str, text: str, pad: str) -> str:
+def _block_entry(name: str, text: str, pad: str) -> str:
     """Return an entry of a block. Further lines of a named entry are indented."""
     start = f"{pad}    {_in_docstring(name)}: " if name else f"{pad}    "
     return wrapped(_in_docstring(text), WIDTH, f"{pad}        " if name else start, start)
@@ -141,10 +141,10 @@ def paragraphs(statements: Iterable[Statement]) -> list[Block]:
 
 def _in_full(statements: Iterable[Statement]) -> list[Block]:
     """Return a heading with labelled statements below it for each statement."""
-    return [(S.head(statement), list(map(_labelled, statement.below))) for statement in statements]
+    return [(S.head(statement), list(map(_split_label, statement.below))) for statement in statements]
 
 
-def _labelled(statement: Statement) -> tuple[str, str]:
+def _split_label(statement: Statement) -> tuple[str, str]:
     """Return the label of a statement and its sentence without it."""
     return statement.label, S.sentence(replace(statement, label=""))
 

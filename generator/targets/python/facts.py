@@ -118,10 +118,10 @@ def _with_rows(table: Table, device: Device) -> Table:
 
 def reports(device: Device) -> list[Call]:
     """Return the reports of the encoder in frames of the family."""
-    return [_report(report.name, report.field, alarm_of(device, report.field)) for report in reports_of(device)]
+    return [_report_record(report.name, report.field, alarm_of(device, report.field)) for report in reports_of(device)]
 
 
-def _report(name: str, field: Field, alarm: Alarm | None) -> Call:
+def _report_record(name: str, field: Field, alarm: Alarm | None) -> Call:
     """Return the record ``Report``, with the meaning and the remedy of its alarm if the field has one."""
     verdict = verdict_of(field)
     return record(
@@ -144,7 +144,7 @@ def interface(interface: Interface) -> Call:
             return record_of(
                 "SsiFacts",
                 interface,
-                **_clocks(interface),
+                **_clock_members(interface),
                 alignment=Member("Alignment", interface.alignment.end),
                 output_code=output_code.code if output_code is not None else "",
                 alignment_source=cite(interface.alignment.source),
@@ -152,19 +152,19 @@ def interface(interface: Interface) -> Call:
             )
         case Biss():
             timeouts = records_of("Timeout", interface.timeouts_by_code)
-            return record_of("BissFacts", interface, **_clocks(interface), timeouts=timeouts)
+            return record_of("BissFacts", interface, **_clock_members(interface), timeouts=timeouts)
         case Rs485():
             memory = tuple(
                 record_of("MemoryAccess", access, busy=bool(access.busy)) for access in interface.memory_access
             )
             return record_of("Rs485Facts", interface, memory_access=memory)
         case Spi():
-            return record_of("SpiFacts", interface, **_clocks(interface))
+            return record_of("SpiFacts", interface, **_clock_members(interface))
         case _:
             assert_never(interface)
 
 
-def _clocks(interface: Clocked) -> Mapping[str, Literal]:
+def _clock_members(interface: Clocked) -> Mapping[str, Literal]:
     """Return the clock, which has no limits if they depend on the order code, and the clocks of the order codes."""
     clock = interface.clock if interface.clock is not None else Clock(source=())
     return {"clock": record_of("Clock", clock), "clocks": records_of("Clock", interface.clocks_by_code)}
@@ -173,7 +173,7 @@ def _clocks(interface: Clocked) -> Mapping[str, Literal]:
 # -- fields and registers
 
 
-def _field(codec: Codec, field: Field) -> Call:
+def _field_record(codec: Codec, field: Field) -> Call:
     """Return the record ``FieldFacts`` of a field.
 
     ``constant`` and ``unused`` are the values that the manual gives for a constant or for unused bits.
@@ -192,9 +192,9 @@ def _field(codec: Codec, field: Field) -> Call:
     )
 
 
-def _fields(codec: Codec) -> tuple[Call, ...]:
+def _field_records(codec: Codec) -> tuple[Call, ...]:
     """Return the facts of each field."""
-    return tuple(_field(codec, field) for field in codec.layout.fields)
+    return tuple(_field_record(codec, field) for field in codec.layout.fields)
 
 
 def _is_one_number(layout: Layout) -> bool:
@@ -208,19 +208,19 @@ def _is_one_number(layout: Layout) -> bool:
 
 def frame_rows(device: Device) -> dict[str, tuple[Call, ...]]:
     """Return the facts of the fields of frames, by the name of the frame."""
-    return {layout.name: _fields(codec_of(device, layout)) for _, layout in device.layouts()}
+    return {layout.name: _field_records(codec_of(device, layout)) for _, layout in device.layouts()}
 
 
 def register_rows(device: Device) -> dict[str, Call]:
-    return {register.name: _register(device, register) for register in device.registers}
+    return {register.name: _register_record(device, register) for register in device.registers}
 
 
-def _register(device: Device, register: Register) -> Call:
+def _register_record(device: Device, register: Register) -> Call:
     """Return the record ``Register``. A register that is a single number has no fields."""
     return record_of(
         "Register",
         register,
         default=register.default_bytes(),
         wait_ms=register.wait_at_least_ms,
-        fields=() if _is_one_number(register.layout) else _fields(codec_of(device, register.layout)),
+        fields=() if _is_one_number(register.layout) else _field_records(codec_of(device, register.layout)),
     )

@@ -131,7 +131,7 @@ def moved(value: Expr, operator: str, by: Expr) -> Expr:
     return value if by == Atom("0") else Operation(value, operator, by)
 
 
-def _sign(value: int) -> int:
+def _sign_of(value: int) -> int:
     return 1 if value > 0 else -1
 
 
@@ -145,9 +145,11 @@ class Scope:
         """Return a number that depends on parameters, such as ``variant.position_bits + 8``."""
         if value.is_constant:
             return number(value.constant)
-        signs_and_products = [(_sign(term.multiple), self._product(term)) for term in _collected(value)]
+        signs_and_products = [
+            (_sign_of(term.multiple), self._product_of_factors(term)) for term in _collect_terms(value)
+        ]
         if value.constant:
-            sign_and_constant = (_sign(value.constant), Atom(str(abs(value.constant))))
+            sign_and_constant = (_sign_of(value.constant), Atom(str(abs(value.constant))))
             # A sum should not start with a sign.
             first_term_sign, _ = signs_and_products[0]
             is_first = value.constant > 0 and first_term_sign < 0
@@ -167,16 +169,16 @@ class Scope:
     def power(self, width: Expression) -> Expr:
         return Operation(number(1), "<<", self.of(width))
 
-    def _product(self, term: Term) -> Expr:
+    def _product_of_factors(self, term: Term) -> Expr:
         multiple = [number(abs(term.multiple))] if abs(term.multiple) != 1 else []
-        return joined("*", [*multiple, *map(self._factor, term.factors)])
+        return joined("*", [*multiple, *map(self._factor_expression, term.factors)])
 
-    def _factor(self, factor: Factor) -> Expr:
+    def _factor_expression(self, factor: Factor) -> Expr:
         parameter = Atom(self.names[factor.parameter])
         return Operation(number(1), "<<", parameter) if factor.power else parameter
 
 
-def _collected(value: Expression) -> list[Term]:
+def _collect_terms(value: Expression) -> list[Term]:
     """Return the terms, with those of equal factors added up."""
     multiples: dict[tuple[Factor, ...], int] = {}
     for term in value.terms:
@@ -310,12 +312,12 @@ def literal(value: Literal) -> str:
             items = [f"{quoted(key)}: {quoted(text)}" for key, text in value.items()]
             return f"ReadOnly({{{', '.join(items)}}})"
         case Code() | Hex() | Member() | Call() | ConditionalItem():
-            return _code(value)
+            return _source_code(value)
     elements = ", ".join(map(literal, value))
     return f"({elements},)" if len(value) == 1 else f"({elements})"
 
 
-def _code(value: Code | Hex | Member | Call | ConditionalItem) -> str:
+def _source_code(value: Code | Hex | Member | Call | ConditionalItem) -> str:
     """Return source code, such as ``0x0F``, ``Access.READ``, ``Led("P1")`` or ``*([Led("P1")] if has_led else [])``."""
     match value:
         case Code():

@@ -145,13 +145,13 @@ class Readme:
         """
         examples: list[ReadmeExample] = []
         for kind in self._kinds:
-            example = self._frame(kind.coder)
+            example = self._frame_example(kind.coder)
             if example is not None:
                 examples.append(replace(example, kind=kind.coder.name if kind.dispatch else ""))
         # Users copy the first example, so it shows a frame that can report an error, if there is one.
         return sorted(examples, key=lambda example: not example.spoilt)
 
-    def _frame(self, coder: Coder) -> ReadmeExample | None:
+    def _frame_example(self, coder: Coder) -> ReadmeExample | None:
         """Return an example of a frame, or None without a sample of it for a listed order code."""
         sample = self.device.sample_of(coder.layout)
         if sample is None:
@@ -241,7 +241,7 @@ class Readme:
         for example in self.device.examples:
             if isinstance(example, RegisterExample) and example.values and example.register in self._coders:
                 coder = self._coders[example.register]
-                example_by_class.setdefault(coder.name, _register(example, coder))
+                example_by_class.setdefault(coder.name, _register_example(example, coder))
         return list(example_by_class.values())[:_REGISTERS]
 
     @property
@@ -251,7 +251,7 @@ class Readme:
         only_writing = [
             example for example in procedure_examples if self._only_writes_bytes(self._procedures[example.procedure])
         ]
-        return [self._procedure(example) for example in only_writing[:_PROCEDURES]]
+        return [self._procedure_example(example) for example in only_writing[:_PROCEDURES]]
 
     def _only_writes_bytes(self, steps: Steps) -> bool:
         """Return whether a procedure writes single bytes.
@@ -262,7 +262,7 @@ class Readme:
             return False
         return not any(self.device.register(name).is_accessed_whole for name in steps.procedure.registers)
 
-    def _procedure(self, example: ProcedureExample) -> ReadmeExample:
+    def _procedure_example(self, example: ProcedureExample) -> ReadmeExample:
         """Return the call of a procedure, and the bytes that it writes.
 
         The encoder is the first argument if the procedure needs it or has no others, and otherwise a keyword.
@@ -385,7 +385,7 @@ class Readme:
         contents = []
         for example in register_examples.values():
             if example.order_code == order_codes[0]:
-                contents.append(f'"{example.register}": {_bytes(example.bytes)}')
+                contents.append(f'"{example.register}": {_bytes_literal(example.bytes)}')
         return [ReadmeExample(code=order_codes[0], text=", ".join(contents), shown="", result="True")]
 
 
@@ -412,15 +412,15 @@ def _numbers_of(coder: Coder, sample: Sample) -> dict[str, object]:
 def _frame_literal(placed_layout: PlacedLayout, number: int) -> str:
     """Return a frame as a Python literal, such as ``0x1a2b`` or ``bytes.fromhex("1A 2B")``."""
     if placed_layout.layout.in_bytes:
-        return _bytes(number_to_bytes(placed_layout.layout, number, placed_layout.bits))
+        return _bytes_literal(number_to_bytes(placed_layout.layout, number, placed_layout.bits))
     return f"{number:#x}"
 
 
-def _bytes(data: bytes) -> str:
+def _bytes_literal(data: bytes) -> str:
     return f'bytes.fromhex("{data.hex(" ").upper()}")'
 
 
-def _register(example: RegisterExample, coder: Coder) -> ReadmeExample:
+def _register_example(example: RegisterExample, coder: Coder) -> ReadmeExample:
     """Return the call that decodes a register, and its attributes with their values as printed.
 
     A text as the value of an attribute of another type is the name of an Enum member, in lowercase.
@@ -437,14 +437,14 @@ def _register(example: RegisterExample, coder: Coder) -> ReadmeExample:
             expressions.append(f"register.{attribute}")
             printed_values.append(repr(value))
     return ReadmeExample(
-        code=f"{coder.name}.decode({_bytes(example.bytes)}{variant_argument})",
+        code=f"{coder.name}.decode({_bytes_literal(example.bytes)}{variant_argument})",
         text="",
-        shown=_tuple(expressions),
-        result=_tuple(printed_values),
+        shown=_tuple_expression(expressions),
+        result=_tuple_expression(printed_values),
         looked_up=coder.takes_variant,
     )
 
 
-def _tuple(expressions: Sequence[str]) -> str:
+def _tuple_expression(expressions: Sequence[str]) -> str:
     """Return expressions as a tuple, or the only one alone."""
     return f"({', '.join(expressions)})" if len(expressions) != 1 else expressions[0]

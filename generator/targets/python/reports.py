@@ -61,7 +61,7 @@ class FrameReports:
         """
         if self._judgement is None:
             return []
-        conditions = {verdict: self._conditions(causes) for verdict, causes in self._causes_by_verdict}
+        conditions = {verdict: self._conditions_of_causes(causes) for verdict, causes in self._causes_by_verdict}
         if self._judgement.may_be_unknown:
             conditions[Verdict.UNKNOWN] = [self._has_no_judging_bits(self._judgement.judging_bits)]
         return [(verdict.name, conditions[verdict]) for verdict in Verdict if verdict in conditions]
@@ -80,7 +80,7 @@ class FrameReports:
         """Conditions, each of which makes the position not usable."""
         for verdict, causes in self._causes_by_verdict:
             if verdict is Verdict.NOT_USABLE:
-                return self._conditions(causes)
+                return self._conditions_of_causes(causes)
         return []
 
     @property
@@ -103,7 +103,7 @@ class FrameReports:
 
     # -- conditions
 
-    def _conditions(self, causes: Sequence[VerdictCause]) -> list[str]:
+    def _conditions_of_causes(self, causes: Sequence[VerdictCause]) -> list[str]:
         """Return a condition for each flag and each match of values, and one for all unused bits."""
         conditions = []
         reserved_causes = []
@@ -111,12 +111,12 @@ class FrameReports:
             if isinstance(cause.by, Reserved):
                 reserved_causes.append(cause.by)
             else:
-                conditions.append(self._condition(cause, cause.by))
+                conditions.append(self._condition_of_cause(cause, cause.by))
         if reserved_causes:
             conditions.append(str(self._differs_in(reserved_causes)))
         return conditions
 
-    def _condition(self, cause: VerdictCause, flag_or_match: Part | Match) -> str:
+    def _condition_of_cause(self, cause: VerdictCause, flag_or_match: Part | Match) -> str:
         """Return the condition for a cause, such as ``(self.error and not self.warning)``.
 
         A cause is ignored while one of the flags that it combines is active, and for other order codes.

@@ -55,19 +55,19 @@ class Shape:
     @property
     def members(self) -> list[tuple[str, Literal]]:
         """Members that are not empty, by name, in the order in which they are printed."""
-        return [(name, value) for name, value in self._members() if value not in (None, 0, "", ())]
+        return [(name, value) for name, value in self._all_members() if value not in (None, 0, "", ())]
 
-    def _members(self) -> Iterator[tuple[str, Literal]]:
+    def _all_members(self) -> Iterator[tuple[str, Literal]]:
         """Yield all members of the shape by name, also empty ones."""
         description = self._description
         coder = self.coder
         yield "bits", self._literal_of(description.bits)
         yield "length", description.length
         yield "order", description.order
-        yield "columns", self._columns()
+        yield "columns", self._value_columns()
         yield from self._other_rows()
         yield "crc", self._crc_of_encoder(description.crcs)
-        yield from self._gray()
+        yield from self._gray_members()
         yield "fixed", self._constant_bits()
         yield "position", coder.measured
         if self.plan.keeps_others:
@@ -77,10 +77,12 @@ class Shape:
         yield "default_verdict", self._default_verdict()
         yield "frame", self._frame_with_special_range()
 
-    def _columns(self) -> tuple[Call, ...]:
+    def _value_columns(self) -> tuple[Call, ...]:
         """Return a column for each field with a value."""
         names_with_value = {part.field.name for part in self.plan.parts}
-        return tuple(self._column(column) for column in self._description.columns if column.name in names_with_value)
+        return tuple(
+            self._column_call(column) for column in self._description.columns if column.name in names_with_value
+        )
 
     def _other_rows(self) -> Iterator[tuple[str, Literal]]:
         """Yield the members with several items, except the columns, with their names in the runtime."""
@@ -90,7 +92,7 @@ class Shape:
             if not is_checked_by_class:
                 yield _RUNTIME_NAMES.get(name, name), self._literal_of(getattr(self._description, name))
 
-    def _gray(self) -> Iterator[tuple[str, Literal]]:
+    def _gray_members(self) -> Iterator[tuple[str, Literal]]:
         """Yield ``gray`` and ``excess``, if the encoder can send Gray code.
 
         ``gray`` is the lowest bit and the width of the bits in this code, such as ``(8, 22) if variant.gray else
@@ -137,7 +139,7 @@ class Shape:
         is_special = len(ranges) > 1 or any(position_range.never_wraps for position_range in ranges)
         return coder.layout.name if is_special else ""
 
-    def _column(self, column: Column) -> Call:
+    def _column_call(self, column: Column) -> Call:
         """Return a column, with the name of the field in messages and the values that are valid.
 
         The name is given only if the attribute has another one. ``values`` are those of a selector, or the Enum of a
@@ -162,11 +164,11 @@ class Shape:
         if not crcs:
             return None
         if not crcs[0].is_optional:
-            return self._crc(crcs[0])
-        choices = tuple(ConditionalItem(self._crc(crc), str(self.coder.number(crc.field.width))) for crc in crcs)
+            return self._crc_call(crcs[0])
+        choices = tuple(ConditionalItem(self._crc_call(crc), str(self.coder.number(crc.field.width))) for crc in crcs)
         return literal_call("next", literal_call("iter", choices), Code("None"))
 
-    def _crc(self, frame_crc: FrameCrc) -> Call:
+    def _crc_call(self, frame_crc: FrameCrc) -> Call:
         """Return the CRC with the function that compares it, and the means to compute it for many frames."""
         crc = frame_crc.crc
         coder = self.coder
@@ -181,7 +183,7 @@ class Shape:
             place_arguments = f"covered={coder.number(frame_crc.covered)}, width={crc.width}{gap}"
             members["differs"] = Code(f"compare_bits({coder.crc_name(frame_crc)}, {place_arguments})")
             if frame_crc.steps:
-                members |= {"xorout": crc.xorout, "steps": _folds(frame_crc)}
+                members |= {"xorout": crc.xorout, "steps": _fold_steps(frame_crc)}
         return Call("CrcOf", tuple(members.items()))
 
     # -- any value of the description
@@ -243,7 +245,7 @@ class Shape:
         return Call(class_name, tuple(arguments))
 
 
-def _folds(frame_crc: FrameCrc) -> tuple[Call, ...]:
+def _fold_steps(frame_crc: FrameCrc) -> tuple[Call, ...]:
     """Return the steps that compute a CRC without a table, such as ``Fold(shift=8, mask=0x3F, back=2)``."""
     steps = frame_crc.steps
     return tuple(record("Fold", {"shift": step.shift, "mask": Hex(step.mask), "back": step.back}) for step in steps)

@@ -136,41 +136,41 @@ class Variants:
     def measured(self) -> str:
         """Name of the position attribute that is converted to turns or lengths, or "" without a measurement."""
         for interface in self.device.interfaces:
-            measurement = self._measurement(interface)
+            measurement = self._measurement_of(interface)
             if measurement is not None:
                 return attribute(measurement.of, (*FUNCTIONS, "previous", "self", "unwrap"))
         return ""
 
-    def _measurement(self, interface: Interface) -> Measurement | None:
+    def _measurement_of(self, interface: Interface) -> Measurement | None:
         return self.device.measurement_of(interface.name)
 
     def _code_of(self, value: Expression | None) -> Expr | None:
         """Return a number of the encoder in Python, such as ``1 << self.bits``, or None if the spec has none."""
         return self._scope.of(value) if value is not None else None
 
-    def _cases(self, quantity_of: Callable[[Measurement], Expr | None]) -> Cases[Expr]:
+    def _cases_by_interface(self, quantity_of: Callable[[Measurement], Expr | None]) -> Cases[Expr]:
         """Return a quantity of the measurement by interface.
 
         ``quantity_of`` returns it for a measurement, or None if the measurement has none.
         """
 
         def quantity_over(interface: Interface) -> Expr | None:
-            measurement = self._measurement(interface)
+            measurement = self._measurement_of(interface)
             return quantity_of(measurement) if measurement is not None else None
 
         return by_interface(self.device, quantity_over)
 
     @cached_property
     def counts_per_turn(self) -> Cases[Expr]:
-        return self._cases(lambda measurement: self._code_of(measurement.counts_per_turn))
+        return self._cases_by_interface(lambda measurement: self._code_of(measurement.counts_per_turn))
 
     @cached_property
     def step_um(self) -> Cases[Expr]:
-        return self._cases(lambda measurement: self._code_of(measurement.step_um))
+        return self._cases_by_interface(lambda measurement: self._code_of(measurement.step_um))
 
     @cached_property
     def step_nm(self) -> Cases[Expr]:
-        return self._cases(lambda measurement: self._code_of(measurement.step_nm))
+        return self._cases_by_interface(lambda measurement: self._code_of(measurement.step_nm))
 
     @cached_property
     def per_counts(self) -> Cases[Expr]:
@@ -181,7 +181,7 @@ class Variants:
                 return None
             return self._code_of(measurement.per_counts or Expression(1))
 
-        cases = self._cases(counts_of)
+        cases = self._cases_by_interface(counts_of)
         is_one_everywhere = all(number_of_counts == number(1) for number_of_counts, _ in cases.cases)
         return replace(cases, cases=()) if is_one_everywhere else cases
 
@@ -190,7 +190,7 @@ class Variants:
         """Number of counts after which the position wraps around."""
         return by_interface(self.device, self.modulus_of)
 
-    def _modulus(self, measurement: Measurement) -> Expr | None:
+    def _modulus_expression(self, measurement: Measurement) -> Expr | None:
         factors = [*map(self._scope.of, counts(measurement))]
         return joined("*", factors) if factors else None
 
@@ -231,7 +231,7 @@ class Variants:
         Return None if the spec does not give it or if it depends on the frame.
         """
         only_range = self._only_range(interface)
-        return self._modulus(only_range.measurement) if only_range is not None else None
+        return self._modulus_expression(only_range.measurement) if only_range is not None else None
 
     def ranges_over(self, interface: Interface) -> list[tuple[str, Sequence[Expr | None]]]:
         """Return each frame with its lowest and highest position and modulus, if the frames differ.
@@ -255,12 +255,12 @@ class Variants:
         Without one, it can be any number that fits in its field.
         """
         measurement = position_range.measurement
-        modulus = self._modulus(measurement)
+        modulus = self._modulus_expression(measurement)
         if position_range.signed_field is None:
             highest = self._code_of(measurement.highest)
             if highest is None:
                 position_fields = [layout.field(name) for name in layout.names_in(measurement.of)]
-                number_of_values = self._power(sum((field.width for field in position_fields), Expression(0)))
+                number_of_values = self._power_of_two(sum((field.width for field in position_fields), Expression(0)))
                 highest = Operation(modulus if modulus is not None else number_of_values, "-", number(1))
             return number(0), highest, modulus
         highest = self._highest_signed(position_range)
@@ -273,7 +273,7 @@ class Variants:
         # The lowest number in two's complement is -highest - 1.
         return Operation(number(-1), "-", highest), highest, modulus
 
-    def _power(self, exponent: Expression) -> Expr:
+    def _power_of_two(self, exponent: Expression) -> Expr:
         """Return two to the power of ``exponent``."""
         if exponent.is_constant:
             return number(1 << exponent.constant)
@@ -288,7 +288,7 @@ class Variants:
             return self._scope.of(stated_highest)
         if field.width.is_constant:
             return number((1 << (field.widest - 1)) - 1)
-        return Operation(self._power(field.width - Expression(1)), "-", number(1))
+        return Operation(self._power_of_two(field.width - Expression(1)), "-", number(1))
 
     @cached_property
     def lowest(self) -> Cases[Expr] | None:
@@ -302,7 +302,7 @@ class Variants:
                 return Atom("-self.highest - 1")
             return Atom("self.highest - self.modulus + 1")
 
-        return self._ends(lowest_of, number(0))
+        return self._ends_by_interface(lowest_of, number(0))
 
     @cached_property
     def highest(self) -> Cases[Expr] | None:
@@ -313,7 +313,7 @@ class Variants:
                 return self._highest_signed(position_range)
             return self._code_of(position_range.measurement.highest)
 
-        return self._ends(highest_of, Operation(Atom("self.modulus"), "-", number(1)))
+        return self._ends_by_interface(highest_of, Operation(Atom("self.modulus"), "-", number(1)))
 
     @property
     def is_shifted(self) -> bool:
@@ -328,7 +328,7 @@ class Variants:
                 return True
         return False
 
-    def _ends(self, end_of: Callable[[PositionRange], Expr | None], usual: Expr) -> Cases[Expr] | None:
+    def _ends_by_interface(self, end_of: Callable[[PositionRange], Expr | None], usual: Expr) -> Cases[Expr] | None:
         """Return the lowest or the highest position by interface.
 
         ``end_of`` returns it for a range, or None where it is ``usual``. The result is None if it is ``usual`` over all
