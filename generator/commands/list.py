@@ -153,7 +153,7 @@ def _pattern_or_codes(family: Row) -> str:
 
 def as_text(families: Sequence[Row]) -> str:
     """Return a heading and four lines of facts about each family, at most 80 columns wide."""
-    from ..say.plain_text import WIDTH, pairs, wrapped
+    from ..say.plain_text import WIDTH, two_columns, wrapped
 
     lines = []
     for family in families:
@@ -167,5 +167,5 @@ def as_text(families: Sequence[Row]) -> str:
             ("evidence", family["evidence"]),
         ]
         lines.append(wrapped(heading, WIDTH, prefix=" " * 10, first=f"{family['family']:<8}  "))
-        lines += [*pairs(facts, indent=10), ""]
+        lines += [*two_columns(facts, indent=10), ""]
     return "\n".join(lines).rstrip()

@@ -13,8 +13,8 @@ from ..model import INTERFACES, Biss, Device
 from ..order_codes.labels import Match
 from ..say.evidence import Subject, grade_below_manual, origin
 from ..say.order_code import clocks_in_use
-from ..say.plain_text import WIDTH, pairs, wrapped
-from ..say.text import BY_NAME, counted, hertz, microseconds, volts
+from ..say.plain_text import WIDTH, two_columns, wrapped
+from ..say.text import PLAIN_STYLE, counted, hertz, microseconds, volts
 from .places import WriteCondition, place_lines, write_order
 from .record import Record
 from .sheet import Master, Refusal, Setting, Sheet
@@ -271,10 +271,10 @@ def _record_lines(device: Device, match: Match, record: Record) -> list[str]:
     if match.unlisted:
         lines.append(wrapped(f"accepted, although not listed in the manual: {', '.join(match.unlisted)}", WIDTH, "  "))
     statements = (*grade_below_manual(device), *origin(device))
-    lines += [wrapped(BY_NAME.sentence(statement), WIDTH, "  ") for statement in statements]
+    lines += [wrapped(PLAIN_STYLE.sentence(statement), WIDTH, "  ") for statement in statements]
     if match.special:
         lines.append(wrapped("A code that ends in /Sxxx may differ from the manual.", WIDTH, "  "))
-    lines += pairs(facts(record), 2)
+    lines += two_columns(facts(record), 2)
     lines += [wrapped(note, WIDTH, "  ") for note in record.notes]
     return lines
 
@@ -338,7 +338,7 @@ def _lines_of_files_and_documents(master: Master) -> list[str]:
 def masters_text(masters: Sequence[Master]) -> str:
     """Return the list of masters, one per line."""
     rows = ((master.name, f"{master.title}: {_interface_titles(master)}") for master in masters)
-    return "\n".join(pairs(rows, 0))
+    return "\n".join(two_columns(rows, 0))
 
 
 def _interface_titles(master: Master) -> str:

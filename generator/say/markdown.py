@@ -124,7 +124,7 @@ def _has_text(rows: Sequence[Sequence[str]], column: int) -> bool:
     return any(row[column] for row in rows)
 
 
-def joined(parts: Iterable[str], between: str = "<br>") -> str:
+def join_filled(parts: Iterable[str], between: str = "<br>") -> str:
     """Join the parts that are not empty."""
     return between.join(part for part in parts if part)
 
@@ -137,7 +137,7 @@ def reference(ref: Ref) -> str:
 
 
 #: Style of statements on a Markdown page.
-STYLE = Style(
+MARKDOWN_STYLE = Style(
     text=lambda part: _escape_markdown(one_line(part)),
     code=code,
     ref=reference,

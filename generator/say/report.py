@@ -25,7 +25,7 @@ from .commands import remedied, with_steps
 from .errata import errata, erratum
 from .names_and_places import only, register_field, title
 from .register import short
-from .text import Code, Part, Ref, Statement, listed, parted, sentence, spec_text, statement, volts
+from .text import Code, Part, Ref, Statement, join_groups, list_parts, sentence, spec_text, statement, volts
 
 
 def alarm(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
@@ -57,7 +57,7 @@ def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
     yield from only(device_alarm.only)
     if device_alarm.cleared_by:
         procedures = [Ref("procedure", name, name) for name in device_alarm.cleared_by]
-        yield statement(*listed(procedures, " or "), label="Cleared by")
+        yield statement(*list_parts(procedures, " or "), label="Cleared by")
 
 
 def alarm_of(device: Device, field: Field, register: str = "") -> Alarm | None:
@@ -124,7 +124,7 @@ def conditions(values: Iterable[tuple[Field, int]]) -> Statement:
     In ``values``, 1 stands for an active flag. The text has its bit.
     """
     phrases = [_condition_parts(field, value) for field, value in values]
-    return statement(*parted(phrases, " and "))
+    return statement(*join_groups(phrases, " and "))
 
 
 def _condition_parts(field: Field, value: int) -> tuple[Part, ...]:

@@ -14,7 +14,7 @@ from .plain_text import with_unit as with_unit
 
 _RULE = {"follows_clock": "varies with the clock", "fixed": "fixed"}
 #: Verdicts on the position, as clauses.
-WORTH = {
+VERDICT_CLAUSES = {
     Verdict.NOT_USABLE: "the position is not usable",
     Verdict.USABLE_WITH_WARNING: "the position is usable, with a warning",
     Verdict.USABLE: "the position is usable",
@@ -173,7 +173,7 @@ def spec_text(text: str, label: str = "", source: Sources = ()) -> Iterator[Stat
         yield statement(text, label=label, source=source)
 
 
-def listed(items: Sequence[Part], last: str = " and ") -> Iterator[Part]:
+def list_parts(items: Sequence[Part], last: str = " and ") -> Iterator[Part]:
     """Yield the items as the parts of a list: ``a, b and c``."""
     for index, part in enumerate(items):
         is_last = index == len(items) - 1
@@ -183,7 +183,7 @@ def listed(items: Sequence[Part], last: str = " and ") -> Iterator[Part]:
         yield part
 
 
-def parted(groups: Iterable[Sequence[Part]], between: str = ", ") -> Iterator[Part]:
+def join_groups(groups: Iterable[Sequence[Part]], between: str = ", ") -> Iterator[Part]:
     """Yield the parts of all non-empty groups, with the separator ``between`` after each group except the last."""
     is_first = True
     for group in groups:
@@ -274,11 +274,11 @@ class Style:
 
 
 #: For readers who know the names used in the spec, such as on a terminal.
-BY_NAME = Style(text=str, code=str, ref=lambda ref: ref.name)
+PLAIN_STYLE = Style(text=str, code=str, ref=lambda ref: ref.name)
 #: For readers who know the names used in the manual, such as in a comment.
-BY_TITLE = Style(text=str, code=str, ref=lambda ref: ref.title)
+TITLE_STYLE = Style(text=str, code=str, ref=lambda ref: ref.title)
 #: For docstrings, where names are code and a flag is a Boolean.
-AS_LITERAL = Style(
+DOCSTRING_STYLE = Style(
     text=str,
     code=lambda text: f"``{text}``",
     ref=lambda ref: f"``{ref.name}``",

@@ -12,7 +12,7 @@ from ...reference.channels import ChannelFindings, channel_findings, decode_chan
 from ...reference.findings import Findings
 from ...say import report as say
 from ...say.plain_text import WIDTH
-from ...say.text import WORTH
+from ...say.text import VERDICT_CLAUSES
 from ...why.hypotheses import TypedFrame
 from .field_table import wrapped
 from .frames import frame_number, undecorated, why_text
@@ -136,7 +136,7 @@ def _summary_lines(frame: PlacedChannels, result: ChannelResult) -> Iterator[str
     if result.findings.agree is not None:
         yield comparison(frame, result.channels, agree=result.findings.agree)
     if result.findings.verdict is not None:
-        yield f"all channels together: {WORTH[result.findings.verdict]}"
+        yield f"all channels together: {VERDICT_CLAUSES[result.findings.verdict]}"
 
 
 def comparison(frame: PlacedChannels, decoded_channels: Sequence[codec.Decoded], *, agree: bool) -> str:

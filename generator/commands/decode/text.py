@@ -19,7 +19,7 @@ from ...say.names_and_places import words
 from ...say.order_code import not_on_label
 from ...say.plain_text import WIDTH, decimal
 from ...say.report import ANOTHER_FRAME, UNCERTAIN_READINGS
-from ...say.text import BY_NAME, WORTH, counted, sentence
+from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES, counted, sentence
 from .field_table import capitalized, field_table, wrapped
 from .frames import Line, frame_number, is_frame_of_other_kind, undecorated
 
@@ -139,13 +139,13 @@ def label_lines(device: Device, match: Match) -> Iterator[str]:
     # Text after the order code does not matter for decoding.
     yield from label_differences(device, replace(match, tail=""))
     for statement in origin(device):
-        yield wrapped(BY_NAME.sentence(statement), WIDTH, prefix="  ")
+        yield wrapped(PLAIN_STYLE.sentence(statement), WIDTH, prefix="  ")
 
 
 def label_differences(device: Device, match: Match) -> Iterator[str]:
     """Yield how a label differs from the codes in the manual: made up, other spelling, unlisted, tail, or special."""
     for statement in not_on_label(device):
-        yield wrapped(BY_NAME.sentence(statement), WIDTH, prefix="  ")
+        yield wrapped(PLAIN_STYLE.sentence(statement), WIDTH, prefix="  ")
     if match.written_as_in:
         yield wrapped(f"the label is written as in {match.written_as_in}", WIDTH, prefix="  ")
     if match.unlisted:
@@ -219,13 +219,13 @@ def _report_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
         for report in findings.reports:
             yield wrapped(_report_text(report), WIDTH, prefix=" " * 6, first="  - ")
         if findings.verdict:
-            yield f"so {WORTH[findings.verdict]}"
+            yield f"so {VERDICT_CLAUSES[findings.verdict]}"
         return
     statements = [_no_error_text(decoded, findings)]
     if _is_frame(decoded) and decoded.crc is None:
         statements.append(_no_crc_text(decoded))
     if findings.verdict is not None:
-        statements.append(WORTH[findings.verdict])
+        statements.append(VERDICT_CLAUSES[findings.verdict])
     yield wrapped("; ".join(statements), WIDTH, prefix="  ", first="")
 
 

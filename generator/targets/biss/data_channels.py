@@ -24,7 +24,7 @@ from ...say.layout import crc_parameters
 from ...say.names_and_places import field_at
 from ...say.order_code import initial
 from ...say.plain_text import counted, in_ascii, plain
-from ...say.text import BY_NAME
+from ...say.text import PLAIN_STYLE
 from .identity import DataLength, IdBits, profile_ids
 
 _MAX_LINE = 132
@@ -184,7 +184,7 @@ def master_settings(
         lines.append(f"  CRC: {_crc_text(device, crc)}. CrcPoly is the polynomial with its top bit")
     lines += _other_channels(device, layout)
     settings = say_order_code.settings(device, device.interface(Biss.name))
-    lines += [f"  {BY_NAME.sentence(setting)}" for setting in settings]
+    lines += [f"  {PLAIN_STYLE.sentence(setting)}" for setting in settings]
     lines += _one_profile(device, lengths)
     lines += _errata_lines(device, layout, ids)
     lines.append(f"  registers, procedures and everything else: {device.manufacturer.name}-{device.name}.xml")
@@ -217,7 +217,7 @@ def _errata_lines(device: Device, layout: Layout, ids: Sequence[IdBits]) -> list
     paths = (f"interfaces.biss.{layout.name}", *dict.fromkeys(register_paths))
     indented_lines = []
     for frame_erratum in errata(device, *paths):
-        first_line, *further_lines = BY_NAME.lines(erratum(frame_erratum))
+        first_line, *further_lines = PLAIN_STYLE.lines(erratum(frame_erratum))
         indented_lines.append(f"  {first_line}")
         indented_lines += [f"    {line}" for line in further_lines]
     return indented_lines

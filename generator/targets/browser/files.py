@@ -43,7 +43,7 @@ from ...say.markdown import text
 from ...say.names_and_places import field_at
 from ...say.order_code import not_on_label
 from ...say.plain_text import plain
-from ...say.text import BY_NAME, WORTH
+from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES
 from ...why import MOST_FRAMES
 from ...why.doubts import READINGS
 from ...why.exchanges import (
@@ -137,8 +137,8 @@ def family_data(device: Device) -> Data:
         base=device.base,
         special=next((overlay.special for overlay in device.overlays if overlay.special), ""),
         special_codes=device.order_code.special,
-        about=[BY_NAME.sentence(fact) for fact in (*not_on_label(device), *origin(device))],
-        evidence=BY_NAME.sentence(grade(device)),
+        about=[PLAIN_STYLE.sentence(fact) for fact in (*not_on_label(device), *origin(device))],
+        evidence=PLAIN_STYLE.sentence(grade(device)),
         mark=mark_in_lists(device),
         given=parameter_names,
         derived=[[name, expression_data(value)] for name, value in device.definitions.items()],
@@ -372,7 +372,7 @@ def script_table(library: Library) -> Data:
     """
     return {
         "faults": [fault_code.value for fault_code in Fault],
-        "worth": {verdict.value: WORTH[verdict] for verdict in Verdict},
+        "worth": {verdict.value: VERDICT_CLAUSES[verdict] for verdict in Verdict},
         "unexplained": UNEXPLAINED,
         "said": _MESSAGES,
         "limits": {"text": report.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},

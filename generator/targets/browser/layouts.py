@@ -46,7 +46,7 @@ from ...say.layout import box_colour
 from ...say.names_and_places import register_at, title
 from ...say.register import facts
 from ...say.report import alarm_of, meaning, of_older_edition, remedy, source, states
-from ...say.text import BY_NAME, spec_text
+from ...say.text import PLAIN_STYLE, spec_text
 from ...why.exchanges import usual_values_of
 
 Data = dict[str, Any]
@@ -206,7 +206,7 @@ def register_data(device: Device, register: Register) -> Data:
         place=register_at(register),
         length=register.length,
         # The script gives the limits in numbers of the order code.
-        about=[BY_NAME.sentence(statement) for statement in statements if statement.label != "Limits"],
+        about=[PLAIN_STYLE.sentence(statement) for statement in statements if statement.label != "Limits"],
         writable=register.writable,
         default=default.hex(" ").upper() if default is not None else "",
         limits=[_limits_data(case, limits_of(device, register, case)) for case in meanings],

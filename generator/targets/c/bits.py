@@ -20,7 +20,7 @@ from .names import (
     Number,
     Operation,
     Scope,
-    joined,
+    join_operands,
     masked,
     shifted_left,
     shifted_right,
@@ -48,7 +48,7 @@ def of_bytes(pieces: tuple[Piece, ...]) -> tuple[str, Expr]:
     shifted_pieces: list[Expr] = []
     for piece in pieces:
         shifted_pieces.append(shifted_left(Cast(shifted_type, _bits_of_piece(piece)), piece.left))
-    number = joined("|", tuple(shifted_pieces))
+    number = join_operands("|", tuple(shifted_pieces))
     return type_, number if type_ == shifted_type else Cast(type_, number)
 
 
@@ -105,11 +105,13 @@ class Reader:
             width = bits.width.constant
             return masked(shifted_right(self.lower(low + width), low), (1 << width) - 1)
         if not bits.on_top:
-            return Call("cw_field", (self.word, self.scope.of(bits.low), self.scope.of(bits.width)))
+            return Call(
+                "cw_field", (self.word, self.scope.expression_of(bits.low), self.scope.expression_of(bits.width))
+            )
         # There are no bits above it: the length has been checked.
         if bits.low.is_constant:
             return shifted_right(self.lower(self.word_size), bits.low.constant)
-        return Call("cw_above", (self.word, self.scope.of(bits.low)))
+        return Call("cw_above", (self.word, self.scope.expression_of(bits.low)))
 
     def flag(self, bits: Bits) -> Expr:
         """Return the bit of a flag at its position: in the word, or in the byte ``flags``."""
@@ -125,14 +127,14 @@ class Reader:
         has_32_bits = self.word_size == 32 and self.plan.gray is None
         return Cast("uint32_t", self.word) if high <= 32 and not has_32_bits else self.word
 
-    def whole(self, whole: Whole, name_of: Callable[[Field], Expr]) -> Expr:
+    def number_of_join(self, whole: Whole, name_of: Callable[[Field], Expr]) -> Expr:
         """Return a join as one number: from the word if its fields are adjacent, otherwise from its fields by name."""
         if whole.bits is None:
-            return self.joined(whole, name_of)
+            return self.number_from_fields(whole, name_of)
         number = self.in_word(whole.bits)
         return number if whole.widest > 32 else Cast(unsigned(whole.widest), number)
 
-    def joined(self, whole: Whole, name_of: Callable[[Field], Expr]) -> Expr:
+    def number_from_fields(self, whole: Whole, name_of: Callable[[Field], Expr]) -> Expr:
         """Return the fields of a join as one number of the join's type. The first field has the highest bits."""
         highest_field, *lower_fields = whole.fields
         type_ = unsigned(whole.widest)
@@ -141,7 +143,7 @@ class Reader:
         is_promoted = is_short and len(lower_fields) > 1
         number: Expr = Cast("uint32_t" if is_promoted else type_, name_of(highest_field))
         for field in lower_fields:
-            shifted_number = shifted_left(number, self.scope.of(field.width))
+            shifted_number = shifted_left(number, self.scope.expression_of(field.width))
             number = Operation("|", (shifted_number, name_of(field)))
         return Cast(type_, number) if is_short and lower_fields else number
 
@@ -228,7 +230,7 @@ class Unused:
         """
         all_bits = (*map(self._moved_bits, self.moved), *map(self._single_bits, self.single))
         documented = _express_documented_value(sum(moved.value for moved in self.moved))
-        return Cast(self.type, _with_inverted(joined("|", all_bits), documented))
+        return Cast(self.type, _with_inverted(join_operands("|", all_bits), documented))
 
     def at_place(self, moved: ShiftedBits, byte: Expr) -> Expr:
         """Return a byte shifted to the place of its bits in the member, which is never lower than in the byte."""
@@ -285,7 +287,7 @@ class Unused:
             masks.append(shifted_left(self.reader.scope.mask(reserved.bits.width), reserved.place))
         if fixed_mask:
             masks.append(Number(fixed_mask, hexadecimal=True))
-        unused_bits_of_member = Operation("&", (_MEMBER, joined("|", tuple(masks))))
+        unused_bits_of_member = Operation("&", (_MEMBER, join_operands("|", tuple(masks))))
         return Operation("!=", (unused_bits_of_member, _MEMBER))
 
     @property
@@ -303,7 +305,7 @@ class Unused:
                 _with_inverted(_MEMBER, self._express_documented(reserved)) if is_all else self._bits_to_send(reserved)
             )
             low = reserved.bits.low
-            distance = low.constant if low.is_constant else self.reader.scope.of(low)
+            distance = low.constant if low.is_constant else self.reader.scope.expression_of(low)
             yield shifted_left(Cast(self.reader.encoded_type, bits), distance)
 
     @property

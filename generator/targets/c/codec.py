@@ -15,7 +15,7 @@ from .crc_functions import BitsCrc, WordCrc, folds
 from .decode import Decoder
 from .encode import Encoder
 from .enumerations import AlternativeCode, alternatives_in
-from .names import Declared, Expr, Name, Number, Operation, c_name, joined, number, string, unsigned
+from .names import Declared, Expr, Name, Number, Operation, c_name, join_operands, number, string, unsigned
 from .structs import Struct
 
 
@@ -285,7 +285,7 @@ class StructCodec:
             conditions += self._has_expected_value(field)
         if self.struct.unused:
             conditions.append(Operation("==", (Name("in->unused"), Number(0))))
-        return joined("&&", tuple(conditions))
+        return join_operands("&&", tuple(conditions))
 
     def _has_expected_value(self, field: Field) -> Iterator[Expr]:
         """Yield the conditions that a member has the value of the manual. A string has one per character."""
@@ -296,6 +296,6 @@ class StructCodec:
                 for index in range(len(characters)):
                     yield Operation("==", (Name(f"{member}[{index}]"), Name(f"{macro}[{index}]")))
             case Expression() as equals if not equals.is_constant:
-                yield Operation("==", (Name(member), self.scope.of(equals)))
+                yield Operation("==", (Name(member), self.scope.expression_of(equals)))
             case _:
                 yield Operation("==", (Name(member), Name(macro)))

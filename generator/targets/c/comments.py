@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Iterator, Sequence
 
 from ...say.plain_text import in_ascii, plain
-from ...say.text import BY_TITLE, Statement, Style
+from ...say.text import TITLE_STYLE, Statement, Style
 from .names import string
 
 COLUMNS = 100
@@ -102,7 +102,7 @@ class InHeader(Style):
         return self.text(statement.brief)
 
 
-S = InHeader(text=BY_TITLE.text, code=BY_TITLE.code, ref=BY_TITLE.ref)
+HEADER_STYLE = InHeader(text=TITLE_STYLE.text, code=TITLE_STYLE.code, ref=TITLE_STYLE.ref)
 
 
 #: Places where a long line may be broken, the better ones first.

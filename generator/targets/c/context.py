@@ -10,7 +10,7 @@ from ...model.record import dataclass
 from ...plan.crcs import carriers
 from ...plan.frames import held_parameters
 from ...say.order_code import timing as said_of
-from .comments import S
+from .comments import HEADER_STYLE
 from .enumerations import AlternativeCode, Enumerations, Reports
 from .names import BY_VALUE, Cast, Expr, Passing, Scope, number, unsigned
 
@@ -103,7 +103,7 @@ def number_of(scope: Scope, name: str, expression: Expression, largest: int, abo
     subtracted = min(expression.constant, 0) if has_product else 0
     largest_intermediate = largest - subtracted
     bits = max(largest_intermediate.bit_length(), 32)
-    value = scope.of(expression)
+    value = scope.expression_of(expression)
     # A power of two is computed in 64 bits.
     if bits == 32 and any(term.is_power for term in expression.terms):
         value = Cast("uint32_t", value)
@@ -112,7 +112,7 @@ def number_of(scope: Scope, name: str, expression: Expression, largest: int, abo
 
 def wide_number_of(scope: Scope, name: str, expression: Expression, about: str) -> Function:
     """Build a function for numbers of 64 bits."""
-    value = scope.of(expression)
+    value = scope.expression_of(expression)
     # A power of two is computed in 64 bits, and so is what follows it.
     has_64_bits = bool(expression.terms) and expression.terms[0].is_power
     if not has_64_bits:
@@ -132,7 +132,7 @@ def timing_macros(timing: Timing, stem: str) -> Iterator[Macro]:
 
     The comment on the first one describes all of them, and the others refer to it.
     """
-    note = S.sentence(said_of(timing))
+    note = HEADER_STYLE.sentence(said_of(timing))
     bounds = {"AT_LEAST": timing.at_least_us, "TYPICAL": timing.typical_us, "AT_MOST": timing.at_most_us}
     for bound, value in bounds.items():
         if value is not None:

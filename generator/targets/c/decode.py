@@ -28,7 +28,7 @@ from .names import (
     Number,
     Operation,
     c_name,
-    joined,
+    join_operands,
     masked,
     unsigned,
 )
@@ -188,7 +188,7 @@ class Decoder:
         selector = parity.selector
         other_value = self.struct.is_none_of(selector, self.local(selector), selects, is_raw=True)
         other_parity = Operation("!=", (self.local(parity.field), Number(known_parity)))
-        return joined("||", (other_value, other_parity))
+        return join_operands("||", (other_value, other_parity))
 
     def _mask_in_word(self, parity: ParityIs) -> int:
         """Return the mask of a parity bit and all bits that it covers, 0 if they are not always in the lower 32 bits.
@@ -288,7 +288,7 @@ class Decoder:
             case Raw() | Named():
                 yield name, self._bits_as(type_, part)
             case TwosComplement():
-                width = self.struct.scope.of(part.field.width)
+                width = self.struct.scope.expression_of(part.field.width)
                 yield name, Cast(type_, Call("cw_signed", (bits, width)))
             case ZeroMeans(number):
                 is_zero = Operation("==", (bits, Number(0)))
@@ -315,7 +315,7 @@ class Decoder:
         An active-low flag is compared with its width, which is 1, or 0 if there is no flag.
         """
         if low_is_active and not part.field.width.is_constant:
-            return Operation("!=", (bit, self.struct.scope.of(part.field.width)))
+            return Operation("!=", (bit, self.struct.scope.expression_of(part.field.width)))
         return Operation("==" if low_is_active else "!=", (bit, Number(0)))
 
     def _bits_as(self, type_: str, part: Part) -> Expr:
@@ -328,8 +328,8 @@ class Decoder:
         """Return True if a field always has the same bits."""
         return field.name in self.plan.constants
 
-    def whole(self, whole: Whole) -> Expr:
-        return self.reader.whole(whole, self.local)
+    def number_of_join(self, whole: Whole) -> Expr:
+        return self.reader.number_of_join(whole, self.local)
 
 
 def _constant_bytes(checks: Iterable[Check]) -> list[ByteIs]:

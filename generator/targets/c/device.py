@@ -25,7 +25,7 @@ from .channels import channel_code
 from .chosen import chosen_variant
 from .code_facts import CodeFacts
 from .codec import StructCodec
-from .comments import Paragraph, S
+from .comments import HEADER_STYLE, Paragraph
 from .context import Context, timing_macros
 from .crc_code import CrcCode, crc_code
 from .interfaces import InterfaceCode, ReplyRequest
@@ -240,14 +240,14 @@ class DeviceView:
     @property
     def evidence(self) -> list[Paragraph]:
         """Grade of the evidence."""
-        return [S.sentence(grade(self.device))]
+        return [HEADER_STYLE.sentence(grade(self.device))]
 
     @property
     def origin(self) -> list[Paragraph]:
         """Statements about the family that are not in its manual. Most families have none."""
         where = f"in {self.errata_page}"
         statements = (*origin(self.device), *other_editions(self.device, where), *removals(self.device))
-        return [S.sentence(statement) for statement in statements]
+        return [HEADER_STYLE.sentence(statement) for statement in statements]
 
     def documents(self, text: str) -> list[Paragraph]:
         """Return the other documents that ``text`` cites."""
@@ -304,7 +304,7 @@ class DeviceView:
         return is_unprotected and not is_signed
 
     def errata(self, *paths: str) -> list[Paragraph]:
-        return [S.sentence(erratum(correction)) for correction in errata(self.device, *paths)]
+        return [HEADER_STYLE.sentence(erratum(correction)) for correction in errata(self.device, *paths)]
 
 
 def _bank_selectors_first(device: Device) -> list[Register]:

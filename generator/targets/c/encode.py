@@ -27,7 +27,7 @@ from .names import (
     Number,
     Operation,
     c_name,
-    joined,
+    join_operands,
     masked,
     shifted_left,
     shifted_right,
@@ -75,9 +75,9 @@ class Encoder:
                 assert_never(meaning)
         return Cast("uint32_t", self.member_of(field)) if needs_cast else self.member_of(field)
 
-    def joined(self, whole: Whole) -> Expr:
+    def number_from_members(self, whole: Whole) -> Expr:
         """Return the number that the members of a join form, the first one in its highest bits."""
-        return self.reader.joined(whole, self._unsigned_bits_of_member)
+        return self.reader.number_from_fields(whole, self._unsigned_bits_of_member)
 
     def total(self, field: Field) -> Expr:
         """Return the number that a field's runs of digits form, such as ``(uint32_t)in->tens * 10U + in->ones``."""
@@ -89,7 +89,7 @@ class Encoder:
                 products.append(Operation("*", (Cast(type_of_total, run_member), Number(run.divisor))))
             else:
                 products.append(run_member)
-        return joined("+", tuple(products))
+        return join_operands("+", tuple(products))
 
     # -- the word
 
@@ -126,7 +126,7 @@ class Encoder:
         # A member of a small type would be promoted to a signed one.
         if is_at_bit_0:
             return Cast(self.word_type, value) if isinstance(value, Name) else value
-        return shifted_left(Cast(self.word_type, value), self.struct.scope.of(low))
+        return shifted_left(Cast(self.word_type, value), self.struct.scope.expression_of(low))
 
     def _is_always_zero(self, term: Term) -> bool:
         """Return True if a term is a constant field or a parity bit that is always 0."""
@@ -159,7 +159,7 @@ class Encoder:
         if self.plan.parity_covers_gray or width.is_constant:
             return bit
         # The width is 1 or 0 by order code, which makes it the mask of the bit.
-        return Operation("&", (bit, self.struct.scope.of(width)))
+        return Operation("&", (bit, self.struct.scope.expression_of(width)))
 
     def _parity_of_members(self, parity: ParityOf) -> Expr:
         """Return the parity of the members that a parity bit covers, 1 for an odd number of ones."""
@@ -206,7 +206,7 @@ class Encoder:
             return Conditional(flag, Number(0), Number(1))
         # The width is 1, which inverts the bit, or 0 if the order code has no flag. Its bit is then 0 ^ 0.
         active = Conditional(flag, Number(1), Number(0))
-        width = self.struct.scope.of(field.width)
+        width = self.struct.scope.expression_of(field.width)
         return Operation("^", (Cast("uint64_t", active), Cast("uint64_t", width)))
 
     # -- the bytes
@@ -222,7 +222,7 @@ class Encoder:
         for byte, constant in self._constant_bits_by_byte().items():
             if byte in expressions:
                 constants = [Number(constant, hexadecimal=True)] if constant else []
-                yield byte, _as_byte(joined("|", (*constants, *expressions[byte])))
+                yield byte, _as_byte(join_operands("|", (*constants, *expressions[byte])))
             elif byte not in crc_bytes:
                 yield byte, Number(constant, hexadecimal=True)
 

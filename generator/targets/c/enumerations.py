@@ -20,8 +20,21 @@ from ...say.report import alarm_of, remedy, source
 from ...say.report import meaning as report_meaning
 from ...say.text import Statement, spec_text, statement
 from .. import TargetError
-from .comments import Paragraph, S
-from .names import Cast, Conditional, Declared, Expr, Name, Number, Operation, Scope, c_name, joined, masked, unsigned
+from .comments import HEADER_STYLE, Paragraph
+from .names import (
+    Cast,
+    Conditional,
+    Declared,
+    Expr,
+    Name,
+    Number,
+    Operation,
+    Scope,
+    c_name,
+    join_operands,
+    masked,
+    unsigned,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +127,7 @@ class Enumerations:
         statements = () if sole else tuple(meaning(field, field.meaning))
         enumeration = Enumeration(
             type=type_,
-            about=S.paragraph(statements) or f"Values of {sole or title(field)}.",
+            about=HEADER_STYLE.paragraph(statements) or f"Values of {sole or title(field)}.",
             statements=statements,
             entries=tuple(
                 Entry(f"{type_}_{value.name}".upper(), value.value, _describe_constant(value)) for value in field.values
@@ -133,7 +146,9 @@ def _describe_constant(value: Value) -> str:
     # Omit a printed name of one word that the constant already has. Keep longer ones, for readers who search for them.
     has_printed_name = printed(value).lower() == value.name
     statements = spec_text(value.meaning) if has_printed_name else meaning(value, value.meaning)
-    return S.paragraph(replace(statement, source=value.source) for statement in statements) or words(value.name)
+    return HEADER_STYLE.paragraph(replace(statement, source=value.source) for statement in statements) or words(
+        value.name
+    )
 
 
 #: Names of the other arguments and locals in the functions of a frame.
@@ -161,11 +176,11 @@ class AlternativeCode:
         #: Name of the chosen answer in the programs.
         self.constant = f"my_{alternative.name}"
         about = [
-            S.sentence(statement(alternative.meaning, source=alternative.source)),
+            HEADER_STYLE.sentence(statement(alternative.meaning, source=alternative.source)),
             "Choose the answer for your encoder. No known source settles it, and there is no default.",
         ]
         for correction in errata(device, f"alternatives.{alternative.name}"):
-            about.append(S.sentence(erratum(correction)))
+            about.append(HEADER_STYLE.sentence(erratum(correction)))
         self.enumeration = Enumeration(
             type=self.type,
             about=about,
@@ -178,11 +193,11 @@ class AlternativeCode:
         self.functions = tuple(self._build_function(prefix, parameter) for parameter in dependent)
 
     def _build_constant(self, index: int, answer: Answer) -> Entry:
-        note = S.sentence(statement(answer.meaning, source=answer.source))
+        note = HEADER_STYLE.sentence(statement(answer.meaning, source=answer.source))
         return Entry(f"{self.type}_{answer.name}".upper(), index, note)
 
     def _build_function(self, prefix: str, parameter: Parameter) -> AnsweredBy:
-        about = S.sentence(statement(parameter.meaning, source=parameter.source))
+        about = HEADER_STYLE.sentence(statement(parameter.meaning, source=parameter.source))
         return AnsweredBy(f"{prefix}_{parameter.name}", about, self._express_parameter(parameter.name))
 
     def declared(self) -> Iterator[Declared]:
@@ -248,7 +263,7 @@ class FrameReports:
         """The terms of the mask of its reports, such as ``frame->error ? ACME_X_REPORT_ERROR : 0U``."""
         for report_cause in self.reporting.causes:
             is_for_encoder = [self._holds(only) for only in report_cause.conditions]
-            condition = joined("&&", (*is_for_encoder, self._is_active(report_cause.by)))
+            condition = join_operands("&&", (*is_for_encoder, self._is_active(report_cause.by)))
             yield Conditional(condition, self.family.constant(report_cause.report), Number(0))
 
     @property
@@ -277,7 +292,7 @@ class FrameReports:
         """Return the condition that a cause is active."""
         if isinstance(cause, Reserved):
             return self._differs_in([cause])
-        return joined("&&", tuple(self._conditions_of(cause)))
+        return join_operands("&&", tuple(self._conditions_of(cause)))
 
     def _conditions_of(self, flag_or_match: Part | Match) -> Iterator[Expr]:
         """Yield the conditions that a flag is active, or that fields have their values."""
@@ -304,7 +319,7 @@ class FrameReports:
         causes_by_verdict = dict(self._causes_by_verdict)
         for verdict in Verdict:
             if verdict is Verdict.UNKNOWN and self.judgement.may_be_unknown:
-                judging_bits = self.family.scope.of(self.judgement.judging_bits)
+                judging_bits = self.family.scope.expression_of(self.judgement.judging_bits)
                 yield Operation("==", (judging_bits, Number(0))), verdict
             else:
                 for condition in self._conditions_of_causes(causes_by_verdict.get(verdict, ())):
@@ -323,7 +338,7 @@ class FrameReports:
                 is_for_encoder = [self._holds(only) for only in cause.conditions]
                 combining_flags_are_inactive = [Name(f"!{_member_of(flag)}") for flag in cause.unless]
                 conditions = (*is_for_encoder, *self._conditions_of(cause.by), *combining_flags_are_inactive)
-                yield joined("&&", conditions)
+                yield join_operands("&&", conditions)
         if reserved_causes:
             yield self._differs_in(reserved_causes)
 
@@ -413,7 +428,7 @@ def _report_note(device: Device, report: Report) -> str:
     """Return the comment on a report: the title of its field, ``unused`` if it has no use, and the source."""
     field = report.field
     unused = ", unused" if report.is_unused else ""
-    return S.sentence(statement(title(field), unused, source=source(field, alarm_of(device, field))))
+    return HEADER_STYLE.sentence(statement(title(field), unused, source=source(field, alarm_of(device, field))))
 
 
 def _express_condition(scope: Scope, only: Only) -> Expr:

@@ -29,7 +29,7 @@ from ...plan.operations import Part
 from ...plan.steps import Sends
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...say.names_and_places import title, words
-from ...say.text import WORTH
+from ...say.text import VERDICT_CLAUSES
 from .chosen import Chosen, Frame, NoFrame
 from .codec import StructCodec
 from .comments import ascii_text
@@ -191,7 +191,7 @@ class ExampleCode:
     @property
     def verdict_words(self) -> tuple[str, ...]:
         """The verdicts in words, ordered by number."""
-        return tuple(WORTH[verdict] for verdict in Verdict)
+        return tuple(VERDICT_CLAUSES[verdict] for verdict in Verdict)
 
     @property
     def data(self) -> bytes:

@@ -26,7 +26,7 @@ from ...say.layout import join as said_of_join
 from ...say.markdown import text as markdown_text
 from ...say.names_and_places import addresses, title, words
 from ...say.plain_text import plain
-from ...say.text import BY_TITLE
+from ...say.text import TITLE_STYLE
 from .. import NO_OPTIONS, Library, Option, OptionError, Options, Target, TargetError, TargetProblem
 from ..registry import licence_in
 from .about import place
@@ -100,7 +100,7 @@ def _digits_type(run: Digits) -> str:
 
 def _made_of(join: Join) -> str:
     """Describe which fields form a number."""
-    return BY_TITLE.sentence(said_of_join(join))
+    return TITLE_STYLE.sentence(said_of_join(join))
 
 
 def _count_bytes(count: int) -> str:

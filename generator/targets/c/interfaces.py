@@ -40,7 +40,7 @@ from .code_facts import (
     timeout_product,
 )
 from .codec import StructCodec
-from .comments import Paragraph, S
+from .comments import HEADER_STYLE, Paragraph
 from .context import Context, Macro, timing_macros
 from .names import Declared, Expr, c_name, number
 from .structs import Struct
@@ -208,7 +208,7 @@ class InterfaceCode:
         statements = said_of(self.device, interface)
         for statement in statements:
             if statement not in self._macro_statements:
-                yield S.sentence(statement)
+                yield HEADER_STYLE.sentence(statement)
         if any(layout.sender == "master" and layout.data_fields for layout in interface.layouts):
             yield "Set all members of a request, because those that an initial value leaves out are 0."
         yield from self._explain_receiving()
@@ -220,7 +220,7 @@ class InterfaceCode:
         errata_of_layouts = errata(self.device, *layout_paths)
         for correction in errata(self.device, path, *group_paths, without=layout_paths):
             if correction not in errata_of_layouts:
-                yield S.sentence(erratum(correction))
+                yield HEADER_STYLE.sentence(erratum(correction))
 
     def _explain_receiving(self) -> Iterator[Paragraph]:
         """Yield one paragraph on how to send a request and receive its reply in bytes, if there are such replies."""
@@ -243,7 +243,7 @@ class InterfaceCode:
         """Return a macro, and note a statement in its comment, so that the comment on the interface leaves it out."""
         if isinstance(about, Statement):
             self._macro_statements.append(about)
-        note = about if isinstance(about, str) else S.sentence(about)
+        note = about if isinstance(about, str) else HEADER_STYLE.sentence(about)
         return Macro(f"{self.upper}_{name}".upper(), number(value, hexadecimal), note)
 
     def _yield_macros(self) -> Iterator[Macro]:

@@ -168,7 +168,7 @@ def _functions_of_range(
         is_signed=position_range.signed_field is not None,
         never_wraps=position_range.never_wraps,
         modulus=_build_modulus(context, position_range, f"{context.prefix}_{scope}modulus"),
-        turns=context.scope.of(turns) if turns is not None else None,
+        turns=context.scope.expression_of(turns) if turns is not None else None,
         one_turn=turns == Expression(1),
         layouts=layouts,
     )
@@ -191,4 +191,4 @@ def _build_modulus(context: Context, position_range: PositionRange, name: str) -
 
 def _cast_to_signed(scope: Scope, value: Expression) -> Expr:
     """Return an expression as a number with a sign, such as ``(int64_t)variant.step``."""
-    return Number(value.constant, signed=True) if value.is_constant else Cast("int64_t", scope.of(value))
+    return Number(value.constant, signed=True) if value.is_constant else Cast("int64_t", scope.expression_of(value))

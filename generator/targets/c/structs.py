@@ -30,7 +30,7 @@ from .names import (
     Number,
     Operation,
     c_name,
-    joined,
+    join_operands,
     masked,
     number,
     shifted_right,
@@ -231,7 +231,7 @@ class Struct:
                 constant = Name(constants[value])
                 compared = Cast(type_of_bits, constant) if type_of_bits else constant
             conditions.append(Operation("!=", (name, compared)))
-        return joined("&&", tuple(conditions))
+        return join_operands("&&", tuple(conditions))
 
 
 def covers_32_bits(crc: FrameCrc) -> bool:

@@ -19,7 +19,7 @@ from .. import TargetError
 from .about import about_order_codes, about_parameter
 from .bits import of_bytes
 from .context import Context, Function, Macro, number_of
-from .names import Cast, Conditional, Declared, Expr, Name, Number, Operation, c_name, joined, number, unsigned
+from .names import Cast, Conditional, Declared, Expr, Name, Number, Operation, c_name, join_operands, number, unsigned
 from .order_codes import OpenCode, open_codes, unknown_parts
 from .registers import Access
 
@@ -80,7 +80,7 @@ class HeldValue:
             comparisons.append(Operation("<", (Name(self.local), Number(lowest))))
         if highest is not None:
             comparisons.append(Operation(">", (Name(self.local), Number(highest))))
-        return joined("||", tuple(comparisons)) if comparisons else None
+        return join_operands("||", tuple(comparisons)) if comparisons else None
 
 
 @dataclass(frozen=True, slots=True)

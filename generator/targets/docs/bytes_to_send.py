@@ -32,7 +32,7 @@ from ...plan.values import Raw, TwosComplement, meaning_of
 from ...say.commands import Commands, commands_over
 from ...say.evidence import document
 from ...say.layout import name_as_words
-from ...say.markdown import code, joined, link, text
+from ...say.markdown import code, join_filled, link, text
 from ...say.names_and_places import addresses, bits, title
 from ...say.order_code import PURPOSES, word_lengths
 from ...say.text import counted, microseconds
@@ -237,10 +237,10 @@ def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: C
         reply_link = f" → {link(counted(reply.widest // 8, 'byte'), f'#layout-{reply.name}')}"
     procedures = _procedures_sending_only(device, data_id)
     repetitions = (_repetition_text(procedure) for procedure in procedures)
-    description = joined([text(data_id.meaning or data_id.purpose), *repetitions], ". ")
+    description = join_filled([text(data_id.meaning or data_id.purpose), *repetitions], ". ")
     identifier = f"<small>Data ID {data_id.id:X} {code(data_id.name)}</small>"
     errata_links = errata_at(*(f"procedures.{procedure.name}" for procedure in procedures))
-    return sent_bytes + reply_link, joined([f"{description}.", identifier, errata_links], " ")
+    return sent_bytes + reply_link, join_filled([f"{description}.", identifier, errata_links], " ")
 
 
 def _names_after_control_field(request: Layout) -> list[str]:
@@ -273,7 +273,7 @@ def _repetition_text(procedure: Procedure) -> str:
     waits = [f"wait {microseconds(step.microseconds)}" for step in procedure.steps if isinstance(step, WaitStep)]
     times = link(f"{send_step.times} times", f"#procedure-{procedure.name}")
     interval = f"at least {microseconds(send_step.microseconds)} apart" if send_step.microseconds else ""
-    return "Send it " + joined([times, interval, *waits], ", ")
+    return "Send it " + join_filled([times, interval, *waits], ", ")
 
 
 def _layout_with_data_id(interface: Rs485, sender: str, data_id: int) -> Layout | None:
@@ -295,12 +295,12 @@ def _command_rows(device: Device, variant: Variant, errata_at: Callable[..., str
     Errata about a single bit are next to it. ``_command_errata`` has the others.
     """
     for procedure in _writing_procedures(device):
-        bytes_to_write = joined((_step_in_bytes(device, step, variant) for step in procedure.steps), ", ")
+        bytes_to_write = join_filled((_step_in_bytes(device, step, variant) for step in procedure.steps), ", ")
         bit_changes = [step for step in procedure.steps if isinstance(step, ModifyStep)]
         changed_fields = [f"registers.{step.register}.{step.field}" for step in bit_changes]
         errata_links = errata_at(exactly=changed_fields) if changed_fields else ""
         task = link(text(procedure.title), f"#procedure-{procedure.name}")
-        yield task, joined([bytes_to_write, errata_links], ". ")
+        yield task, join_filled([bytes_to_write, errata_links], ". ")
 
 
 def _command_errata(device: Device, errata_at: Callable[..., str]) -> str:

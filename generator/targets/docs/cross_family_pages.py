@@ -13,7 +13,7 @@ from ...order_codes.reduction import for_interface
 from ...say import register as say_register
 from ...say.evidence import titled_in_lists
 from ...say.layout import crc_sent
-from ...say.markdown import STYLE, cited, code, joined, link, text
+from ...say.markdown import MARKDOWN_STYLE, cited, code, join_filled, link, text
 from ...say.names_and_places import TERMS, Term, Titled, addresses, title, words
 from ...say.order_code import parameter_value, settings
 from ...say.text import volts
@@ -96,8 +96,8 @@ def _label_row(device: Device) -> Row:
         _family_link(device),
         text(titled_in_lists(device)),
         order_codes(device, [variant.code for variant in device.variants]),
-        joined((interface.title for interface in device.interfaces), ", "),
-        joined(map(_supply_range, supplies)),
+        join_filled((interface.title for interface in device.interfaces), ", "),
+        join_filled(map(_supply_range, supplies)),
     )
 
 
@@ -134,7 +134,7 @@ def _documented_content(field: Field) -> str:
         case None:
             return ""
         case expression:
-            return STYLE.number(expression) + ", by order code"
+            return MARKDOWN_STYLE.number(expression) + ", by order code"
 
 
 def _interface_fact_rows(device: Device) -> Iterator[Row]:
@@ -146,7 +146,7 @@ def _interface_fact_rows(device: Device) -> Iterator[Row]:
                     interface.title,
                     _family_link(device),
                     text(setting.label),
-                    STYLE.phrase(setting),
+                    MARKDOWN_STYLE.phrase(setting),
                     cited(setting.source),
                 )
 
@@ -263,7 +263,7 @@ def _led_rows(device: Device) -> Iterator[Row]:
                 text(led.title),
                 text(state.state),
                 _family_link(device),
-                joined([text(state.meaning), *links_to_steps(f"{device.name}/", state.by_hand)]),
+                join_filled([text(state.meaning), *links_to_steps(f"{device.name}/", state.by_hand)]),
                 code(state.only),
                 cited(led.source),
             )
@@ -289,7 +289,7 @@ def _alarm_row(alarm: Alarm, device: Device, interface: Interface) -> Row:
         link_to_alarm(device, interface, alarm, text(title(alarm))),
         _family_link(device),
         text(alarm.meaning) if alarm.implemented else "not implemented in this encoder",
-        joined([text(alarm.remedy), *links_to_steps(f"{device.name}/", alarm.by_hand)]),
+        join_filled([text(alarm.remedy), *links_to_steps(f"{device.name}/", alarm.by_hand)]),
         code(alarm.only),
         cited(alarm.source),
     )

@@ -33,7 +33,7 @@ from ...say import register as say_register
 from ...say.commands import read_back, step
 from ...say.errata import changed, errata
 from ...say.layout import crc_sent
-from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
+from ...say.markdown import MARKDOWN_STYLE, anchor, cited, code, join_filled, link, text
 from ...say.names_and_places import Titled, addresses, heading, hexadecimal, title
 from ...say.order_code import bounds_with_codes, settings
 from ...say.plain_text import counted, number, quantity
@@ -63,7 +63,7 @@ SEVERITIES = tuple(_SEVERITY_TEXTS)
 def interface_rows(device: Device, interface: Interface) -> Iterator[tuple[str, str, str]]:
     """Yield rows of fact, value, source."""
     for setting in settings(device, interface):
-        yield text(setting.label), STYLE.phrase(setting), cited(setting.source)
+        yield text(setting.label), MARKDOWN_STYLE.phrase(setting), cited(setting.source)
 
 
 def step_rows(device: Device, procedure: Procedure) -> Iterator[tuple[str, ...]]:
@@ -72,21 +72,26 @@ def step_rows(device: Device, procedure: Procedure) -> Iterator[tuple[str, ...]]
     for operation in run_of(device, procedure).operations:
         if isinstance(operation, Verifies):
             field = operation.field.name if operation.field is not None else ""
-            instruction = STYLE.sentence(read_back(device, operation.register, field))
+            instruction = MARKDOWN_STYLE.sentence(read_back(device, operation.register, field))
             reason = "Added to the given steps by generated code, because a corrupted write can look successful."
             yield "", instruction, reason, ""
             continue
         number_of_step += 1
         spec_step = operation.step
         source = cited(spec_step.source) if spec_step.source != procedure.source else ""
-        yield f"{number_of_step}", STYLE.sentence(step(device, spec_step)), text(spec_step.meaning), source
+        yield f"{number_of_step}", MARKDOWN_STYLE.sentence(step(device, spec_step)), text(spec_step.meaning), source
 
 
 def timing_rows(timings: tuple[Timing, ...]) -> Iterator[tuple[str, ...]]:
     """Yield the name, meaning, duration and source of each time."""
     for timing in timings:
         duration = text(bounds_with_codes(timing))
-        yield joined([code(timing.name), text(timing.symbol)]), text(timing.meaning), duration, cited(timing.source)
+        yield (
+            join_filled([code(timing.name), text(timing.symbol)]),
+            text(timing.meaning),
+            duration,
+            cited(timing.source),
+        )
 
 
 def crc_rows(device: Device, crc: Crc) -> Iterator[tuple[str, str]]:
@@ -221,12 +226,14 @@ def _document_row(document: Document) -> tuple[str, ...]:
 def control_rows(interface: Biss) -> Iterator[tuple[str, ...]]:
     """Yield the name, bits, meaning and source of each field of the BiSS control frame."""
     for control_field in interface.control_data:
-        value_phrases = [STYLE.phrase(value(named_value, control_field.bits)) for named_value in control_field.values]
+        value_phrases = [
+            MARKDOWN_STYLE.phrase(value(named_value, control_field.bits)) for named_value in control_field.values
+        ]
         crc_link = link(code(control_field.crc), f"#crc-{control_field.crc}") if control_field.crc else ""
         yield (
             name_cell(control_field),
             f"{control_field.bits}",
-            joined([text(control_field.meaning), crc_link, *value_phrases]),
+            join_filled([text(control_field.meaning), crc_link, *value_phrases]),
             cited(control_field.source),
         )
 
@@ -252,8 +259,8 @@ def field_rows(device: Device, layout: Layout) -> Iterator[Row]:
 def _place_cell(device: Device, layout: Layout, field: Field) -> str:
     """Return the place of a field. If it has a container, the place includes padding, and the width follows."""
     place = field_place_cell(layout, field, device.alternatives_of(layout))
-    width = counted(STYLE.number(field.width), "bit") if field.container else ""
-    return joined([place, width])
+    width = counted(MARKDOWN_STYLE.number(field.width), "bit") if field.container else ""
+    return join_filled([place, width])
 
 
 def _group_cell(layout: Layout, group: FieldGroup) -> str:
@@ -275,7 +282,7 @@ def _answer_names(answers: Sequence[Answer]) -> str:
 
 def _description_cell(device: Device, field: Field, layout_source: Sources, in_register: bool = False) -> str:
     """Return a field with all statements about it, and its source unless it is ``layout_source``."""
-    description = joined([title_cell(field), field_cell(device, field, in_register)])
+    description = join_filled([title_cell(field), field_cell(device, field, in_register)])
     if not field.source or field.source == layout_source:
         return description
     return f"{description} <small>{cited(field.source)}</small>"
@@ -287,7 +294,7 @@ def value_tables(register: Register) -> list[list[Row]]:
 
 
 def _value_table(field: Field) -> list[Row]:
-    return [(number, joined([name, meaning])) for number, name, meaning, _ in value_rows(field)]
+    return [(number, join_filled([name, meaning])) for number, name, meaning, _ in value_rows(field)]
 
 
 def register_rows(device: Device) -> Iterator[Row]:
@@ -305,7 +312,7 @@ def step_sentences(device: Device, procedure: Procedure) -> Iterator[str]:
     """Yield the steps as sentences, each with its reason."""
     for procedure_step in procedure.steps:
         reason = f" ({text(procedure_step.meaning)})" if procedure_step.meaning else ""
-        yield STYLE.phrase(step(device, procedure_step)) + reason + "."
+        yield MARKDOWN_STYLE.phrase(step(device, procedure_step)) + reason + "."
 
 
 def time_rows(timings: Iterable[Timing]) -> Iterator[Row]:
@@ -322,7 +329,7 @@ def example_rows(device: Device, examples: Iterable[Example]) -> Iterator[Row]:
         labelled_values = example_facts(device, example)
         fact_lines = [f"{label}: {value}" for label, value in labelled_values if label not in ("Order code", "Source")]
         source = f" <small>{cited(example.source)}</small>"
-        yield anchor(f"example-{example.name}") + text(heading(example.name)), joined(fact_lines) + source
+        yield anchor(f"example-{example.name}") + text(heading(example.name)), join_filled(fact_lines) + source
 
 
 def led_rows(device: Device) -> Iterator[Row]:
@@ -332,10 +339,11 @@ def led_rows(device: Device) -> Iterator[Row]:
         for state in led.states:
             step_links = (link("Step by step", f"hardware.md#by-hand-{name}") + "." for name in state.by_hand)
             order_codes = [f"Only with {code(state.only)}."] if state.only else []
-            yield text(state.state), joined([text(sentence(state.meaning)), *order_codes, *step_links], " ")
+            yield text(state.state), join_filled([text(sentence(state.meaning)), *order_codes, *step_links], " ")
 
 
 def setting_lines(device: Device, interface: Interface) -> Iterator[str]:
     """Yield the settings of the interface, each with its source."""
     for setting in settings(device, interface):
-        yield f"{text(setting.label)}: {STYLE.phrase(statement(*setting.parts))} <small>{cited(setting.source)}</small>"
+        value = MARKDOWN_STYLE.phrase(statement(*setting.parts))
+        yield f"{text(setting.label)}: {value} <small>{cited(setting.source)}</small>"

@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypedDict
 from ...model import Clocked, Device, Interface, Manual, Release, ReleasedChange, Revision, Table, TimesRead
 from ...order_codes.reduction import for_interface
 from ...say.evidence import basis, edition_test, grade, origin, other_editions
-from ...say.markdown import STYLE, cited, code, joined, link, link_list, text
+from ...say.markdown import MARKDOWN_STYLE, cited, code, join_filled, link, link_list, text
 from ...say.order_code import settings
 from ...say.plain_text import counted
 from ...say.text import Statement, language
@@ -149,7 +149,7 @@ def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
     return (
         link(interface.title, page_links.interface_page_path(device, interface)),
         order_codes(device, codes),
-        "; ".join(map(STYLE.phrase, first_settings)),
+        "; ".join(map(MARKDOWN_STYLE.phrase, first_settings)),
         ", ".join(_subject_links(device, interface)),
     )
 
@@ -236,7 +236,7 @@ def _characteristic_rows(device: Device, errata_at: inline_errata.ErrataLines) -
         name = characteristic.name
         has_steps = name in names_with_steps
         value_cell = link("step by step", f"#by-hand-{name}") if has_steps else text(characteristic.value)
-        value_and_errata = joined([value_cell, errata_at.links_in_cell(f"characteristics.{name}")])
+        value_and_errata = join_filled([value_cell, errata_at.links_in_cell(f"characteristics.{name}")])
         yield code(name), value_and_errata, code(characteristic.only), cited(characteristic.source)
 
 
@@ -278,11 +278,14 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
         yield "Website", text(device.manufacturer.website)
     yield "Transcribed", _second_reading_text(device.times_read)
     for evidence in (grade(device), *basis(device)):
-        yield evidence.label, STYLE.phrase(replace(evidence, label=""))
+        yield evidence.label, MARKDOWN_STYLE.phrase(replace(evidence, label=""))
     yield "Manufacturer", text(device.manufacturer.title)
     for edition in manual.editions:
         language_and_title = [text(language(edition.language)), text(edition.title)]
-        yield "Other edition", joined([*language_and_title, f"revision {text(edition.revision)}", edition.date], ", ")
+        yield (
+            "Other edition",
+            join_filled([*language_and_title, f"revision {text(edition.revision)}", edition.date], ", "),
+        )
     yield "Version", f"{text(device.manufacturer.version)}, {link('changes', f'../{file_name(device)}')}"
 
 

@@ -253,7 +253,7 @@ TEMPLATES = Templates(
         "titled": title,
         "heading": heading,
         "addresses": addresses,
-        "said": markdown.STYLE.sentence,
+        "said": markdown.MARKDOWN_STYLE.sentence,
     },
     functions={"table": markdown.table, "timing_rows": fact_tables.timing_rows, "table_rows": family_pages.table_rows},
 )

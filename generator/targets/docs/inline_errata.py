@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypedDict
 from ...model import Device, Erratum
 from ...say.errata import errata
 from ...say.errata import erratum as erratum_statement
-from ...say.markdown import STYLE, anchor, cited, code, html, link, link_list, text
+from ...say.markdown import MARKDOWN_STYLE, anchor, cited, code, html, link, link_list, text
 from ...say.text import sentence
 from . import fact_tables
 from .page_links import ERRATA, link_to_erratum
@@ -185,8 +185,8 @@ def erratum_line(listed_erratum: Erratum, page: str) -> str:
     name = listed_erratum.name
     title_link = f"{status_badge(listed_erratum)} {link(text(listed_erratum.title), f'{page}#erratum-{name}')}"
     if listed_erratum.overlay:
-        reasons = map(STYLE.sentence, erratum_statement(listed_erratum).below)
-        return " ".join([f"{title_link} {STYLE.cited(listed_erratum.source)}:", *reasons])
+        reasons = map(MARKDOWN_STYLE.sentence, erratum_statement(listed_erratum).below)
+        return " ".join([f"{title_link} {MARKDOWN_STYLE.cited(listed_erratum.source)}:", *reasons])
     return f"{title_link}: {text(_shorten_sentences(sentence(listed_erratum.used)))}"
 
 

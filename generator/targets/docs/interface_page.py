@@ -36,11 +36,11 @@ from ...say import register as say_register
 from ...say import report
 from ...say.errata import needed_answers
 from ...say.evidence import document, origin, other_editions
-from ...say.markdown import STYLE, cited, code, joined, link, text
+from ...say.markdown import MARKDOWN_STYLE, cited, code, join_filled, link, text
 from ...say.names_and_places import Named, addresses, title, words
 from ...say.order_code import PURPOSES, initial
 from ...say.register import measurement, own_ranges, position_range
-from ...say.text import Code, Statement, listed, statement, volts
+from ...say.text import Code, Statement, list_parts, statement, volts
 from . import fact_tables, inline_errata, layout_tables, order_code_tables, verdict_page
 from .layout_tables import has_value_table
 from .order_code_tables import order_codes
@@ -119,7 +119,7 @@ def _led_rows(led: Led) -> Iterator[tuple[str, ...]]:
     """Yield a row for each state of an LED. The first row has the name and the source of the LED."""
     for index, state in enumerate(led.states):
         name, source = (text(led.title), cited(led.source)) if index == 0 else ("", "")
-        meaning = joined([text(state.meaning), *links_to_steps("", state.by_hand)])
+        meaning = join_filled([text(state.meaning), *links_to_steps("", state.by_hand)])
         yield name, text(state.state), meaning, code(state.only), source
 
 
@@ -231,7 +231,7 @@ def _layout_section(device: Device, interface: Interface, layout: Layout) -> Sec
     return {
         "layout": layout,
         "head": say_layout.head(interface, layout, Code(layout.name), device.alternatives),
-        "size": STYLE.phrase(statement(*say_layout.size(layout, device.alternatives))),
+        "size": MARKDOWN_STYLE.phrase(statement(*say_layout.size(layout, device.alternatives))),
         "facts": [*say_layout.facts(interface, layout), *needed_answers(device, layout)],
         "rows": list(layout_tables.field_rows(device, layout)),
         "placements": layout_tables.placement_table(device, layout, interface.name),
@@ -356,7 +356,7 @@ def _contents_by_subject(device: Device) -> dict[str, list[str]]:
 def subject_values(subject: str, page: InterfacePage) -> SubjectPage:
     """Return the values of the page about a subject. ``page`` has those of the page of its interface."""
     contents = _contents_by_subject(page["device"])[subject]
-    return {**page, "subject": subject, "contents": STYLE.phrase(statement(*listed(contents)))}
+    return {**page, "subject": subject, "contents": MARKDOWN_STYLE.phrase(statement(*list_parts(contents)))}
 
 
 def interface_values(
@@ -398,9 +398,13 @@ def _overview_rows(device: Device, interface: Interface, variants: Sequence[Vari
     """Yield rows of fact, value, source: the position with its unit, each supply, and the facts of the interface."""
     position_measurement = device.measurement_of(interface.name)
     if position_measurement is not None:
-        yield "Position", STYLE.phrase(measurement(position_measurement)), cited(position_measurement.source)
+        yield "Position", MARKDOWN_STYLE.phrase(measurement(position_measurement)), cited(position_measurement.source)
         for layout_name, own_range in own_ranges(device, interface.name):
-            yield f"Position in {code(layout_name)}", STYLE.phrase(position_range(own_range)), cited(own_range.source)
+            yield (
+                f"Position in {code(layout_name)}",
+                MARKDOWN_STYLE.phrase(position_range(own_range)),
+                cited(own_range.source),
+            )
     for supply, codes in _codes_by_supply(device, variants).items():
         with_codes = f" ({order_codes(device, codes)})" if len(codes) < len(variants) else ""
         yield f"Supply{with_codes}", f"{volts(supply.min_mv)} to {volts(supply.max_mv)}", cited(supply.source)

@@ -23,10 +23,10 @@ from ...model import (
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...say.errata import answer_names
-from ...say.markdown import STYLE, cited, code, joined, link, table, text
+from ...say.markdown import MARKDOWN_STYLE, cited, code, join_filled, link, table, text
 from ...say.names_and_places import Named, bit_range, bits, field_place, frame_bytes, hexadecimal
 from ...say.register import rules, value
-from ...say.text import Code, Statement, listed, parted, spec_text, statement
+from ...say.text import Code, Statement, join_groups, list_parts, spec_text, statement
 from .layout_pictures import ByteRow, Stack, bit_stack, byte_stack, group_stack, register_stack
 from .order_code_tables import order_codes
 
@@ -74,7 +74,7 @@ def _shape_of(placed_layout: PlacedLayout) -> _Shape:
 
 def name_cell(named_part: Named) -> str:
     """Return a name as code, with the name used in the manual below it."""
-    return joined([code(named_part.name), text(named_part.printed_name)])
+    return join_filled([code(named_part.name), text(named_part.printed_name)])
 
 
 def field_cell(device: Device, field: Field, in_register: bool = False) -> str:
@@ -85,7 +85,7 @@ def field_cell(device: Device, field: Field, in_register: bool = False) -> str:
         *rules(device, field),
         *spec_text(field.note),
     ]
-    return joined(map(STYLE.sentence, statements))
+    return join_filled(map(MARKDOWN_STYLE.sentence, statements))
 
 
 def _value_statements(field: Field, in_register: bool) -> Iterator[Statement]:
@@ -101,7 +101,7 @@ def _value_statements(field: Field, in_register: bool) -> Iterator[Statement]:
     else:
         values_without_meaning = [replace(named_value, meaning="") for named_value in field.values]
         numbers_and_names = (value(named_value, field.widest).parts for named_value in values_without_meaning)
-        yield statement(*parted(numbers_and_names, ", "), label="Values")
+        yield statement(*join_groups(numbers_and_names, ", "), label="Values")
 
 
 def has_value_table(field: Field) -> bool:
@@ -128,9 +128,9 @@ def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
 
 def _group_row(device: Device, layout: Layout, group: FieldGroup) -> tuple[str, ...]:
     """Return a row of group, its place, its number of bits, the names of its fields, and no source."""
-    group_cell = joined([link(code(group.name), f"#group-{group.name}"), text(group.printed_name)])
+    group_cell = join_filled([link(code(group.name), f"#group-{group.name}"), text(group.printed_name)])
     field_names = [Code(field.name) for field in layout.fields if field.group == group.name]
-    fields_sentence = STYLE.sentence(statement(*listed(field_names), label="Fields"))
+    fields_sentence = MARKDOWN_STYLE.sentence(statement(*list_parts(field_names), label="Fields"))
     return group_cell, group_place(device, layout, group), f"{group.bits}", fields_sentence, ""
 
 
@@ -139,7 +139,7 @@ def _field_row(device: Device, layout: Layout, field: Field) -> tuple[str, ...]:
     return (
         name_cell(field),
         field_place_cell(layout, field, device.alternatives_of(layout)),
-        STYLE.number(field.width),
+        MARKDOWN_STYLE.number(field.width),
         field_cell(device, field, in_register=not layout.sender),
         cited(field.source) if field.source != layout.source else "",
     )
@@ -165,7 +165,7 @@ def group_place(device: Device, layout: Layout, group: FieldGroup) -> str:
 
 
 def field_place_cell(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> str:
-    return STYLE.phrase(statement(*field_place(layout, field, alternatives)))
+    return MARKDOWN_STYLE.phrase(statement(*field_place(layout, field, alternatives)))
 
 
 def _first_answers(device: Device) -> Mapping[str, int]:
@@ -216,7 +216,7 @@ def group_rows(device: Device, name: str) -> Iterator[tuple[str, ...]]:
 
 
 def _answers_in_words(answers: Sequence[Answer]) -> str:
-    return STYLE.phrase(statement(*answer_names(answers)))
+    return MARKDOWN_STYLE.phrase(statement(*answer_names(answers)))
 
 
 def group_places(
@@ -235,9 +235,9 @@ def group_places(
             place = first_of(places, f"place of '{field.name}'")
             answers_by_place.setdefault(place, answers_text(answers))
         if len(answers_by_place) == 1:
-            yield field, joined(answers_by_place)
+            yield field, join_filled(answers_by_place)
         else:
-            yield field, joined(f"{place} ({answers})" for place, answers in answers_by_place.items())
+            yield field, join_filled(f"{place} ({answers})" for place, answers in answers_by_place.items())
 
 
 def links_to_frames_with(interface: Interface, group: str) -> list[str]:

@@ -20,7 +20,7 @@ from ...masters.text import (
 )
 from ...model import Device, Interface, first_of
 from ...say.evidence import grade_below_manual
-from ...say.markdown import code, joined, link, link_list, text
+from ...say.markdown import code, join_filled, link, link_list, text
 from ...say.text import Statement
 from .fact_tables import document_rows
 from .order_code_tables import order_codes
@@ -194,7 +194,7 @@ def _codes_label(groups: Sequence[Group]) -> str:
     for answers, codes in codes_by_answers.items():
         with_answers = [f"with {code(f'{question_name}={answer}')}" for question_name, answer in answers]
         labels.append(" ".join([order_codes(device, codes), *with_answers]))
-    return joined(labels)
+    return join_filled(labels)
 
 
 def _master_section(master: Master, sheets: GroupSettings) -> dict[str, Any]:

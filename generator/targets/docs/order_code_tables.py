@@ -28,13 +28,13 @@ from ...order_codes.parameters import parameters_of, run_time_names, with_answer
 from ...plan.values import Active, TwosComplement, meaning_of
 from ...plan.verdicts import Judgement, Match, VerdictCause
 from ...say.layout import crc_inverted, crc_reflected
-from ...say.markdown import STYLE, cited, code, joined, link, text
+from ...say.markdown import MARKDOWN_STYLE, cited, code, join_filled, link, text
 from ...say.names_and_places import bits, frame_bytes, heading
 from ...say.order_code import open_values, parameter_origin, parameter_value
 from ...say.plain_text import counted, number
 from ...say.register import measurement, own_ranges, position_range
 from ...say.report import conditions, deciding
-from ...say.text import WORTH, statement
+from ...say.text import VERDICT_CLAUSES, statement
 from .page_links import style_in_folder
 from .verdict_table import EFFECTS, any_of, applicable_causes, judgement_of
 
@@ -46,12 +46,12 @@ def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
         name_cell, meaning_cell = code(part.name), text(part.meaning)
         for value in part.values:
             assignments = [_assignment_text(parameters[name], number) for name, number in value.sets.items()]
-            value_meaning_cell = joined([text(value.meaning), ", ".join(assignments), _only_with(value.only_with)])
+            value_meaning_cell = join_filled([text(value.meaning), ", ".join(assignments), _only_with(value.only_with)])
             yield name_cell, meaning_cell, code(value.text), value_meaning_cell, cited(value.source or part.source)
             # Only the first row of a part names it.
             name_cell, meaning_cell = "", ""
         for open_value in open_values(part):
-            other_values_cell = joined([STYLE.sentence(open_value), _only_with(part.open_only_with)])
+            other_values_cell = join_filled([MARKDOWN_STYLE.sentence(open_value), _only_with(part.open_only_with)])
             yield "", "", "", other_values_cell, cited(part.source)
 
 
@@ -69,7 +69,7 @@ def spelling_rows(device: Device) -> Iterator[tuple[str, ...]]:
         yield (
             code(spelling.pattern),
             text(spelling.where),
-            joined([texts_of_values, ignored_ending]),
+            join_filled([texts_of_values, ignored_ending]),
             cited(spelling.source),
         )
 
@@ -89,7 +89,7 @@ def parameter_rows(device: Device, interface_name: str) -> Iterator[tuple[str, .
             code(parameter.name),
             text(parameter.meaning),
             text(parameter.unit),
-            STYLE.number(parameter.equals) if parameter.equals is not None else "",
+            MARKDOWN_STYLE.number(parameter.equals) if parameter.equals is not None else "",
             cited(parameter.source),
         )
 
@@ -112,7 +112,7 @@ def run_time_rows(device: Device, interface_name: str) -> Iterator[tuple[str, ..
             unit = f"unit: {text(parameter.unit)}" if parameter.unit else ""
             yield (
                 code(parameter.name),
-                joined([text(parameter.meaning), unit]),
+                join_filled([text(parameter.meaning), unit]),
                 style_in_folder(device).paragraph(parameter_origin(device, parameter)),
                 _factory_default(device, parameter),
                 cited(parameter.source),
@@ -177,7 +177,7 @@ def _answer_row(device: Device, alternative: Alternative, answer: Answer) -> tup
         # The page of one interface lacks the parameters of others.
         if name in parameters:
             assignments.append(f"{_assignment_text(parameters[name], value)}: {text(parameters[name].meaning)}")
-    return code(answer.name), text(answer.meaning), joined(assignments), cited(answer.source or alternative.source)
+    return code(answer.name), text(answer.meaning), join_filled(assignments), cited(answer.source or alternative.source)
 
 
 def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
@@ -192,11 +192,11 @@ def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
         if interface_measurement is not None:
             for layout_name, frame_range in own_ranges(device, interface.name):
                 position_in_frame = f"{code(interface_measurement.of)} in {code(layout_name)}"
-                yield position_in_frame, STYLE.phrase(position_range(frame_range)), cited(frame_range.source)
+                yield position_in_frame, MARKDOWN_STYLE.phrase(position_range(frame_range)), cited(frame_range.source)
 
 
 def _measurement_row(position: Measurement, over_interface: str = "") -> tuple[str, ...]:
-    return code(position.of) + over_interface, STYLE.phrase(measurement(position)), cited(position.source)
+    return code(position.of) + over_interface, MARKDOWN_STYLE.phrase(measurement(position)), cited(position.source)
 
 
 #: Lowest number of order codes that are shown as patterns. Fewer codes are listed one by one.
@@ -209,7 +209,7 @@ PartTexts = tuple[str, ...]
 
 def order_codes(device: Device, codes: Sequence[str]) -> str:
     """Return fewer than ``_FEWEST_FOR_PATTERNS`` order codes one by one, and more of them as patterns."""
-    return ", ".join(map(code, codes)) if len(codes) < _FEWEST_FOR_PATTERNS else joined(patterns(device, codes))
+    return ", ".join(map(code, codes)) if len(codes) < _FEWEST_FOR_PATTERNS else join_filled(patterns(device, codes))
 
 
 def patterns(device: Device, codes: Collection[str]) -> list[str]:
@@ -403,7 +403,7 @@ def verdict_line(judgement: Judgement, variant: Variant, has_crc: bool) -> str:
     causes_by_verdict = applicable_causes(judgement, variant)
     conditional_verdicts = [_verdict_if(verdict, causes) for verdict, causes in causes_by_verdict.items()]
     if not conditional_verdicts:
-        return STYLE.phrase(statement(WORTH[judgement.otherwise]))
+        return MARKDOWN_STYLE.phrase(statement(VERDICT_CLAUSES[judgement.otherwise]))
     correct = ", if the CRC is correct," if has_crc else ""
     return "; ".join([*conditional_verdicts, f"otherwise{correct} {EFFECTS[judgement.otherwise]}"])
 
@@ -434,7 +434,7 @@ def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
     yield from (f"{any_of(names)} is {level}" for level, names in names_by_level.items())
     for cause in causes:
         if isinstance(cause.by, Match):
-            yield STYLE.phrase(conditions((part.field, value) for part, value in cause.by.conditions))
+            yield MARKDOWN_STYLE.phrase(conditions((part.field, value) for part, value in cause.by.conditions))
 
 
 def _cause_text(cause: VerdictCause) -> str:

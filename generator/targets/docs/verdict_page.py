@@ -10,10 +10,10 @@ from ...model.record import dataclass
 from ...plan.values import Active, meaning_of
 from ...plan.verdicts import Judgement, Only, Reporting, reportings, reports_of, sums_up, verdict_of
 from ...say.evidence import document
-from ...say.markdown import STYLE, cited, code, joined, link, link_list, text
+from ...say.markdown import MARKDOWN_STYLE, cited, code, join_filled, link, link_list, text
 from ...say.names_and_places import own_names
 from ...say.report import alarm_of, by_hand, conditions, deciding, meaning, remedy_text, source
-from ...say.text import Code, listed, statement
+from ...say.text import Code, list_parts, statement
 from .page_links import link_to_erratum, link_to_layout, links_to_steps, path_to_anchor
 from .verdict_table import EFFECTS
 
@@ -92,7 +92,7 @@ def _rows_of_frame(device: Device, interface: Interface, layout: Layout, judgeme
     yield name_of_other_cases, "", EFFECTS[judgement.otherwise], "", ""
     if judgement.may_be_unknown:
         judging_names = [Code(field.name) for field in layout.judging_fields]
-        missing_names = STYLE.phrase(statement(*listed(judging_names)))
+        missing_names = MARKDOWN_STYLE.phrase(statement(*list_parts(judging_names)))
         yield f"order codes that lack {missing_names}", "", EFFECTS[Verdict.UNKNOWN], "", ""
 
 
@@ -173,7 +173,7 @@ def _answer_text(device: Device, question: Alternative, only: Only) -> str:
 
 def _values_of_sign(layout: Layout, sign: Sign) -> str:
     """Return the values of fields that decide the verdict together."""
-    return STYLE.phrase(conditions((layout.field(name), value) for name, value in sign.conditions))
+    return MARKDOWN_STYLE.phrase(conditions((layout.field(name), value) for name, value in sign.conditions))
 
 
 def _condition_on_lower_flags(field: Field, layout: Layout) -> str:
@@ -182,7 +182,7 @@ def _condition_on_lower_flags(field: Field, layout: Layout) -> str:
     lower_flags = [Code(name) for name in sums_up(field) if name in names_in_layout]
     if not lower_flags:
         return ""
-    return f", with {STYLE.phrase(statement(*listed(lower_flags)))} inactive"
+    return f", with {MARKDOWN_STYLE.phrase(statement(*list_parts(lower_flags)))} inactive"
 
 
 def _frame_rows(device: Device, reporting_frames: Sequence[Reporting]) -> Iterator[Row]:
@@ -204,9 +204,9 @@ def _report_rows(device: Device) -> Iterator[Row]:
     """Yield rows of report, meaning, remedy, source."""
     for report in reports_of(device):
         alarm = alarm_of(device, report.field)
-        name_cell = joined([code(report.name), text(own_names(report.field))])
+        name_cell = join_filled([code(report.name), text(own_names(report.field))])
         steps = links_to_steps(f"{device.name}/", by_hand(report.field, alarm))
-        remedy_and_steps = joined([text(remedy_text(report.field, alarm)), *steps])
+        remedy_and_steps = join_filled([text(remedy_text(report.field, alarm)), *steps])
         remedy = remedy_and_steps or _clearing_procedures(device, alarm) or f"The {document(device)} gives no remedy"
         yield name_cell, text(meaning(report.field, alarm)), remedy, cited(source(report.field, alarm))
 
@@ -223,7 +223,7 @@ def _clearing_procedures(device: Device, alarm: Alarm | None) -> str:
 
 
 def _name_cell(field: Field) -> str:
-    return joined([code(field.name), text(own_names(field))])
+    return join_filled([code(field.name), text(own_names(field))])
 
 
 def _source_cell(device: Device, field: Field) -> str:

@@ -8,7 +8,7 @@ from ...model import Device, Field, Layout, PlacedLayout, Variant, Verdict
 from ...plan.values import Active, meaning_of
 from ...plan.verdicts import Judgement, Match, VerdictCause, reportings
 from ...say.layout import is_reserved
-from ...say.markdown import STYLE, code, joined, link, text
+from ...say.markdown import MARKDOWN_STYLE, code, join_filled, link, text
 from ...say.names_and_places import bits, frame_bytes, heading
 from ...say.report import alarm_of, by_hand, conditions, deciding, remedy_text
 from ...say.text import sentence
@@ -115,7 +115,7 @@ def _remedy_cell(device: Device, field: Field) -> str:
         if name in described_names:
             steps_link = link("Step by step", f"hardware.md#by-hand-{name}")
             sentences.append(f"{steps_link}.")
-    return joined(sentences, " ")
+    return join_filled(sentences, " ")
 
 
 def _names_of_field(field: Field) -> str:
@@ -131,7 +131,7 @@ def _names_of_field(field: Field) -> str:
 def _row_of_match(placed: PlacedLayout, match: Match, effect: str) -> Row:
     """Return the row of values that lead to a verdict together."""
     places = ", ".join(_place_of_field(placed, part.field.name) for part, _ in match.conditions)
-    phrase = STYLE.phrase(conditions((part.field, value) for part, value in match.conditions))
+    phrase = MARKDOWN_STYLE.phrase(conditions((part.field, value) for part, value in match.conditions))
     return places, phrase, "", effect, ""
 
 

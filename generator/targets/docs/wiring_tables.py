@@ -24,10 +24,10 @@ from ...model import (
 from ...model.order_codes import fits
 from ...model.record import dataclass
 from ...say.evidence import Subject, document, mentions
-from ...say.markdown import STYLE, anchor, cited, code, link, text
+from ...say.markdown import MARKDOWN_STYLE, anchor, cited, code, link, text
 from ...say.order_code import bounds_with_codes, clock_words, settings
 from ...say.plain_text import counted
-from ...say.text import BY_NAME, hertz, listed, nanoseconds, sentence, statement, timeout_words, volts
+from ...say.text import PLAIN_STYLE, hertz, list_parts, nanoseconds, sentence, statement, timeout_words, volts
 
 Row = tuple[str, ...]
 
@@ -259,7 +259,7 @@ def no_supply(family: Device, interface: Interface) -> str:
 
 def _join_capitalized(labels: list[str]) -> str:
     """Return labels as the beginning of a sentence."""
-    phrase = BY_NAME.phrase(statement(*listed(labels)))
+    phrase = PLAIN_STYLE.phrase(statement(*list_parts(labels)))
     return phrase[:1].upper() + phrase[1:]
 
 
@@ -285,7 +285,7 @@ def speed_section(family: Device, device: Device, interface: Interface, layout: 
         case Ssi() | Biss():
             return _clock_section(family, device, interface, layout)
         case Spi():
-            setting_sentences = map(STYLE.sentence, settings(device, interface))
+            setting_sentences = map(MARKDOWN_STYLE.sentence, settings(device, interface))
             return SpeedSection("Clock and words", tuple(setting_sentences))
         case Rs485():
             return _baud_section(family, device, interface)
@@ -365,7 +365,7 @@ def _baud_section(family: Device, device: Device, interface: Rs485) -> SpeedSect
     for size in (1, *reply_sizes):
         durations.append(f"{counted(size, 'byte')} {_duration_text(size * bits_per_byte, port.baud)}")
     # The first setting of a serial interface is its baud rate.
-    baud_rate = STYLE.phrase(next(iter(settings(device, interface))))
+    baud_rate = MARKDOWN_STYLE.phrase(next(iter(settings(device, interface))))
     facts = (
         f"{baud_rate} ({cited(port.source)}).",
         f"Duration ({bits_per_byte} bits per byte): {', '.join(durations)}.",

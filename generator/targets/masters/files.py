@@ -22,7 +22,7 @@ from ...render import Templates, our_templates
 from ...say.evidence import grade_below_manual, titled_in_lists
 from ...say.markdown import text as markdown
 from ...say.plain_text import plain, wrapped
-from ...say.text import BY_NAME
+from ...say.text import PLAIN_STYLE
 from .. import NO_OPTIONS, Library, Option, Options, Target
 from ..registry import licence_in, names_of_codes
 from .entries import Channel, Content, Raw, content
@@ -102,7 +102,7 @@ def _paragraphs_on_origin(device: Device, sheets: Sequence[Sheet], rule: Raw, ma
     """Yield the manual with the grade of the evidence, the cited documents of the master, and the state of tests."""
     format_, manual = FILE_FORMATS[rule["format"]], device.manual
     yield f"From the spec of {device.title}, manual {manual.title}, revision {manual.revision}."
-    yield from map(BY_NAME.sentence, grade_below_manual(device))
+    yield from map(PLAIN_STYLE.sentence, grade_below_manual(device))
     cited_keys: set[str] = set()
     for sheet in sheets:
         for place in _places_on_device(sheet, master_device):

@@ -12,7 +12,7 @@ from ...plan.codec import Codec, ShiftedBits, moved_bits
 from ...plan.operations import Bits, Reserved, Whole
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...say.plain_text import plain
-from .literals import Atom, Expr, Not, Operation, Scope, call, joined, mask, moved, number, times
+from .literals import Atom, Expr, Not, Operation, Scope, call, join_operands, mask, multiply, number, shift_value
 from .names import ClassNames, byte_order
 
 
@@ -31,7 +31,7 @@ class Maker:
         """
         attribute = Atom(f"self.{self.names.attribute(field.name)}")
         quoted_name = f'"{field.name}"'
-        width = str(self.scope.of(field.width))
+        width = str(self.scope.expression_of(field.width))
         match meaning_of(field):
             case Raw() | Named():
                 return call("check_width", quoted_name, attribute, width)
@@ -54,7 +54,7 @@ class Maker:
 
     def digits(self, field: Field) -> Expr:
         """Return the number that the runs of decimal digits of a field form, each times its divisor."""
-        return joined("+", (times(self._index_of_choice(run.name), run.divisor) for run in field.runs))
+        return join_operands("+", (multiply(self._index_of_choice(run.name), run.divisor) for run in field.runs))
 
     def checked_bits(self, whole: Whole) -> list[tuple[str, Expr]]:
         """Return each attribute of a joined number, most significant first, with a checked expression for its bits."""
@@ -68,8 +68,8 @@ class Maker:
         shifted_attributes = []
         for field, low in whole.from_low:
             attribute = Atom(expression_of(self.names.attribute(field.name)))
-            shifted_attributes.append(moved(attribute, "<<", scope.of(low)))
-        return joined("|", reversed(shifted_attributes))
+            shifted_attributes.append(shift_value(attribute, "<<", scope.expression_of(low)))
+        return join_operands("|", reversed(shifted_attributes))
 
     def parts(self, whole: Whole) -> list[tuple[Field, Expr]]:
         """Return the fields of a joined number, most significant first, with expressions for their bits.
@@ -80,7 +80,7 @@ class Maker:
         highest_field = whole.fields[0]
         fields_and_bits: list[tuple[Field, Expr]] = []
         for field, low in whole.from_low:
-            bits = moved(joined_number, ">>", self.scope.of(low))
+            bits = shift_value(joined_number, ">>", self.scope.expression_of(low))
             # No bits are above the highest field, so it needs no mask.
             if field is not highest_field:
                 bits = Operation(bits, "&", self.scope.ones(field.width))
@@ -133,7 +133,7 @@ class Reader:
         """Return the bits as a number, such as ``word >> 8 & 0x3FF``."""
         if not self.codec.by_word:
             return self.of_bytes(bits.pieces)
-        shifted = moved(Atom(self.source), ">>", self.scope.of(bits.low))
+        shifted = shift_value(Atom(self.source), ">>", self.scope.expression_of(bits.low))
         # Bits at the top of the word need no mask.
         is_at_top = bits.low + bits.width == self.codec.layout.bits
         return shifted if is_at_top else Operation(shifted, "&", self.scope.ones(bits.width))
@@ -156,7 +156,7 @@ class Reader:
         if not counted and self.codec.by_word and all(bits.are_fixed for bits in parts):
             # The fields need no XOR, since their bits are apart in the word.
             return Operation(Atom(self.source), "&", mask(sum(mask_in_place(bits) for bits in parts)))
-        xor_of_fields = joined("^", [self.bits(bits) for bits in parts])
+        xor_of_fields = join_operands("^", [self.bits(bits) for bits in parts])
         return Operation(xor_of_fields, "&", mask(counted)) if counted else xor_of_fields
 
     def of_bytes(self, pieces: Sequence[Piece]) -> Expr:
@@ -175,7 +175,7 @@ class Reader:
             low = Expression(piece.right)
         if low.is_constant:
             return Operation(source, "&", Atom(f"0x{1 << low.constant:02X}"))
-        return Operation(moved(source, ">>", self.scope.of(low)), "&", number(1))
+        return Operation(shift_value(source, ">>", self.scope.expression_of(low)), "&", number(1))
 
     def _byte_variable(self, byte: int) -> Atom:
         return Atom(self._byte.format(byte))
@@ -187,7 +187,7 @@ class Reader:
         for reserved in self.codec.reserved:
             if not reserved.bits.are_fixed:
                 differing_bits.append(self._unused_at_moving_place(reserved))
-        return joined("|", differing_bits)
+        return join_operands("|", differing_bits)
 
     def others(self) -> Expr:
         """Return the bits without a field, at their positions in the number that the bytes form."""
@@ -206,21 +206,21 @@ class Reader:
         left_shift = max(-bits.shift, 0)
         # The mask and the value are those after the shift.
         mask_in_source, value_in_source = bits.mask >> left_shift, bits.value >> left_shift
-        expression = moved(source, ">>", number(right_shift))
+        expression = shift_value(source, ">>", number(right_shift))
         is_whole_byte = bits.byte is not None and mask_in_source == 0xFF
         if not is_whole_byte:
             expression = Operation(expression, "&", mask(mask_in_source))
         if bits.value:
             expression = Operation(expression, "^", mask(value_in_source))
-        return moved(expression, "<<", number(left_shift))
+        return shift_value(expression, "<<", number(left_shift))
 
     def _unused_at_moving_place(self, reserved: Reserved) -> Expr:
         """Return the differing bits among those whose position depends on the order code."""
-        bits = moved(Atom(self.source), ">>", self.scope.of(reserved.bits.low))
+        bits = shift_value(Atom(self.source), ">>", self.scope.expression_of(reserved.bits.low))
         if reserved.value:
             bits = Operation(bits, "^", mask(reserved.value))
         differing_bits = Operation(bits, "&", self.scope.ones(reserved.bits.width))
-        return moved(differing_bits, "<<", number(reserved.place))
+        return shift_value(differing_bits, "<<", number(reserved.place))
 
     def characters(self, bits: Bits) -> str:
         """Return the slice of ``data`` that contains the bytes of a string, such as ``data[2:6]``.
@@ -278,10 +278,10 @@ def others(scope: Scope, codec: Codec) -> Expr:
         if field.is_fixed:
             bits_without_fixed_field &= ~field.mask_in_place
         else:
-            masks_of_moving_fields.append(moved(scope.ones(field.width), "<<", scope.of(field.low)))
+            masks_of_moving_fields.append(shift_value(scope.ones(field.width), "<<", scope.expression_of(field.low)))
     if not masks_of_moving_fields:
         return mask(bits_without_fixed_field)
-    moving_bits = joined("|", masks_of_moving_fields)
+    moving_bits = join_operands("|", masks_of_moving_fields)
     return Operation(mask(bits_without_fixed_field), "&", Atom(f"~({moving_bits})"))
 
 
@@ -311,7 +311,7 @@ def from_pieces(pieces: Sequence[Piece], length: int = 0, byte: str = "data[{}]"
         stop = ascending[-1].byte + 1
         slice_of_data = "data" if (first, stop) == (0, length) else f"data[{first}:{stop}]"
         return call("int.from_bytes", slice_of_data, '"little"' if low_byte_first else '"big"')
-    return joined("|", (_from_piece(piece, byte) for piece in ascending))
+    return join_operands("|", (_from_piece(piece, byte) for piece in ascending))
 
 
 def _are_adjacent_whole_bytes(ascending: Sequence[Piece]) -> bool:
@@ -320,8 +320,8 @@ def _are_adjacent_whole_bytes(ascending: Sequence[Piece]) -> bool:
 
 def _from_piece(piece: Piece, byte: str) -> Expr:
     """Return the bits of one piece at their place in the number, such as ``(b1 & 0x3F) << 8``."""
-    bits = moved(Atom(byte.format(piece.byte)), ">>", number(piece.right))
+    bits = shift_value(Atom(byte.format(piece.byte)), ">>", number(piece.right))
     reaches_top_of_byte = piece.mask == 0xFF >> piece.right
     if not reaches_top_of_byte:
         bits = Operation(bits, "&", mask(piece.mask))
-    return moved(bits, "<<", number(piece.left))
+    return shift_value(bits, "<<", number(piece.left))

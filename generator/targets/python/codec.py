@@ -66,7 +66,7 @@ class Coder:
         self.passed = self.questions
 
     def number(self, value: Expression) -> Expr:
-        return self.context.scope.of(value)
+        return self.context.scope.expression_of(value)
 
     # -- dependencies
 
@@ -294,7 +294,7 @@ class Coder:
         """Return the value that the manual gives for a field."""
         match field.equals:
             case Expression() as value:
-                return self._scope_of_attributes(lambda name: f"self.{name}").of(value)
+                return self._scope_of_attributes(lambda name: f"self.{name}").expression_of(value)
             case str(characters):
                 return Atom(quoted(characters))
             case value:

@@ -45,7 +45,7 @@ class Decoder:
             prefer_names_of_fields(scope, codec, names)
 
     def number(self, value: Expression) -> Expr:
-        return self.scope.of(value)
+        return self.scope.expression_of(value)
 
     @property
     def named(self) -> Mapping[str, str]:
@@ -122,7 +122,7 @@ class Decoder:
         answered = self.scope.answered if isinstance(self.scope, NamedValues) else frozenset()
         if not answered.isdisjoint(frame_crc.covered.parameters):
             return None
-        return Scope(self.scope.names).of(frame_crc.covered)
+        return Scope(self.scope.names).expression_of(frame_crc.covered)
 
     @property
     def tables(self) -> int:
@@ -335,7 +335,7 @@ def assigned(scope: Scope, names: ClassNames, enum: str, field: Field, bits: Exp
         case Raw():
             yield attribute, bits
         case TwosComplement():
-            yield attribute, call("signed", bits, scope.of(field.width))
+            yield attribute, call("signed", bits, scope.expression_of(field.width))
         case ZeroMeans(stands_for):
             yield attribute, _or_if_zero(bits, stands_for)
         case Active(low):

@@ -117,16 +117,16 @@ def coded(value: int) -> str:
     return str(value) if value < 10 else f"0x{value:X}"
 
 
-def joined(operator: str, operands: Iterable[Expr]) -> Expr:
+def join_operands(operator: str, operands: Iterable[Expr]) -> Expr:
     """Return one or more operands, joined by an operator."""
     return reduce(lambda left, right: Operation(left, operator, right), operands)
 
 
-def times(value: Expr, factor: int) -> Expr:
+def multiply(value: Expr, factor: int) -> Expr:
     return value if factor == 1 else Operation(value, "*", number(factor))
 
 
-def moved(value: Expr, operator: str, by: Expr) -> Expr:
+def shift_value(value: Expr, operator: str, by: Expr) -> Expr:
     """Return ``value`` with a shift, or unchanged if the distance is 0."""
     return value if by == Atom("0") else Operation(value, operator, by)
 
@@ -141,7 +141,7 @@ class Scope:
 
     names: Mapping[str, str]
 
-    def of(self, value: Expression) -> Expr:
+    def expression_of(self, value: Expression) -> Expr:
         """Return a number that depends on parameters, such as ``variant.position_bits + 8``."""
         if value.is_constant:
             return number(value.constant)
@@ -167,11 +167,11 @@ class Scope:
         return Operation(self.power(width), "-", number(1))
 
     def power(self, width: Expression) -> Expr:
-        return Operation(number(1), "<<", self.of(width))
+        return Operation(number(1), "<<", self.expression_of(width))
 
     def _product_of_factors(self, term: Term) -> Expr:
         multiple = [number(abs(term.multiple))] if abs(term.multiple) != 1 else []
-        return joined("*", [*multiple, *map(self._factor_expression, term.factors)])
+        return join_operands("*", [*multiple, *map(self._factor_expression, term.factors)])
 
     def _factor_expression(self, factor: Factor) -> Expr:
         parameter = Atom(self.names[factor.parameter])

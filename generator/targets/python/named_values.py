@@ -26,8 +26,8 @@ class NamedValues(Scope):
     preferred: dict[tuple[str, str], str] = dataclass_field(default_factory=dict)
     comments: dict[str, str] = dataclass_field(default_factory=dict)
 
-    def of(self, value: Expression) -> Expr:
-        return self._use_name("size", value, super().of(value))
+    def expression_of(self, value: Expression) -> Expr:
+        return self._use_name("size", value, super().expression_of(value))
 
     def ones(self, width: Expression) -> Expr:
         mask_of_parameters = Scope(self.names).ones(width)
@@ -55,7 +55,7 @@ class NamedValues(Scope):
         if value.is_constant:
             return
         scope = Scope(self.names)
-        expression = scope.of(value) if kind == "size" else scope.ones(value)
+        expression = scope.expression_of(value) if kind == "size" else scope.ones(value)
         preferred_name = self.preferred.setdefault((kind, str(expression)), name)
         if comment and preferred_name == name:
             self.comments[name] = comment

@@ -29,7 +29,7 @@ from .codec import Coder
 from .decode import digits
 from .docstrings import Block
 from .limits import limit_expressions, limits_depend
-from .literals import Atom, Expr, moved
+from .literals import Atom, Expr, shift_value
 from .names import PROCEDURE_NAMES, Context, attribute, encoder_name, interface_name, meaning_limits
 
 
@@ -153,7 +153,7 @@ class Steps:
         """Return the mask of a field at its position in the register."""
         if field.is_fixed:
             return Atom(f"0x{field.mask_in_place:02X}")
-        return moved(self.scope.ones(field.width), "<<", self.scope.of(field.low))
+        return shift_value(self.scope.ones(field.width), "<<", self.scope.expression_of(field.low))
 
     def verified(self, op: Verifies) -> Expr:
         """Return the mask of the register bits that are read back.
@@ -170,7 +170,7 @@ class Steps:
         """Return a number or an argument, shifted to the position of the field."""
         if isinstance(value, int) and field.low.is_constant:
             return Atom(f"0x{value << field.low.constant:02X}")
-        return moved(Atom(str(value)), "<<", self.scope.of(field.low))
+        return shift_value(Atom(str(value)), "<<", self.scope.expression_of(field.low))
 
     def members(self, value: AsMember, register: Register) -> list[tuple[str, Expr]]:
         """Return attributes and values of the register for an argument that sets a field or join of it.

@@ -9,7 +9,7 @@ from ...model.expressions import Expression
 from ...plan.codec import Codec
 from ...plan.operations import Part, Reserved
 from ...plan.verdicts import Match, Only, ReportCause, Reporting, VerdictCause
-from .literals import Atom, Expr, Not, Operation, Scope, coded, joined, mask
+from .literals import Atom, Expr, Not, Operation, Scope, coded, join_operands, mask
 from .names import ClassNames
 
 
@@ -92,7 +92,7 @@ class FrameReports:
         """Return the condition that the frames of the encoder have no bits that judge the position."""
         attributes = self._variant_attributes.items()
         code_of_parameter = {parameter: f"{self._variant}.{attribute}" for parameter, attribute in attributes}
-        return f"{Scope(code_of_parameter).of(judging_bits).operand} == 0"
+        return f"{Scope(code_of_parameter).expression_of(judging_bits).operand} == 0"
 
     # -- reports
 
@@ -131,8 +131,8 @@ class FrameReports:
             conditions.append(condition_on_parameter(only, parameter))
         if cause.unless:
             combined_flags = [self._read_attribute(flag) for flag in cause.unless]
-            conditions.append(Not(joined("or", combined_flags)))
-        return str(conditions[0]) if len(conditions) == 1 else f"({joined('and', conditions)})"
+            conditions.append(Not(join_operands("or", combined_flags)))
+        return str(conditions[0]) if len(conditions) == 1 else f"({join_operands('and', conditions)})"
 
     def _has_values(self, match: Match) -> list[Expr]:
         """Return a condition for each value of a match. The value of a flag is 1 while it is active."""

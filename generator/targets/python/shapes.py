@@ -17,7 +17,7 @@ from ...plan.values import is_named, meaning_of, position_ranges
 from ...plan.verdicts import Only, Reporting
 from .bits import others
 from .codec import Coder
-from .literals import Call, Code, ConditionalItem, Hex, Literal, Member, joined, literal, literal_call, record
+from .literals import Call, Code, ConditionalItem, Hex, Literal, Member, join_operands, literal, literal_call, record
 from .names import byte_order
 from .reports import condition_on_parameter
 
@@ -220,7 +220,7 @@ class Shape:
             if only is not None:
                 conditions.append(condition_on_parameter(only, self._read_parameter(only.parameter)))
         call = self._call_of(description_part)
-        return ConditionalItem(call, str(joined("and", conditions))) if conditions else call
+        return ConditionalItem(call, str(join_operands("and", conditions))) if conditions else call
 
     def _read_parameter(self, parameter: str) -> str:
         return f"variant.{self.coder.context.parameters[parameter]}"

@@ -25,7 +25,7 @@ from . import docstrings
 from .channels import ChannelCode, channel_code
 from .codec import Coder
 from .frame_kinds import FrameKind
-from .literals import Atom, Call, Code, Expr, Literal, Operation, joined, number, of_number, record
+from .literals import Atom, Call, Code, Expr, Literal, Operation, join_operands, number, of_number, record
 from .names import (
     FUNCTIONS,
     ClassNames,
@@ -127,7 +127,9 @@ class Variants:
         for parameter in self.device.parameters:
             if parameter.equals is not None and parameter.name not in names_in_measurement:
                 meaning = docstrings.of_parameter(self.device, parameter)
-                derived.append((self.context.parameters[parameter.name], meaning, self._scope.of(parameter.equals)))
+                derived.append(
+                    (self.context.parameters[parameter.name], meaning, self._scope.expression_of(parameter.equals))
+                )
         return derived
 
     # -- units of positions
@@ -146,7 +148,7 @@ class Variants:
 
     def _code_of(self, value: Expression | None) -> Expr | None:
         """Return a number of the encoder in Python, such as ``1 << self.bits``, or None if the spec has none."""
-        return self._scope.of(value) if value is not None else None
+        return self._scope.expression_of(value) if value is not None else None
 
     def _cases_by_interface(self, quantity_of: Callable[[Measurement], Expr | None]) -> Cases[Expr]:
         """Return a quantity of the measurement by interface.
@@ -191,8 +193,8 @@ class Variants:
         return by_interface(self.device, self.modulus_of)
 
     def _modulus_expression(self, measurement: Measurement) -> Expr | None:
-        factors = [*map(self._scope.of, counts(measurement))]
-        return joined("*", factors) if factors else None
+        factors = [*map(self._scope.expression_of, counts(measurement))]
+        return join_operands("*", factors) if factors else None
 
     def _only_range(self, interface: Interface) -> PositionRange | None:
         """Return the range of the position that applies to all frames of an interface.
@@ -277,7 +279,7 @@ class Variants:
         """Return two to the power of ``exponent``."""
         if exponent.is_constant:
             return number(1 << exponent.constant)
-        return Operation(number(1), "<<", self._scope.of(exponent))
+        return Operation(number(1), "<<", self._scope.expression_of(exponent))
 
     def _highest_signed(self, position_range: PositionRange) -> Expr:
         """Return the highest signed position: that of the spec, or else the highest that fits in the field."""
@@ -285,7 +287,7 @@ class Variants:
         stated_highest = position_range.measurement.highest
         assert field is not None
         if stated_highest is not None:
-            return self._scope.of(stated_highest)
+            return self._scope.expression_of(stated_highest)
         if field.width.is_constant:
             return number((1 << (field.widest - 1)) - 1)
         return Operation(self._power_of_two(field.width - Expression(1)), "-", number(1))
