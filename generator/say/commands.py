@@ -31,7 +31,7 @@ from ..model import (
 from ..model.record import dataclass
 from .errata import errata, erratum
 from .names_and_places import heading, register_at, register_field
-from .names_and_places import register as named
+from .names_and_places import register as reference_to_register
 from .text import Code, Part, Ref, Statement, list_parts, microseconds, sentence, spec_text, statement
 
 
@@ -51,7 +51,7 @@ def about_procedure(sequence: Procedure) -> Iterator[Statement]:
 def argument(device: Device, parameter: Argument) -> Statement:
     """Return the meaning of an argument, the register to which it is written, and which of its meanings applies."""
     sentence_parts: list[Part] = [f"{sentence(parameter.meaning)} Written to " if parameter.meaning else "Written to "]
-    sentence_parts.append(named(device, parameter.of))
+    sentence_parts.append(reference_to_register(device, parameter.of))
     if parameter.meant_as:
         sentence_parts += [" as its ", Code(parameter.meant_as)]
     return statement(*sentence_parts)
@@ -104,7 +104,13 @@ def _register_access(device: Device, procedure_step: RegisterStep) -> Iterator[P
             yield from ("Poll ", _register_or_field(device, register.name, field))
             yield f"{address_text}, until it is {value}"
         case WriteStep(value_name=name, value=value):
-            yield from ("Write ", *_value_or_argument(name, value), " to ", named(device, register.name), address_text)
+            yield from (
+                "Write ",
+                *_value_or_argument(name, value),
+                " to ",
+                reference_to_register(device, register.name),
+                address_text,
+            )
             if value is not None:
                 yield from (": ", Code(register.bytes_of(value).hex(" ").upper()))
         case ModifyStep(field=field, value_name=name, value=value):

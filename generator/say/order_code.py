@@ -41,7 +41,7 @@ from ..model.expressions import Expression
 from ..model.order_codes import Restricted
 from .errata import errata, erratum
 from .names_and_places import hexadecimal, printed, register_at, register_field, words
-from .names_and_places import register as named
+from .names_and_places import register as reference_to_register
 from .plain_text import counted, number
 from .register import limits, value
 from .text import (
@@ -266,7 +266,7 @@ def _label_and_content(device: Device, fact: Fact) -> tuple[str, Part]:
         case CableLength(shorter_than_m=metres, below_hz=clock):
             return "Clock", f"below {hertz(clock)} with a cable shorter than {metres} m{_only_with(fact)}"
         case BankSelect(register):
-            return "Bank select", named(device, register)
+            return "Bank select", reference_to_register(device, register)
         case Network():
             return "Network", _network_words(fact)
         case DataChannels():

@@ -31,7 +31,7 @@ from ..model.expressions import Expression
 from .commands import remedied
 from .errata import errata, erratum, needed_answers
 from .names_and_places import Named, hexadecimal, own_names, printed, register_at, register_field
-from .names_and_places import register as named
+from .names_and_places import register as reference_to_register
 from .plain_text import formula
 from .text import (
     VERDICT_CLAUSES,
@@ -120,7 +120,7 @@ def _access_rules(device: Device, register: Register) -> Iterator[Statement]:
         facts_of_interface = device.interface(register.interface).facts()
         bank_selects = (fact for fact in facts_of_interface if isinstance(fact, BankSelect))
         bank_select = first_of(bank_selects, f"register that selects the bank of '{register.name}'")
-        yield statement(f"First select bank {register.bank} with ", named(device, bank_select.register))
+        yield statement(f"First select bank {register.bank} with ", reference_to_register(device, bank_select.register))
     if register.reserved:
         yield reserved(register.reserved)
     if register.opened_by:
@@ -135,7 +135,9 @@ def _access_rules(device: Device, register: Register) -> Iterator[Statement]:
         yield statement(_ABOVE_MAX[register.above_max])
     if register.write_clears:
         yield statement(
-            "A write sets ", *list_parts([named(device, name) for name in register.write_clears]), " to zero"
+            "A write sets ",
+            *list_parts([reference_to_register(device, name) for name in register.write_clears]),
+            " to zero",
         )
 
 
@@ -150,7 +152,9 @@ def _registers_at_same_address(device: Device, register: Register) -> Iterator[S
             continue
         if (other_register.address, other_register.bank) == (register.address, register.bank):
             action = "Writing to" if other_register.access == "write_only" else "Reading"
-            yield statement(f"{action} the same address accesses ", named(device, other_register.name), " instead")
+            yield statement(
+                f"{action} the same address accesses ", reference_to_register(device, other_register.name), " instead"
+            )
 
 
 def _opening_condition(device: Device, register: Register) -> Statement:

@@ -10,7 +10,7 @@ from ...model import Device, Fault, PlacedChannels, Variant, channel_frame
 from ...reference import codec
 from ...reference.channels import ChannelFindings, channel_findings, decode_channels
 from ...reference.findings import Findings
-from ...say import report as say
+from ...say import report as say_report
 from ...say.plain_text import WIDTH
 from ...say.text import VERDICT_CLAUSES
 from ...why.hypotheses import TypedFrame
@@ -111,7 +111,7 @@ def channel_decoder(device: Device, variant: Variant) -> ChannelDecoder | None:
 def report_of_length(frame: PlacedChannels, bits: int) -> str:
     """Return the message about a frame of another length."""
     names = ", ".join(channel.name for channel in frame.channels)
-    return say.length(names, f"{frame.bits} bits", f"{bits}")
+    return say_report.length(names, f"{frame.bits} bits", f"{bits}")
 
 
 def described_channels(device: Device, variant: Variant, frame: PlacedChannels, result: ChannelResult) -> Iterator[str]:
@@ -146,4 +146,4 @@ def comparison(frame: PlacedChannels, decoded_channels: Sequence[codec.Decoded],
         f"{frame.compared[channel.name]} of {channel.name} {number:#x}"
         for channel, number in zip((c for c in frame.channels if c.name in frame.compared), numbers, strict=True)
     ]
-    return say.compared(f"{frame.compared_bits}", " and ".join(compared), agree=agree)
+    return say_report.compared(f"{frame.compared_bits}", " and ".join(compared), agree=agree)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ...model import PlacedLayout
 from ...reference import codec
-from ...say import report as say
+from ...say import report as say_report
 from ...say.names_and_places import bit_place
 from ...say.plain_text import WIDTH, quantity
 from ...say.plain_text import wrapped as wrapped_anew
@@ -65,7 +65,7 @@ def _meaning_text(placed: PlacedLayout, field: codec.DecodedField) -> str:
     gray_names = (*placed.layout.names_in(placed.layout.gray_of), placed.layout.gray_of)
     if field.name not in gray_names or not isinstance(field.value, int):
         return field.meaning
-    gray_text = say.in_gray_code(f"{field.raw:#x}", f"{field.value:#x}")
+    gray_text = say_report.in_gray_code(f"{field.raw:#x}", f"{field.value:#x}")
     return f"{sentence(field.meaning)} {capitalized(gray_text)}" if field.meaning else gray_text
 
 

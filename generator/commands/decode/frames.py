@@ -25,7 +25,7 @@ from ...model import (
 from ...model.layout import have_lengths
 from ...reference import codec
 from ...reference.registers import decode_register
-from ...say import report as say
+from ...say import report as say_report
 from ...why.hypotheses import TypedFrame
 
 if TYPE_CHECKING:
@@ -92,15 +92,15 @@ def undecorated(text: str) -> str:
     Raises:
         FrameTextError: The text is empty or longer than any frame.
     """
-    if len(text) > say.LONGEST:
-        raise FrameTextError(say.TOO_LONG)
+    if len(text) > say_report.LONGEST:
+        raise FrameTextError(say_report.TOO_LONG)
     if _BARE.fullmatch(text):
         return text
     for pattern, replacement in _PASTED:
         text = pattern.sub(replacement, text)
     text = text.strip()
     if not text:
-        raise FrameTextError(say.EMPTY)
+        raise FrameTextError(say_report.EMPTY)
     return text
 
 
@@ -116,15 +116,15 @@ def frame_bytes(text: str) -> bytes:
     for piece in text.split():
         quoted_piece = quoted(visible(piece))
         if not _HEX.fullmatch(piece):
-            raise FrameTextError(say.not_hex(quoted_piece))
+            raise FrameTextError(say_report.not_hex(quoted_piece))
         has_prefix = piece[:2] in ("0x", "0X")
         digits = piece[2:] if has_prefix else piece
         if len(digits) == 1 and has_prefix:
             digits = f"0{digits}"
         elif len(digits) == 1:
-            raise FrameTextError(say.one_digit(quoted_piece, digits))
+            raise FrameTextError(say_report.one_digit(quoted_piece, digits))
         elif len(digits) % 2:
-            raise FrameTextError(say.odd(quoted_piece))
+            raise FrameTextError(say_report.odd(quoted_piece))
         frame += bytes.fromhex(digits)
     return frame
 
@@ -144,8 +144,8 @@ def placed_bytes(placed: PlacedLayout, variant: Variant, text: str) -> bytes:
     length = placed.bits // 8
     written_bits = len(without_gaps) - len("0b")
     if written_bits != bits:
-        remedy = say.write_bits(str(bits), str(length))
-        raise FrameTextError(say.no_bits(quoted(visible(text)), str(bits), remedy))
+        remedy = say_report.write_bits(str(bits), str(length))
+        raise FrameTextError(say_report.no_bits(quoted(visible(text)), str(bits), remedy))
     return int(without_gaps, 2).to_bytes(length, "big")
 
 
@@ -183,10 +183,10 @@ def frame_number(placed: PlacedLayout | PlacedChannels, text: str, *, exact: boo
     if len(possible_meanings) == 1 and are_all_bits:
         # As a decimal or hexadecimal number, this many digits would not fit.
         return TypedFrame(int(without_gaps, 2), placed.bits, exact=True, written=placed.bits)
-    remedy = say.write_number(str(placed.bits))
+    remedy = say_report.write_number(str(placed.bits))
     if possible_meanings:
-        remedy = say.write_one_of(", ".join(possible_meanings))
-    raise FrameTextError(say.no_bits(quoted(visible(text)), str(placed.bits), remedy))
+        remedy = say_report.write_one_of(", ".join(possible_meanings))
+    raise FrameTextError(say_report.no_bits(quoted(visible(text)), str(placed.bits), remedy))
 
 
 def _refuse_bits_in_pairs(pieces: Sequence[str], text: str) -> None:
@@ -197,7 +197,7 @@ def _refuse_bits_in_pairs(pieces: Sequence[str], text: str) -> None:
     have_no_prefix = all(len(piece) == 2 for piece in pieces)
     are_zeros_and_ones = set("".join(pieces)) <= {"0", "1"}
     if have_no_prefix and are_zeros_and_ones:
-        raise FrameTextError(say.bits_or_bytes(quoted(text)))
+        raise FrameTextError(say_report.bits_or_bytes(quoted(text)))
 
 
 def _possible_meanings(digits: str, bits: int) -> Iterator[str]:
@@ -209,11 +209,11 @@ def _possible_meanings(digits: str, bits: int) -> Iterator[str]:
     largest = (1 << bits) - 1
     # A decimal number has no leading zero. More than 40 digits are not read as any of the three.
     if re.fullmatch(r"0|[1-9][0-9]{0,39}", digits) and int(digits) <= largest:
-        yield say.if_decimal(f"0x{int(digits):X}")
+        yield say_report.if_decimal(f"0x{int(digits):X}")
     if re.fullmatch(r"[0-9A-Fa-f]{1,40}", digits) and int(digits, 16) <= largest:
-        yield say.if_hex(digits)
+        yield say_report.if_hex(digits)
     if re.fullmatch(r"[01]{1,96}", digits):
-        yield say.if_bits(digits)
+        yield say_report.if_bits(digits)
 
 
 # -- decoding

@@ -13,7 +13,7 @@ from ...order_codes.labels import Match
 from ...order_codes.parameters import parameters_of
 from ...reference import codec
 from ...reference.findings import Findings, Report
-from ...say import report as say
+from ...say import report as say_report
 from ...say.evidence import origin, placeholders
 from ...say.names_and_places import words
 from ...say.order_code import not_on_label
@@ -107,11 +107,11 @@ def _other_position_lines(device: Device, variant: Variant, decoded: codec.Decod
     other_readings = other_positions(device, variant, decoded, typed_frame)
     readings = [f"{position} {reason}" for reason, position in other_readings]
     if readings:
-        suggestion = say.looks_wrong(position_name(device, variant), ", ".join(readings))
+        suggestion = say_report.looks_wrong(position_name(device, variant), ", ".join(readings))
         yield wrapped(sentence(suggestion), WIDTH, prefix="  ", first="")
     request_name = own_request(device, variant, placed_layout, decoded.number)
     if request_name:
-        yield wrapped(sentence(capitalized(say.own_request(request_name))), WIDTH, prefix="  ", first="")
+        yield wrapped(sentence(capitalized(say_report.own_request(request_name))), WIDTH, prefix="  ", first="")
 
 
 def line_prefix(line: Line) -> str:
@@ -363,7 +363,7 @@ def together_lines(mistakes: Sequence[CommonMistake], failed_frames: int) -> Ite
     if not mistakes or mistakes[0].frames < 2:
         return
     explained_frames = mistakes[0].frames
-    introduction = say.explained_together(f"{explained_frames}", f"{failed_frames}")
+    introduction = say_report.explained_together(f"{explained_frames}", f"{failed_frames}")
     yield f"\n{wrapped(introduction, WIDTH, prefix='  ', first='')}:"
     for mistake in mistakes:
         chance = f"; matches by chance in {_frequency_text(mistake.one_in)}" if mistake.one_in > 1 else ""
@@ -406,7 +406,7 @@ def other_frames_line(decoded: codec.Decoded, other_layouts: Sequence[PlacedLayo
         return ""
     layout_names = ", ".join(layout.name for layout in other_layouts)
     if not decoded.problems:
-        return f"{say.also_possible(layout_names)} (choose with --layout)"
+        return f"{say_report.also_possible(layout_names)} (choose with --layout)"
     if is_frame_of_other_kind(decoded, other_layouts):
-        return f"{say.valid_other(layout_names)}: add --layout {layout_names}"
-    return f"{say.possible_instead(layout_names)} (choose with --layout)"
+        return f"{say_report.valid_other(layout_names)}: add --layout {layout_names}"
+    return f"{say_report.possible_instead(layout_names)} (choose with --layout)"

@@ -9,7 +9,7 @@ from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.crcs import carriers
 from ...plan.frames import held_parameters
-from ...say.order_code import timing as said_of
+from ...say.order_code import timing as say_timing
 from .comments import HEADER_STYLE
 from .enumerations import AlternativeCode, Enumerations, Reports
 from .names import BY_VALUE, Cast, Expr, Passing, Scope, number, unsigned
@@ -132,7 +132,7 @@ def timing_macros(timing: Timing, stem: str) -> Iterator[Macro]:
 
     The comment on the first one describes all of them, and the others refer to it.
     """
-    note = HEADER_STYLE.sentence(said_of(timing))
+    note = HEADER_STYLE.sentence(say_timing(timing))
     bounds = {"AT_LEAST": timing.at_least_us, "TYPICAL": timing.typical_us, "AT_MOST": timing.at_most_us}
     for bound, value in bounds.items():
         if value is not None:

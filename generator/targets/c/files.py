@@ -22,7 +22,7 @@ from ...plan import steps
 from ...plan.limits import Refusal
 from ...plan.operations import Check, Whole
 from ...render import Templates, our_templates, tests_for
-from ...say.layout import join as said_of_join
+from ...say.layout import join as say_join
 from ...say.markdown import text as markdown_text
 from ...say.names_and_places import addresses, title, words
 from ...say.plain_text import plain
@@ -100,7 +100,7 @@ def _digits_type(run: Digits) -> str:
 
 def _made_of(join: Join) -> str:
     """Describe which fields form a number."""
-    return TITLE_STYLE.sentence(said_of_join(join))
+    return TITLE_STYLE.sentence(say_join(join))
 
 
 def _count_bytes(count: int) -> str:

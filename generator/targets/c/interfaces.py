@@ -26,7 +26,7 @@ from ...plan.frames import Branch, Dispatch, Exchanged, answer, dispatches, exch
 from ...say.errata import errata, erratum
 from ...say.names_and_places import title
 from ...say.order_code import control_field, data_id, exchange, settings, timing
-from ...say.order_code import interface as said_of
+from ...say.order_code import interface as say_interface
 from ...say.text import Statement
 from .about import about_layout
 from .bits import of_bytes
@@ -205,7 +205,7 @@ class InterfaceCode:
     def _yield_comment(self) -> Iterator[Paragraph]:
         """Yield the comment on the interface. Statements and errata on macros and layouts are in comments of those."""
         interface = self.interface
-        statements = said_of(self.device, interface)
+        statements = say_interface(self.device, interface)
         for statement in statements:
             if statement not in self._macro_statements:
                 yield HEADER_STYLE.sentence(statement)

@@ -27,7 +27,6 @@ from . import (
     timing_pictures,
     verdict_page,
 )
-from . import cross_family_pages as glossary
 from . import family_pages as changes_page
 from .interface_page import Rows, Section
 
@@ -68,7 +67,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
             cross_family_pages.alarms_page_values(library.devices),
         ),
         inline_errata.ALL_ERRATA: (f"{inline_errata.ALL_ERRATA}.jinja", inline_errata.all_values(library.devices)),
-        glossary.PAGE: (f"{glossary.PAGE}.jinja", glossary.page_values(library.devices)),
+        cross_family_pages.PAGE: (f"{cross_family_pages.PAGE}.jinja", cross_family_pages.page_values(library.devices)),
     }
     for name, (template, values) in pages.items():
         files[f"docs/{name}"] = _page_text(template, values, library)
@@ -239,7 +238,7 @@ TEMPLATES = Templates(
         f"{cross_family_pages.REGISTERS}.jinja": cross_family_pages.RegistersPage,
         f"{cross_family_pages.ALARMS}.jinja": cross_family_pages.AlarmsPage,
         f"{inline_errata.ALL_ERRATA}.jinja": inline_errata.AllErrataPage,
-        f"{glossary.PAGE}.jinja": glossary.GlossaryPage,
+        f"{cross_family_pages.PAGE}.jinja": cross_family_pages.GlossaryPage,
     },
     filters={
         "md": markdown.text,

@@ -20,7 +20,7 @@ from ...masters.text import cited, condition_text
 from ...model import Device
 from ...render import Templates, our_templates
 from ...say.evidence import grade_below_manual, titled_in_lists
-from ...say.markdown import text as markdown
+from ...say.markdown import text as escape_markdown
 from ...say.plain_text import plain, wrapped
 from ...say.text import PLAIN_STYLE
 from .. import NO_OPTIONS, Library, Option, Options, Target
@@ -228,7 +228,7 @@ def _format_page(library: Library, files: Iterable[str]) -> str:
     for master in shipped_masters():
         rows += [_index_row(master, rule["format"]) for rule in master.files]
     values: Index = {
-        "families": [markdown(titled_in_lists(device)) for device in library.devices],
+        "families": [escape_markdown(titled_in_lists(device)) for device in library.devices],
         "rows": [row for row in rows if row["folder"] in folders],
     }
     return TEMPLATES.render("README.md.jinja", values, library.own_templates)

@@ -23,8 +23,8 @@ from ...model import (
 )
 from ...model.record import dataclass
 from ...say import commands, layout, names_and_places, register
-from ...say import layout as crc
-from ...say import register as field
+from ...say import layout as say_layout
+from ...say import register as say_register
 from ...say.errata import errata, erratum
 from ...say.evidence import grade, origin, other_editions, removals
 from ...say.names_and_places import full_title, heading, title
@@ -257,7 +257,7 @@ def of_register(device: Device, device_register: Register) -> tuple[str, list[Bl
     """
     facts = [*register.facts(device, device_register)]
     if is_one_choice(device_register):
-        facts += field.rules(device, device_register.layout.fields[0])
+        facts += say_register.rules(device, device_register.layout.fields[0])
     register_errata = of_errata(device, f"registers.{device_register.name}")
     blocks: list[Block] = [
         sentence(device_register.meaning),
@@ -282,7 +282,7 @@ def of_class(
 
 def of_crc(device: Device, device_crc: Crc) -> list[Block]:
     """Return the paragraphs of the function that computes a CRC."""
-    head, *more = paragraphs(crc.crc(device, device_crc))
+    head, *more = paragraphs(say_layout.crc(device, device_crc))
     return [f"Compute the {head}", *more]
 
 
@@ -307,9 +307,9 @@ def of_field(device: Device, data_field: Field, may_be_missing: bool) -> str:
     """Return the description of an attribute: meaning, rules and note, or else the name of the field."""
     missing = [statement("0 if the encoder does not have this field")] if may_be_missing else []
     statements = [
-        *field.meaning(data_field, data_field.meaning),
+        *say_register.meaning(data_field, data_field.meaning),
         *missing,
-        *field.rules(device, data_field),
+        *say_register.rules(device, data_field),
         *spec_text(data_field.note),
     ]
     return DOCSTRING_STYLE.paragraph(statements) or sentence(title(data_field))
@@ -328,7 +328,7 @@ def of_unused(unused_field: Field, at: int) -> str:
 
 def of_value(named_value: Field | Value) -> str:
     """Return the meaning of a named value or a choice. Empty if the manual does not give one."""
-    return DOCSTRING_STYLE.paragraph(field.meaning(named_value, named_value.meaning))
+    return DOCSTRING_STYLE.paragraph(say_register.meaning(named_value, named_value.meaning))
 
 
 def of_run(run: Digits) -> str:
