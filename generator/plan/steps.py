@@ -87,9 +87,9 @@ class Writes:
     """Write a register, or one of its fields while keeping the others as read.
 
     ``pieces`` are the affected bytes: bits ``mask << right`` of the byte become ``(number >> left) & mask``. They are
-    empty if the position of the field depends on the order code. ``teaches`` are the run-time parameters in the
-    register on which limits of later steps depend. Those steps use the written value. ``closes`` is true if the write
-    undoes an earlier opening step. It is then also done if a step between the two fails.
+    empty if the position of the field depends on the order code. ``determines_limits`` are the run-time parameters in
+    the register on which limits of later steps depend. Those steps use the written value. ``closes`` is true if the
+    write undoes an earlier opening step. It is then also done if a step between the two fails.
     """
 
     step: WriteStep | ModifyStep
@@ -97,7 +97,7 @@ class Writes:
     field: Field | None
     pieces: tuple[Piece, ...]
     value: Source
-    teaches: tuple[Parameter, ...] = ()
+    determines_limits: tuple[Parameter, ...] = ()
     closes: bool = False
 
     @property
@@ -256,12 +256,12 @@ def _changes_frames(device: Device, write: Writes) -> bool:
 
 
 def _with_taught_parameters(device: Device, operations: Sequence[Operation]) -> Iterator[Operation]:
-    """Yield the operations. Those that write an argument to a whole register get ``teaches``, see ``Writes``."""
+    """Yield the operations. Writes of an argument to a whole register get ``determines_limits``, see ``Writes``."""
     for index, operation in enumerate(operations):
         if isinstance(operation, Writes) and operation.field is None and not isinstance(operation.value, FixedNumber):
             later_operations = operations[index + 1 :]
             taught_parameters = _taught_parameters(device, operation, later_operations)
-            yield replace(operation, teaches=tuple(taught_parameters))
+            yield replace(operation, determines_limits=tuple(taught_parameters))
         else:
             yield operation
 

@@ -152,14 +152,14 @@ class Reader:
         """The reader of the word before any Gray code in it is converted."""
         return replace(self, as_sent=True)
 
-    def sent(self, field: Field) -> Expr:
+    def bits_as_sent(self, field: Field) -> Expr:
         """Return the bits of a field before any Gray code in the word is converted."""
         _, bits = self.before_conversion.value(self.plan.bits_of(field.name))
         return bits
 
     def parity_as_sent(self, fields: Sequence[Field], mask: int) -> Expr:
         """Return the parity of fields before any Gray code in the word is converted."""
-        return self.parity([(self.sent(field), field.widest) for field in fields], mask)
+        return self.parity([(self.bits_as_sent(field), field.widest) for field in fields], mask)
 
     def parity(self, numbers_and_widths: Sequence[tuple[Expr, int]], mask: int) -> Expr:
         """Return the common parity of these numbers, 1 for an odd number of ones. Each comes with its largest width.
@@ -234,17 +234,17 @@ class Unused:
 
     def at_place(self, moved: ShiftedBits, byte: Expr) -> Expr:
         """Return a byte shifted to the place of its bits in the member, which is never lower than in the byte."""
-        return shifted_left(Cast(self.work, byte), -moved.shift) if moved.shift else byte
+        return shifted_left(Cast(self.work_type, byte), -moved.shift) if moved.shift else byte
 
     def member_from(self, bits: Expr) -> Expr:
         """Return the member from bytes that ``at_place`` shifted, without their other bits."""
         mask = sum(moved.mask for moved in self.moved)
         documented = _express_documented_value(sum(moved.value for moved in self.moved))
         differing_bits = _with_inverted(masked(bits, mask), documented)
-        return differing_bits if self.type == self.work else Cast(self.type, differing_bits)
+        return differing_bits if self.type == self.work_type else Cast(self.type, differing_bits)
 
     @property
-    def work(self) -> str:
+    def work_type(self) -> str:
         """The type in which a decoder assembles bytes."""
         return unsigned(max(self.width, 32))
 
@@ -262,16 +262,16 @@ class Unused:
         documented = self._express_documented(reserved)
         if not reserved.place:
             return _with_inverted(bits, documented)
-        differing_bits = _with_inverted(Cast(self.work, bits), documented)
+        differing_bits = _with_inverted(Cast(self.work_type, bits), documented)
         if not reserved.bits.width.is_constant:
             # The mask of a variable width has 64 bits.
-            differing_bits = Cast(self.work, differing_bits)
+            differing_bits = Cast(self.work_type, differing_bits)
         return shifted_left(differing_bits, reserved.place)
 
     # -- encoding
 
     @property
-    def refused(self) -> Expr | None:
+    def refusal_condition(self) -> Expr | None:
         """The condition that the member has a bit other than the unused ones, or None if its type has no such bit.
 
         With fields whose width depends on the order code, that is ``(in->unused & mask) != in->unused``.

@@ -33,7 +33,7 @@ class StructCodec:
         self.decoder = Decoder(struct)
         self.encoder = Encoder(struct, outside)
         alternatives = struct.context.alternatives
-        self.alternatives = tuple(code for code in alternatives if code.item in self.plan.alternatives)
+        self.alternatives = tuple(code for code in alternatives if code.alternative in self.plan.alternatives)
         #: Whether a program that talks to an encoder decodes it, and encodes it. A simulator does the rest.
         self.decodes = struct.register is not None or struct.layout.sender == "encoder"
         self.encodes = struct.register is not None or not self.decodes
@@ -63,18 +63,18 @@ class StructCodec:
         if self.word_crc is not None:
             yield self.word_crc.name
         yield from (bits_crc.name for bits_crc in self.bits_crcs.values())
-        if self.measured:
+        if self.position_member:
             yield f"{self.name}_position"
         if self.is_received:
             yield f"{self.name}_receive"
         if self.is_read:
             yield f"{self.name}_read"
-        if self.tells_difference:
+        if self.can_differ_from_manual:
             yield f"{self.name}_is_expected"
             yield from (self.expected_macro(field) for field in self.expected if self.has_one_value(field))
 
     @property
-    def measured(self) -> str:
+    def position_member(self) -> str:
         """The field or join with the position that a function returns, or an empty string if there is no such function.
 
         A frame has it if its verdict is known.
@@ -110,7 +110,7 @@ class StructCodec:
     @property
     def is_read(self) -> bool:
         """True if a function returns the position from a buffer."""
-        return bool(self.measured and self.receiver)
+        return bool(self.position_member and self.receiver)
 
     @cached_property
     def whole_frame(self) -> ChannelFrame | None:
@@ -249,7 +249,7 @@ class StructCodec:
         return tuple(part.field for part in self.plan.parts if part.field.equals is not None)
 
     @property
-    def tells_difference(self) -> bool:
+    def can_differ_from_manual(self) -> bool:
         """True if a valid frame can differ from the manual."""
         return bool(self.expected or self.struct.unused)
 

@@ -36,7 +36,7 @@ class Context:
         argument_by_parameter: dict[str, str] = {}
         for alternative in self.alternatives:
             # All answers of an alternative set the same parameters.
-            argument_by_parameter |= dict.fromkeys(alternative.item.answers[0].sets, alternative.argument)
+            argument_by_parameter |= dict.fromkeys(alternative.alternative.answers[0].sets, alternative.argument)
         self.scope = Scope(
             prefix=self.prefix, largest=_largest_values(device), answers=argument_by_parameter, passing=passing
         )

@@ -118,7 +118,7 @@ class Decoder:
 
     def bits_as_sent(self, field: Field) -> Expr:
         """Return the bits of a field before any Gray code is converted."""
-        return self.reader.sent(field)
+        return self.reader.bits_as_sent(field)
 
     # -- errors
 
@@ -220,7 +220,7 @@ class Decoder:
     # -- members
 
     @property
-    def fills(self) -> Iterator[FlagsIn | Part | Whole | UnusedIn | UnusedAre]:
+    def fill_operations(self) -> Iterator[FlagsIn | Part | Whole | UnusedIn | UnusedAre]:
         """The operations that fill the members, in order. Unused bits are taken from a byte together with its flags."""
         unused = self.struct.unused
         # The unused bits of each byte that no operation has taken yet. It shrinks in the calls below.

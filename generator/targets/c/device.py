@@ -47,16 +47,16 @@ class _Declaring(Protocol):
 class Usage:
     """The names for reading a position: the frame, its verdict function, the member, and the request for the frame.
 
-    The request is a macro, or a frame of its own, ``asking``. ``twice`` is true if no CRC protects the frame, so that
-    two frames must agree.
+    The request is a macro, or a frame of its own, ``request_for_reply``. ``reads_twice`` is true if no CRC protects the
+    frame, so that two frames must agree.
     """
 
     frame: StructCodec
     verdict: str
     member: str
     request: str
-    asking: ReplyRequest | None
-    twice: bool
+    request_for_reply: ReplyRequest | None
+    reads_twice: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,10 +100,14 @@ class DeviceView:
         self.registers = [self._build_register(register) for register in _bank_selectors_first(device)]
         self.crcs = list(self._crc_codes())
         codes = {code.register.name: code for code in self.registers}
-        self.takers = [Taker(context, group, codes[group.register.name].access) for group in held_parameters(device)]
+        self.take_functions = [
+            Taker(context, group, codes[group.register.name].access) for group in held_parameters(device)
+        ]
         usage = self.usage
-        twice = usage is not None and usage.twice
-        self.reading = ReadCode(context, usage.frame if usage is not None else None, self.lengths, twice=twice)
+        reads_twice = usage is not None and usage.reads_twice
+        self.reading = ReadCode(
+            context, usage.frame if usage is not None else None, self.lengths, reads_twice=reads_twice
+        )
         self.initial = initial(device)
         self.read_state = f"{self.prefix}_read_state" if state_registers(device) else ""
         self.identities = list(identity_codes(context, codes))
@@ -178,7 +182,7 @@ class DeviceView:
         return f"{self.header}pp"
 
     @property
-    def space(self) -> str:
+    def namespace(self) -> str:
         """The namespace of the functions for C++17."""
         return f"{c_name(self.maker.name)}::{c_name(self.stem)}"
 
@@ -203,7 +207,7 @@ class DeviceView:
             self.alternatives,
             [self.interface, self.lengths, self.code_facts, self.reading],
             *([optional_part] for optional_part in (self.channels, self.positions) if optional_part is not None),
-            *(self.registers, self.takers, self.identities, self.procedures, self.alarms),
+            *(self.registers, self.take_functions, self.identities, self.procedures, self.alarms),
         )
         for declaring_part in declaring_parts:
             yield from declaring_part.declared()
@@ -211,10 +215,10 @@ class DeviceView:
             yield macro.name, ("timings",)
 
     @property
-    def measured(self) -> str:
+    def position_member(self) -> str:
         """The field or join with the position, in the only frame of the interface. Empty if there is none."""
         codecs = self.interface.codecs
-        return codecs[0].measured if len(codecs) == 1 else ""
+        return codecs[0].position_member if len(codecs) == 1 else ""
 
     @property
     def manual(self) -> str:
@@ -231,7 +235,7 @@ class DeviceView:
         return titled_in_lists(self.device)
 
     @property
-    def traced(self) -> str:
+    def version_and_hash(self) -> str:
         """The version of the runtime, and the spec with its hash, from which a header was generated."""
         major, minor = runtime_version()
         device = self.device
@@ -291,8 +295,8 @@ class DeviceView:
                     verdict=verdict,
                     member=c_name(measurement.of),
                     request=self.interface.request_of(layout),
-                    asking=self.interface.asking(layout),
-                    twice=self._is_read_twice(codec, measurement.of),
+                    request_for_reply=self.interface.request_for_reply(layout),
+                    reads_twice=self._is_read_twice(codec, measurement.of),
                 )
         return None
 
@@ -300,7 +304,9 @@ class DeviceView:
         """Return True if no CRC protects the position, and it is not negative, so that two words can agree."""
         meanings = (part.meaning for part in codec.plan.parts if part.field.name == member)
         is_signed = any(isinstance(meaning, TwosComplement) for meaning in meanings)
-        is_unprotected = bool(codec.measured) and isinstance(self.context.interface, Ssi) and not codec.plan.only_crc
+        is_unprotected = (
+            bool(codec.position_member) and isinstance(self.context.interface, Ssi) and not codec.plan.only_crc
+        )
         return is_unprotected and not is_signed
 
     def errata(self, *paths: str) -> list[Paragraph]:

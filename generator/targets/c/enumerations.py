@@ -170,7 +170,7 @@ class AlternativeCode:
     """An alternative. ``argument`` is the name of the argument for the answer."""
 
     def __init__(self, device: Device, prefix: str, alternative: Alternative) -> None:
-        self.item = alternative
+        self.alternative = alternative
         self.type = f"{prefix}_{alternative.name}"
         self.argument = c_name(alternative.name, _TAKEN)
         #: Name of the chosen answer in the programs.
@@ -210,7 +210,7 @@ class AlternativeCode:
 
         The last answer is the default branch.
         """
-        *other_answers, last_answer = self.item.answers
+        *other_answers, last_answer = self.alternative.answers
         *other_constants, _ = self.enumeration.entries
         expression: Expr = Number(last_answer.sets[parameter])
         for constant, answer in reversed(list(zip(other_constants, other_answers, strict=True))):
@@ -222,7 +222,9 @@ class AlternativeCode:
 def alternatives_in(alternatives: tuple[AlternativeCode, ...], *expressions: Expression) -> tuple[AlternativeCode, ...]:
     """Return the alternatives on whose answers these expressions depend: those that set a parameter in them."""
     names = {name for expression in expressions for name in expression.parameters}
-    return tuple(alternative for alternative in alternatives if not names.isdisjoint(alternative.item.answers[0].sets))
+    return tuple(
+        alternative for alternative in alternatives if not names.isdisjoint(alternative.alternative.answers[0].sets)
+    )
 
 
 _UNUSED = Name("frame->unused")
@@ -308,7 +310,7 @@ class FrameReports:
                 yield Operation("==", (Name(member), Name(enumeration.names[value])))
 
     @property
-    def worse(self) -> Iterator[tuple[Expr, Verdict]]:
+    def conditions_of_worse_verdicts(self) -> Iterator[tuple[Expr, Verdict]]:
         """The conditions of verdicts worse than ``otherwise``, worst first, several of the same verdict one by one.
 
         Compilers that see flags joined by ``||`` load neighbouring members as one number, so that the decoder must

@@ -162,7 +162,7 @@ class ExampleCode:
     @property
     def received(self) -> list[FrameSize]:
         """The lengths of the frame as received, one for each order code, with the first answers of alternatives."""
-        first_answers = [question.item.answers[0] for question in self.alternatives]
+        first_answers = [question.alternative.answers[0] for question in self.alternatives]
         received_frames = received(self.view.device, self.interface)
         frames_of_layout = [frame for frame in received_frames if frame.layout is self.frame.layout]
         return [frame for frame in frames_of_layout if _has_only_answers(frame, first_answers)]
@@ -249,7 +249,7 @@ class ExampleCode:
         return ""
 
     @property
-    def asking(self) -> ReplyRequest | None:
+    def request_for_reply(self) -> ReplyRequest | None:
         """The request frame over RS-485, with the numbers of its reply, or None if it is only a control field."""
         parameters = self._chosen.variant.parameters
         numbers: dict[str, int] = {}
@@ -259,7 +259,7 @@ class ExampleCode:
         for whole in self.struct.plan.wholes:
             if all(field.name in numbers for field in whole.fields):
                 numbers[whole.join.name] = whole.joined(numbers, parameters)
-        return self.view.interface.asking(self.frame.layout, numbers)
+        return self.view.interface.request_for_reply(self.frame.layout, numbers)
 
     @property
     def request(self) -> str:
@@ -277,7 +277,7 @@ class ExampleCode:
         return max((layout.widest // 8 for layout in frames), default=0)
 
     @property
-    def polls(self) -> bool:
+    def can_poll(self) -> bool:
         """True if a main loop can request the frame and carry out the procedure, with a reply to every request.
 
         The procedure has no arguments and reads nothing.
@@ -306,7 +306,7 @@ class ExampleCode:
         return c_name(measurement.of) if measurement is not None else ""
 
     @property
-    def repeats(self) -> bool:
+    def reads_word_twice(self) -> bool:
         """True if the word is read twice: no CRC protects it, and its position is not negative, so both can agree."""
         return bool(self.counts) and not self.is_signed(self.counts) and not self.has_crc
 

@@ -76,15 +76,15 @@ class FrameTeller:
 class ReplyRequest:
     """Request for a reply: its initial value, the function that receives the reply, and a time-out.
 
-    ``repeated`` are the numbers that the reply repeats, such as an address. The time-out is the time that both take on
-    the line, plus ``ANSWER_US`` until the encoder answers.
+    ``repeated_members`` are the numbers that the reply repeats, such as an address. The time-out is the time that both
+    take on the line, plus ``ANSWER_US`` until the encoder answers.
     """
 
     codec: StructCodec
     initial: str
     take: str
-    late_us: int
-    repeated: tuple[str, ...]
+    latest_reply_us: int
+    repeated_members: tuple[str, ...]
 
 
 class InterfaceCode:
@@ -104,7 +104,9 @@ class InterfaceCode:
         self.controls = tuple(self._yield_control_macros())
         self.about = list(self._yield_comment())
         self.enumerations = context.enumerations.of("interfaces", interface.name)
-        self.tellers = tuple(FrameTeller(context, self.prefix, dispatch) for dispatch in dispatches(interface.layouts))
+        self.frame_selectors = tuple(
+            FrameTeller(context, self.prefix, dispatch) for dispatch in dispatches(interface.layouts)
+        )
         self.codecs = tuple(self._build_codec(context, layout) for layout in interface.layouts)
 
     def declared(self) -> Iterator[Declared]:
@@ -117,7 +119,7 @@ class InterfaceCode:
         if self.frames:
             yield f"{self.prefix}_frame", path
             yield f"{self.prefix}_frame_length", path
-        for teller in self.tellers:
+        for teller in self.frame_selectors:
             yield teller.by_bytes, path
             yield teller.by_value, path
         for name in function_names(self.clock_limits, self.timeouts):
@@ -142,7 +144,7 @@ class InterfaceCode:
     def frames(self) -> list[Layout]:
         """The frames that a field distinguishes."""
         names: set[str] = set()
-        for teller in self.tellers:
+        for teller in self.frame_selectors:
             names.update(branch.layout.name for branch in teller.dispatch.branches)
             if teller.dispatch.fallback is not None:
                 names.add(teller.dispatch.fallback.name)
@@ -158,7 +160,7 @@ class InterfaceCode:
                 return f"{self.upper}_CONTROL_{request.name}".upper()
         return ""
 
-    def asking(self, reply: Layout, values: Mapping[str, int] = MappingProxyType({})) -> ReplyRequest | None:
+    def request_for_reply(self, reply: Layout, values: Mapping[str, int] = MappingProxyType({})) -> ReplyRequest | None:
         """Return the request whose reply is a frame in bytes, with the given numbers in its fields.
 
         ``values`` are numbers by the names of fields and joins. The result is None if the frame is the reply to no
@@ -179,9 +181,9 @@ class InterfaceCode:
             codec=codec,
             initial=codec.struct.initial(parameters, values),
             take=_take_function(exchanged),
-            late_us=ANSWER_US + _time_on_line_us(ports[0], bytes_on_line),
+            latest_reply_us=ANSWER_US + _time_on_line_us(ports[0], bytes_on_line),
             # C does not compare texts by !=.
-            repeated=tuple(c_name(name) for name in common_names if codec.struct.member_type(name) != "char"),
+            repeated_members=tuple(c_name(name) for name in common_names if codec.struct.member_type(name) != "char"),
         )
 
     def _exchange_with_reply(self, reply: Layout) -> Exchanged | None:
@@ -197,7 +199,7 @@ class InterfaceCode:
     def _build_codec(self, context: Context, layout: Layout) -> StructCodec:
         """Return the struct, decoder and encoder of a frame."""
         # The functions of the only frame of an interface need no further name.
-        is_only_frame = len(self.interface.layouts) == 1 and not self.tellers
+        is_only_frame = len(self.interface.layouts) == 1 and not self.frame_selectors
         name = context.prefix if is_only_frame else f"{context.prefix}_{layout.name}"
         struct = Struct(context, layout, name, context.length_macro(layout))
         return StructCodec(struct, about_layout(self.device, self.interface, struct))

@@ -261,7 +261,7 @@ def _is_covered(
 ) -> bool:
     """Return True if a label with the strings ``chosen`` would match an allowed combination with more open parts.
 
-    ``patterns`` contains the patterns of each part, and ``allowed`` the combinations that lead to an order code.
+    ``patterns`` contains the patterns of each part, and ``allowed_values`` the combinations that lead to an order code.
     """
     if not allowed:
         return False

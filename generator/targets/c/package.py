@@ -163,7 +163,7 @@ class ReceiverCode:
         reading = view.reading
         #: The call that reads the position from the buffer.
         self.read = f"{reading.macro}({reading.arguments_of(self.row.code)}, rx, &position)"
-        self.position_type = reading.frame.struct.member_type(reading.frame.measured) if reading.frame else ""
+        self.position_type = reading.frame.struct.member_type(reading.frame.position_member) if reading.frame else ""
         self.modulus = view.modulus(self.row.macro, example.frame.layout)
 
 
@@ -305,7 +305,7 @@ def own_programs(
 def _program_template(program: ExampleCode | ReceiverCode) -> str:
     if isinstance(program, ReceiverCode):
         return "receiver.c.jinja"
-    return "poller.c.jinja" if program.polls else "example.c.jinja"
+    return "poller.c.jinja" if program.can_poll else "example.c.jinja"
 
 
 def _makers_with_crc(views: Iterable[DeviceView], is_wanted: Callable[[CrcCode], bool]) -> list[str]:

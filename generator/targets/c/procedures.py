@@ -133,7 +133,9 @@ class ProcedureCode:
         self._filled = dict(self._structs_to_fill())
         self._wholes = dict(self._whole_numbers())
         #: Registers with parameters on which the limits of later steps depend.
-        self._teaching = {step.register.name for step in run.operations if isinstance(step, Writes) and step.teaches}
+        self._teaching = {
+            step.register.name for step in run.operations if isinstance(step, Writes) and step.determines_limits
+        }
         self.arguments = [self._build_argument(parameter) for parameter in run.arguments]
         self.rows = list(self._yield_rows())
         self.count = sum(map(_number_of_rows, run.operations))
@@ -275,7 +277,7 @@ class ProcedureCode:
             checked_registers = {refusal.register.name for refusal in undecodable}
             for write in parameter.written:
                 register = write.register.name
-                is_checked = register in checked_registers or write.teaches
+                is_checked = register in checked_registers or write.determines_limits
                 if isinstance(write.value, AsNumber) and is_checked:
                     whole = Whole(
                         code=self.registers[register],

@@ -269,8 +269,8 @@ class SelfTest:
         """Return the answers for the example as arguments, such as ``CODE_GRAY, ``. The default is the first."""
         arguments = ""
         for question in questions:
-            answer_names = [answer.name for answer in question.item.answers]
-            chosen_name = example.alternatives.get(question.item.name, answer_names[0])
+            answer_names = [answer.name for answer in question.alternative.answers]
+            chosen_name = example.alternatives.get(question.alternative.name, answer_names[0])
             constant = question.enumeration.entries[answer_names.index(chosen_name)]
             arguments += f"{constant.name}, "
         return arguments

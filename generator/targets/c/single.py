@@ -101,8 +101,8 @@ class SingleCode:
     def request(self) -> StructCodec | None:
         """The frame of the request for the position, over SPI the one that the macro names. None without a struct."""
         usage = self.view.usage
-        if usage is not None and usage.asking is not None:
-            return usage.asking.codec
+        if usage is not None and usage.request_for_reply is not None:
+            return usage.request_for_reply.codec
         exchanged = self.view.interface.exchanged.removeprefix(f"{self.view.PREFIX}_REQUEST_").lower()
         requests = (codec for codec in self.view.interface.codecs if codec.struct.layout.name == exchanged)
         return next(requests, None)
@@ -178,7 +178,7 @@ class SingleCode:
         if usage is not None and usage.request:
             yield usage.request
         yield exchanged
-        if usage is not None and (usage.request or usage.asking is not None):
+        if usage is not None and (usage.request or usage.request_for_reply is not None):
             yield from (f"cw_rs485_{action}" for action in _BYTE_BY_BYTE)
         if self.request is not None:
             yield f"{self.request.name}_encode"

@@ -124,7 +124,7 @@ class Reader:
         self.source = "number" if codec.in_bytes else "word"
 
     def as_sent(self) -> Reader:
-        """Return the reader of the bits before any Gray code is converted. They are in ``sent``."""
+        """Return the reader of the bits before any Gray code is converted. They are in ``sent_frames``."""
         reader = Reader(self.scope, self.codec, self._byte)
         reader.source = "sent" if self.codec.parity_covers_gray else self.source
         return reader
@@ -132,7 +132,7 @@ class Reader:
     def bits(self, bits: Bits) -> Expr:
         """Return the bits as a number, such as ``word >> 8 & 0x3FF``."""
         if not self.codec.by_word:
-            return self.of_bytes(bits.pieces)
+            return self.number_from_pieces(bits.pieces)
         shifted = shift_value(Atom(self.source), ">>", self.scope.expression_of(bits.low))
         # Bits at the top of the word need no mask.
         is_at_top = bits.low + bits.width == self.codec.layout.bits
@@ -159,7 +159,7 @@ class Reader:
         xor_of_fields = join_operands("^", [self.bits(bits) for bits in parts])
         return Operation(xor_of_fields, "&", mask(counted)) if counted else xor_of_fields
 
-    def of_bytes(self, pieces: Sequence[Piece]) -> Expr:
+    def number_from_pieces(self, pieces: Sequence[Piece]) -> Expr:
         """Return the number that pieces of the bytes form."""
         return from_pieces(pieces, self.codec.length, self._byte)
 
@@ -180,7 +180,7 @@ class Reader:
     def _byte_variable(self, byte: int) -> Atom:
         return Atom(self._byte.format(byte))
 
-    def unused(self) -> Expr:
+    def differing_unused_bits(self) -> Expr:
         """Return the unused bits that differ from the manual, each at its position in one number."""
         fixed_bits = sorted(moved_bits(self.codec), key=lambda bits: (bits.byte or 0, bits.shift))
         differing_bits = [self._unused_at_fixed_place(bits) for bits in fixed_bits]
@@ -189,7 +189,7 @@ class Reader:
                 differing_bits.append(self._unused_at_moving_place(reserved))
         return join_operands("|", differing_bits)
 
-    def others(self) -> Expr:
+    def bits_without_field(self) -> Expr:
         """Return the bits without a field, at their positions in the number that the bytes form."""
         if self.codec.by_word:
             all_bits = self.source

@@ -59,11 +59,11 @@ class Coder:
         self.layout_interface = interface
         self.interface, self.encoder = interface_name(interface), encoder_name(interface)
         self.names = ClassNames(layout, register, context.crcs.values())
-        self.make = Maker(context.scope, self.plan, self.names)
-        scope = NamedValues(context.scope.names, self.answered) if register is None else context.scope
+        self.encoding = Maker(context.scope, self.plan, self.names)
+        scope = NamedValues(context.scope.names, self.answered_parameters) if register is None else context.scope
         self.decoding = Decoder(scope, self.plan, self.names, self.enum)
         #: Questions whose answers the decoder accepts: those of all frames among which it is chosen.
-        self.passed = self.questions
+        self.passed_arguments = self.questions
 
     def number(self, value: Expression) -> Expr:
         return self.context.scope.expression_of(value)
@@ -77,10 +77,10 @@ class Coder:
             return True
         if self.limits is not None and limits_depend(self.limits):
             return True
-        if self.reports is not None and self.reports.depends:
+        if self.reports is not None and self.reports.depends_on_order_code:
             return True
         stated_values = [field.equals for field in self.expected if isinstance(field.equals, Expression)]
-        return not all(self.answered.issuperset(stated_value.parameters) for stated_value in stated_values)
+        return not all(self.answered_parameters.issuperset(stated_value.parameters) for stated_value in stated_values)
 
     @cached_property
     def questions(self) -> list[OpenQuestion]:
@@ -88,7 +88,7 @@ class Coder:
         return self.context.questions_of(self.layout)
 
     @cached_property
-    def answered(self) -> frozenset[str]:
+    def answered_parameters(self) -> frozenset[str]:
         """Parameters that the answers set."""
         parameters: set[str] = set()
         for question in self.questions:
@@ -112,18 +112,18 @@ class Coder:
         return names_and_descriptions
 
     @property
-    def finds_constants(self) -> bool:
+    def can_raise_constant_error(self) -> bool:
         """True if ``decode`` can raise ConstantError."""
         return Fault.CONSTANT in self.plan.faults()
 
     @property
-    def finds_ranges(self) -> bool:
+    def can_raise_range_error(self) -> bool:
         """True if ``decode`` can raise RangeError: a check can, or a field has named values."""
         has_named_values = any(is_named(part.meaning) for part in self.plan.parts)
         return has_named_values or Fault.RANGE in self.plan.faults()
 
     @property
-    def chosen(self) -> list[Part]:
+    def named_value_parts(self) -> list[Part]:
         """Parts with named values, except the selector. ``decode`` looks up their members after all checks."""
         parts = self.plan.parts
         return [part for part in parts if is_named(part.meaning) and not self.selects(part.field)]
@@ -131,7 +131,7 @@ class Coder:
     @property
     def keeps_bytes(self) -> bool:
         """True if the register can hold values that may not be written, so that a decoded one keeps its bytes."""
-        return self.register is not None and bool(self.limited or powers_of_two(self.plan))
+        return self.register is not None and bool(self.limited_attribute or powers_of_two(self.plan))
 
     @property
     def bases(self) -> str:
@@ -248,15 +248,15 @@ class Coder:
 
     def whole_of_attributes(self, whole: Whole) -> Expr:
         """Return a joined number as an expression of local variables named like the attributes."""
-        return self.make.whole_of_numbers(whole, self.make.scope, str)
+        return self.encoding.whole_of_numbers(whole, self.encoding.scope, str)
 
     def whole_takes_variant(self, whole: Whole) -> bool:
         """Return whether the expression of a joined number depends on the order code, not only on answers."""
-        return not self.answered.issuperset(self.make.parameters_of_whole(whole))
+        return not self.answered_parameters.issuperset(self.encoding.parameters_of_whole(whole))
 
     def whole_questions(self, whole: Whole) -> list[OpenQuestion]:
         """Return the questions whose answers the expression of a joined number needs."""
-        needed_parameters = self.make.parameters_of_whole(whole)
+        needed_parameters = self.encoding.parameters_of_whole(whole)
         needed_questions = []
         for question in self.questions:
             if any(parameter in needed_parameters for parameter, _ in question.members):
@@ -272,7 +272,7 @@ class Coder:
         return [field for field in self.layout.fields if field.equals is not None]
 
     @property
-    def decimals(self) -> list[Field]:
+    def digit_fields(self) -> list[Field]:
         """Fields of decimal digits whose name is not that of a run of digits."""
         decimals = (part.field for part in self.plan.parts if part.field.runs)
         return [field for field in decimals if not _has_run_of_its_name(field)]
@@ -290,7 +290,7 @@ class Coder:
             conditions.append("no unused bit differs")
         return ", ".join(conditions)
 
-    def stated(self, field: Field) -> Expr:
+    def documented_value(self, field: Field) -> Expr:
         """Return the value that the manual gives for a field."""
         match field.equals:
             case Expression() as value:
@@ -301,7 +301,7 @@ class Coder:
                 return Atom(coded(value or 0))
 
     @property
-    def measured(self) -> str:
+    def position_attribute(self) -> str:
         """Attribute that is the position. Empty if the frame has no position, or only a part of it."""
         measurement = self.context.device.measurement_of(self.layout_interface)
         position_name = measurement.of if measurement is not None else "position"
@@ -310,14 +310,14 @@ class Coder:
         return self.names.attribute(position_name) if position_name in number_names else ""
 
     @property
-    def usable(self) -> str:
+    def usable_position(self) -> str:
         """Expression for the position: its attribute or, for a join of raw numbers, the join without checks."""
         scope = self._scope_of_attributes(self.by_index)
         for whole in self.plan.wholes:
-            is_position = self.names.attribute(whole.join.name) == self.measured
+            is_position = self.names.attribute(whole.join.name) == self.position_attribute
             if is_position and all(isinstance(meaning_of(field), Raw) for field in whole.fields):
-                return str(self.make.whole_of_numbers(whole, scope, self.by_index))
-        return self.by_index(self.measured)
+                return str(self.encoding.whole_of_numbers(whole, scope, self.by_index))
+        return self.by_index(self.position_attribute)
 
     def _scope_of_attributes(self, read: Callable[[str], str]) -> Scope:
         """Return the scope in which ``read`` returns the expression for ``variant`` or for an answer by its name."""
@@ -328,7 +328,7 @@ class Coder:
         return Scope(code_of_parameter)
 
     @property
-    def not_usable(self) -> list[str]:
+    def not_usable_conditions(self) -> list[str]:
         """Conditions under which the position of a frame is not usable."""
         if self.reports is None:
             return []
@@ -339,12 +339,12 @@ class Coder:
             parameters=self.context.parameters,
             attribute_of=self.by_index,
         )
-        return reports_with_indices.not_usable
+        return reports_with_indices.not_usable_conditions
 
     @property
     def index_names(self) -> str:
         """Names of the attributes that ``usable_position`` reads by index, for a comment: ``0 is position``."""
-        expressions = " ".join([*self.not_usable, self.usable])
+        expressions = " ".join([*self.not_usable_conditions, self.usable_position])
         indices = {int(index) for index in re.findall(r"self\[(\d+)\]", expressions)}
         return ", ".join(f"{index} is {self._names_by_index[index]}" for index in sorted(indices))
 
@@ -376,7 +376,7 @@ class Coder:
         return limits_of(self.context.device, register)
 
     @property
-    def limited(self) -> str:
+    def limited_attribute(self) -> str:
         """Attribute to which the limits of the register apply. Empty for a number made up of several attributes."""
         member = self.limits.member if self.limits is not None else ""
         return self.names.attribute(member) if member else ""

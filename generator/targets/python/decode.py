@@ -48,9 +48,9 @@ class Decoder:
         return self.scope.expression_of(value)
 
     @property
-    def named(self) -> Mapping[str, str]:
+    def values_by_name(self) -> Mapping[str, str]:
         """Values that depend on the order code, by name. Complete once the decoder has been printed."""
-        return self.scope.named if isinstance(self.scope, NamedValues) else {}
+        return self.scope.values_by_name if isinstance(self.scope, NamedValues) else {}
 
     @property
     def comments(self) -> Mapping[str, str]:
@@ -63,17 +63,17 @@ class Decoder:
         """Return the variable for the value of a field."""
         return self.names.local(field.name)
 
-    def start(self) -> str:
+    def forget_variables(self) -> str:
         """Forget all variables, at the beginning of a function. Prints nothing in the template."""
         self.assigned.clear()
         return ""
 
-    def enter(self) -> frozenset[str]:
-        """Return the fields that have a variable, for ``leave``."""
+    def assigned_fields(self) -> frozenset[str]:
+        """Return the fields that have a variable, for ``forget_assigned_since``."""
         return frozenset(self.assigned)
 
-    def leave(self, before: frozenset[str]) -> str:
-        """Forget the variables that have been assigned since ``enter``. Prints nothing in the template."""
+    def forget_assigned_since(self, before: frozenset[str]) -> str:
+        """Forget the variables that have been assigned since ``assigned_fields``. Prints nothing in the template."""
         self.assigned = set(before)
         return ""
 
@@ -119,7 +119,7 @@ class Decoder:
             return None
         if not frame_crc.crc.init and not frame_crc.is_part:
             return number(self.codec.layout.widest - frame_crc.crc.width)
-        answered = self.scope.answered if isinstance(self.scope, NamedValues) else frozenset()
+        answered = self.scope.answered_parameters if isinstance(self.scope, NamedValues) else frozenset()
         if not answered.isdisjoint(frame_crc.covered.parameters):
             return None
         return Scope(self.scope.names).expression_of(frame_crc.covered)
@@ -130,7 +130,7 @@ class Decoder:
         return -(-self.codec.layout.widest // TABLE_BITS) if self.crc_covers is not None else 0
 
     @property
-    def lookups(self) -> str:
+    def table_lookups(self) -> str:
         """XOR of the tables, such as ``table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]``.
 
         ``low`` has the lowest 16 bits of the word, ``high`` all others. The word is halved first, because operations on
@@ -176,7 +176,7 @@ class Decoder:
     def padded_fields(self) -> list[tuple[Field, Expr]]:
         """Fields below zeros, each with the bits that include the zeros."""
         checks = (check for check in self.codec.checks if isinstance(check, ZerosAbove))
-        return [(check.field, self.read.of_bytes(check.field.pieces)) for check in checks]
+        return [(check.field, self.read.number_from_pieces(check.field.pieces)) for check in checks]
 
     @property
     def members(self) -> list[tuple[int, str]]:
@@ -184,7 +184,7 @@ class Decoder:
         return list(self._first_byte.members_by_byte.items()) if self.is_unpacked else []
 
     @property
-    def disagreement(self) -> list[str]:
+    def failing_conditions(self) -> list[str]:
         """Conditions under which a check fails, if the first byte has a selector and each byte has a variable.
 
         Otherwise it is empty, and also if other bytes need checks other than those of constant bits.
@@ -222,7 +222,7 @@ class Decoder:
         """
         field = part.field
         bits = self.bits(part)
-        if self.selects(field) and self.disagreement:
+        if self.selects(field) and self.failing_conditions:
             return [Atom("valid_first_bytes[b0]")]
         match meaning_of(field):
             case Raw():
@@ -269,7 +269,7 @@ class Decoder:
         is_in_low_table = low_bit.is_constant and low_bit.constant < TABLE_BITS
         return "low" if self.tables and not self.codec.gray and is_in_low_table else ""
 
-    def result(self, encoder_and_answers: Sequence[tuple[str, str]]) -> DecodedValues:
+    def decoded_values(self, encoder_and_answers: Sequence[tuple[str, str]]) -> DecodedValues:
         """Return the values of all attributes, in order, beginning with the encoder and the answers.
 
         The last one is for the unused bits, if the class has an attribute for them.
@@ -278,9 +278,11 @@ class Decoder:
         for part in self.codec.parts:
             self._add_values(part, decoded)
         if self.codec.reserved:
-            decoded.values.append((str(self.read.unused()), "unused, 1 where a bit differs from the manual"))
+            decoded.values.append(
+                (str(self.read.differing_unused_bits()), "unused, 1 where a bit differs from the manual")
+            )
         elif self.codec.keeps_others:
-            decoded.values.append((str(self.read.others()), "unused, all other bits"))
+            decoded.values.append((str(self.read.bits_without_field()), "unused, all other bits"))
         return decoded
 
     def _add_values(self, part: Part, decoded: DecodedValues) -> None:

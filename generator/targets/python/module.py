@@ -80,7 +80,7 @@ class Dispatcher:
         return from_pieces(self.plan.bits.pieces)
 
     @property
-    def allowed(self) -> list[int]:
+    def allowed_values(self) -> list[int]:
         """All values of the selector that belong to a frame."""
         return sorted(chain.from_iterable(branch.values for branch in self.plan.branches))
 
@@ -98,7 +98,7 @@ class Dispatcher:
         return [(question.name, question.about) for question in self.questions]
 
     @property
-    def told_by(self) -> str:
+    def selector_title(self) -> str:
         """Printed name of the selector."""
         return plain(self.plan.selector.printed_name or words(self.plan.selector.name))
 
@@ -183,7 +183,7 @@ class Module:
             for dispatcher in section.dispatchers:
                 frames += (dispatcher.union, dispatcher.name)
             yield section.interface.title, frames
-        yield "All interfaces", ["Frame"] if self.codes.sent else []
+        yield "All interfaces", ["Frame"] if self.codes.sent_frames else []
         enumerations = [enumeration.name for enumeration in self.enums]
         yield "Values of fields", [*enumerations, *(question.kind for question, _ in self.alternatives)]
         addresses = ["Address"] if self.registers else []
@@ -247,7 +247,7 @@ class Module:
         return None
 
     @property
-    def known_by(self) -> list[str]:
+    def identifying_classes(self) -> list[str]:
         """Classes of the encoders whose registers identify the encoder."""
         return [encoder_name(identity.interface) for identity in self.identities]
 
@@ -315,7 +315,7 @@ class Module:
         )
         # Each decoder accepts the answers for all frames among which it is chosen.
         for coder in dispatcher.members:
-            coder.passed = dispatcher.questions
+            coder.passed_arguments = dispatcher.questions
         return dispatcher
 
     def _register_class(self, register: Register) -> Coder | Enumeration:

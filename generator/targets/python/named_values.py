@@ -16,13 +16,14 @@ from .names import ClassNames
 class NamedValues(Scope):
     """Scope that assigns a name to each value that depends on the order code, and records its expression.
 
-    ``named`` has the code of each value by its name, such as ``{"position_mask": "(1 << variant.position_bits) - 1"}``.
-    ``preferred`` has the names to use, by the kind of the value (``size`` or ``ones``) and its code.
-    Values that depend on the parameters ``answered`` are not assigned once, since a caller can give other answers.
+    ``values_by_name`` has the code of each value by its name, such as
+    ``{"position_mask": "(1 << variant.position_bits) - 1"}``. ``preferred`` has the names to use, by the kind of the
+    value (``size`` or ``ones``) and its code. Values that depend on the parameters ``answered_parameters`` are not
+    assigned once, since a caller can give other answers.
     """
 
-    answered: frozenset[str] = frozenset()
-    named: dict[str, str] = dataclass_field(default_factory=dict)
+    answered_parameters: frozenset[str] = frozenset()
+    values_by_name: dict[str, str] = dataclass_field(default_factory=dict)
     preferred: dict[tuple[str, str], str] = dataclass_field(default_factory=dict)
     comments: dict[str, str] = dataclass_field(default_factory=dict)
 
@@ -39,15 +40,15 @@ class NamedValues(Scope):
         A value with the code of an earlier one has its name. A new one has its preferred name, or one such as
         ``size_3``. Values that depend on an answer have no name.
         """
-        depends_on_answer = not self.answered.isdisjoint(value.parameters)
+        depends_on_answer = not self.answered_parameters.isdisjoint(value.parameters)
         if value.is_constant or depends_on_answer:
             return expression
         code = str(expression)
-        names_by_code = {named_code: name for name, named_code in self.named.items()}
+        names_by_code = {named_code: name for name, named_code in self.values_by_name.items()}
         name = names_by_code.get(code)
         if name is None:
-            name = self.preferred.get((kind, code), f"{kind}_{len(self.named)}")
-        self.named[name] = code
+            name = self.preferred.get((kind, code), f"{kind}_{len(self.values_by_name)}")
+        self.values_by_name[name] = code
         return Atom(name)
 
     def prefer(self, name: str, kind: str, value: Expression, comment: str = "") -> None:

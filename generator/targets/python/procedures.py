@@ -37,12 +37,12 @@ from .names import PROCEDURE_NAMES, Context, attribute, encoder_name, interface_
 class Segment:
     """Sequence of steps, and the arguments that are checked before it.
 
-    ``taught`` is the last step if its register determines the limits of later steps.
+    ``limiting_write`` is the last step if its register determines the limits of later steps.
     """
 
     arguments: Sequence[CheckedArgument]
     steps: Sequence[Operation]
-    taught: Writes | None
+    limiting_write: Writes | None
 
 
 class Steps:
@@ -74,7 +74,7 @@ class Steps:
         for step in self.steps:
             if isinstance(step, (Writes, Polls)) and step.field is not None and not step.field.is_fixed:
                 return True
-        return any(segment.taught for segment in self.segments)
+        return any(segment.limiting_write for segment in self.segments)
 
     def _depends_on_order_code(self, refusal: ArgumentRefusal) -> bool:
         """Return whether the check that refuses an argument needs the order code."""
@@ -92,10 +92,12 @@ class Steps:
 
         An argument belongs to the segment with the first step that writes it.
         """
-        segment_ends = [index + 1 for index, step in enumerate(self.steps) if isinstance(step, Writes) and step.teaches]
+        segment_ends = [
+            index + 1 for index, step in enumerate(self.steps) if isinstance(step, Writes) and step.determines_limits
+        ]
         for start, end in pairwise((0, *segment_ends, len(self.steps))):
             last_step = self.steps[end - 1]
-            changes_limits = isinstance(last_step, Writes) and last_step.teaches
+            changes_limits = isinstance(last_step, Writes) and last_step.determines_limits
             yield Segment(
                 arguments=[
                     checked_argument
@@ -103,7 +105,7 @@ class Steps:
                     if start <= self._first_write(checked_argument) < end
                 ],
                 steps=self.steps[start:end],
-                taught=last_step if isinstance(last_step, Writes) and changes_limits else None,
+                limiting_write=last_step if isinstance(last_step, Writes) and changes_limits else None,
             )
 
     def _first_write(self, parameter: CheckedArgument) -> int:
@@ -155,7 +157,7 @@ class Steps:
             return Atom(f"0x{field.mask_in_place:02X}")
         return shift_value(self.scope.ones(field.width), "<<", self.scope.expression_of(field.low))
 
-    def verified(self, op: Verifies) -> Expr:
+    def verified_mask(self, op: Verifies) -> Expr:
         """Return the mask of the register bits that are read back.
 
         It is that of a field, or has two digits for each byte of the register.
@@ -166,7 +168,7 @@ class Steps:
         number_of_digits = 2 * op.register.length
         return Atom(f"0x{mask_of_pieces:0{number_of_digits}X}")
 
-    def in_place(self, value: int | str, field: Field) -> Expr:
+    def shifted_to_field(self, value: int | str, field: Field) -> Expr:
         """Return a number or an argument, shifted to the position of the field."""
         if isinstance(value, int) and field.low.is_constant:
             return Atom(f"0x{value << field.low.constant:02X}")

@@ -45,7 +45,7 @@ class ReadmeExample:
     ``has_verdict`` is True for a frame with a verdict. ``spoilt`` is the same frame with a position that is not usable,
     ``reported`` its report, and ``tried`` the printed lines for both and for an invalid one. ``kind`` is the class
     of the frame if the encoder sends several. ``bits`` and ``digits`` describe a frame that is a string of bits.
-    ``looked_up`` is True if the call needs the encoder. ``answers`` are the arguments for questions that the manual
+    ``needs_lookup`` is True if the call needs the encoder. ``answers`` are the arguments for questions that the manual
     leaves open, ``module`` is the module of their classes. ``interface`` is that of the order code, ``position`` the
     position in the frame, ``flag`` the flag of the spec that is active in ``spoilt``, and ``flag_attribute`` its name
     in the frame. ``order_code`` is that of a procedure. ``is_position_only`` is True for a frame that has only flags
@@ -63,7 +63,7 @@ class ReadmeExample:
     kind: str = ""
     bits: int = 0
     digits: str = ""
-    looked_up: bool = False
+    needs_lookup: bool = False
     answers: str = ""
     module: str = ""
     interface: str = ""
@@ -175,13 +175,13 @@ class Readme:
             text=_frame_literal(placed_layout, sample.frame),
             shown=", ".join(f"frame.{coder.names.attribute(name)}" for name in numbers),
             result=" ".join(map(str, numbers.values())),
-            has_verdict=coder.reports is not None and bool(coder.reports.otherwise),
+            has_verdict=coder.reports is not None and bool(coder.reports.default_verdict),
             bits=0 if layout.in_bytes else placed_layout.bits,
             digits="" if layout.in_bytes else f"{sample.frame:0{placed_layout.bits}b}",
             answers="".join(map(self._first_answer, coder.questions)),
             module=self.device.name if coder.questions else "",
             interface=variant.interface,
-            position=str(numbers.get(coder.measured, "")),
+            position=str(numbers.get(coder.position_attribute, "")),
             is_position_only=self._is_position_only(coder, variant.interface),
         )
 
@@ -203,9 +203,9 @@ class Readme:
         )
         crc_field = placed_layout.crc_field
         numbers = _numbers_of(coder, sample)
-        if crc_field is None or coder.layout.in_bytes or coder.measured not in numbers:
+        if crc_field is None or coder.layout.in_bytes or coder.position_attribute not in numbers:
             return example
-        position = str(numbers[coder.measured])
+        position = str(numbers[coder.position_attribute])
         flag_meaning = meaning(spoiling_flag, alarm_of(self.device, spoiling_flag))
         invalid_frame = f"invalid frame of {variant.code}: {_damaged_crc(crc_field, sample.frame)}"
         return replace(example, tried=(position, flag_meaning, invalid_frame))
@@ -286,7 +286,7 @@ class Readme:
         )
 
     @property
-    def live(self) -> ReadmeExample | None:
+    def live_example(self) -> ReadmeExample | None:
         """Order code with RS-485, or None if none is listed.
 
         ``shown`` is the name of the procedure that clears most alarms, or empty.
@@ -441,7 +441,7 @@ def _register_example(example: RegisterExample, coder: Coder) -> ReadmeExample:
         text="",
         shown=_tuple_expression(expressions),
         result=_tuple_expression(printed_values),
-        looked_up=coder.takes_variant,
+        needs_lookup=coder.takes_variant,
     )
 
 

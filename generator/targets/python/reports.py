@@ -42,7 +42,7 @@ class FrameReports:
         return self._judgement.worst_first if self._judgement is not None else ()
 
     @property
-    def depends(self) -> bool:
+    def depends_on_order_code(self) -> bool:
         """True if a condition, or the existence of bits that judge the position, depends on the order code."""
         if self._judgement is not None and self._judgement.may_be_unknown:
             return True
@@ -67,7 +67,7 @@ class FrameReports:
         return [(verdict.name, conditions[verdict]) for verdict in Verdict if verdict in conditions]
 
     @property
-    def reasons(self) -> dict[str, list[str]]:
+    def reasons_by_verdict(self) -> dict[str, list[str]]:
         """Meanings of the causes of each verdict, such as ``{"NOT_USABLE": ["error: data is invalid."]}``."""
         reasons_by_verdict: dict[str, list[str]] = {}
         for verdict, causes in self._causes_by_verdict:
@@ -76,7 +76,7 @@ class FrameReports:
         return reasons_by_verdict
 
     @property
-    def not_usable(self) -> list[str]:
+    def not_usable_conditions(self) -> list[str]:
         """Conditions, each of which makes the position not usable."""
         for verdict, causes in self._causes_by_verdict:
             if verdict is Verdict.NOT_USABLE:
@@ -84,7 +84,7 @@ class FrameReports:
         return []
 
     @property
-    def otherwise(self) -> str:
+    def default_verdict(self) -> str:
         """Verdict if no condition applies. Empty if the frame has no position."""
         return self._judgement.otherwise.name if self._judgement is not None else ""
 

@@ -69,11 +69,11 @@ class Shape:
         yield "crc", self._crc_of_encoder(description.crcs)
         yield from self._gray_members()
         yield "fixed", self._constant_bits()
-        yield "position", coder.measured
+        yield "position", coder.position_attribute
         if self.plan.keeps_others:
             yield "kept_mask", Code(str(others(coder.context.scope, self.plan)))
-        if coder.register is not None and coder.limited:
-            yield "limited", (coder.register.limits_of, coder.limited)
+        if coder.register is not None and coder.limited_attribute:
+            yield "limited", (coder.register.limits_of, coder.limited_attribute)
         yield "default_verdict", self._default_verdict()
         yield "frame", self._frame_with_special_range()
 
@@ -132,7 +132,7 @@ class Shape:
         This is also so if the position never wraps around. Otherwise, return an empty string.
         """
         coder = self.coder
-        if coder.register is not None or not coder.measured:
+        if coder.register is not None or not coder.position_attribute:
             return ""
         interface = coder.context.device.interface(coder.layout_interface)
         ranges = position_ranges(coder.context.device, interface)

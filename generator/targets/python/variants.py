@@ -54,9 +54,9 @@ class Variants:
         self.context = context
         self.device = context.device
         self.frame_kinds = frame_kinds
-        self.sent = [coder for coder in coders if coder.layout.sender == "encoder"]
+        self.sent_frames = [coder for coder in coders if coder.layout.sender == "encoder"]
         #: True if any frame has a verdict.
-        self.has_verdict = any(coder.reports is not None and coder.reports.otherwise for coder in coders)
+        self.has_verdict = any(coder.reports is not None and coder.reports.default_verdict for coder in coders)
         self._scope = context.scope_of("self")
         self.rows = [self._build_row(variant) for variant in self.device.variants]
 
@@ -76,7 +76,7 @@ class Variants:
         return [self.context.parameters[parameter.name] for parameter in self.device.set_parameters]
 
     @property
-    def with_requests(self) -> list[str]:
+    def interfaces_with_requests(self) -> list[str]:
         """Names of the interfaces over which requests and replies form a pipeline of words."""
         spi_interfaces = (interface for interface in self.device.interfaces if isinstance(interface, Spi))
         return [interface.name for interface in spi_interfaces if interface.exchanges]
@@ -84,11 +84,11 @@ class Variants:
     def exchanged(self, interface: Interface) -> tuple[Exchanged, ...]:
         """Return the requests over an interface with their replies.
 
-        There are none if requests and replies form a pipeline of words, which ``with_requests`` lists.
+        There are none if requests and replies form a pipeline of words, which ``interfaces_with_requests`` lists.
         """
-        return () if interface.name in self.with_requests else exchanges(interface)
+        return () if interface.name in self.interfaces_with_requests else exchanges(interface)
 
-    def defaults(self, exchange: Exchanged) -> list[tuple[str, int]]:
+    def default_attributes(self, exchange: Exchanged) -> list[tuple[str, int]]:
         """Return attribute and factory default of each field in a request that has one: ``[("address", 1)]``."""
         names = ClassNames(exchange.request, None, ())
         return [(names.attribute(name), value) for name, value in exchange.defaults.items()]
@@ -117,7 +117,7 @@ class Variants:
         return docstrings.of_variant(self.device, self.context.parameters)
 
     @property
-    def derived(self) -> list[tuple[str, str, Expr]]:
+    def derived_parameters(self) -> list[tuple[str, str, Expr]]:
         """Name, meaning and value of each parameter that is derived from others.
 
         Those that always equal a quantity of the measurement are left out, since the class has that quantity.
@@ -135,7 +135,7 @@ class Variants:
     # -- units of positions
 
     @cached_property
-    def measured(self) -> str:
+    def position_attribute(self) -> str:
         """Name of the position attribute that is converted to turns or lengths, or "" without a measurement."""
         for interface in self.device.interfaces:
             measurement = self._measurement_of(interface)
@@ -205,7 +205,7 @@ class Variants:
         return ranges[0] if len(ranges) == 1 and not ranges[0].never_wraps else None
 
     @cached_property
-    def by_frame(self) -> list[str]:
+    def interfaces_with_frame_ranges(self) -> list[str]:
         """Names of the interfaces over which frames have different ranges, or positions that never wrap around."""
         interface_names: list[str] = []
         for interface in self.device.interfaces:
@@ -215,15 +215,15 @@ class Variants:
         return interface_names
 
     @property
-    def no_range(self) -> str:
+    def reasons_without_range(self) -> str:
         """Reasons why an interface has no modulus that applies to all of its frames, or "" if all have one."""
         interfaces = self.device.interfaces
         without_modulus = {interface.name for interface in interfaces if self.modulus_of(interface) is None}
         reasons: list[str] = []
         # Over these interfaces, the frames do not differ.
-        if without_modulus.difference(self.by_frame):
+        if without_modulus.difference(self.interfaces_with_frame_ranges):
             reasons.append("the manual does not give it")
-        if self.by_frame:
+        if self.interfaces_with_frame_ranges:
             reasons.append("it depends on the frame, see range_of()")
         return ", or ".join(reasons)
 
@@ -240,7 +240,7 @@ class Variants:
 
         Frames in which the distance between two positions is unknown are left out.
         """
-        if interface.name not in self.by_frame:
+        if interface.name not in self.interfaces_with_frame_ranges:
             return []
         ranges: list[tuple[str, Sequence[Expr | None]]] = []
         for position_range in position_ranges(self.device, interface):
@@ -344,7 +344,7 @@ class Variants:
             return end_of(only_range) or usual
 
         ends = by_interface(self.device, end_over)
-        is_usual = not self.by_frame and all(position == usual for position, _ in ends.cases)
+        is_usual = not self.interfaces_with_frame_ranges and all(position == usual for position, _ in ends.cases)
         return None if is_usual else ends
 
     @property
@@ -354,7 +354,7 @@ class Variants:
             "Rotary": bool(self.counts_per_turn.cases),
             "Linear": bool(self.step_um.cases),
             "FineLinear": bool(self.step_nm.cases),
-            "Wrapping": bool(self.modulus.cases or self.by_frame),
+            "Wrapping": bool(self.modulus.cases or self.interfaces_with_frame_ranges),
         }
         return [name for name, applies in applies_by_class.items() if applies] or ["Encoder"]
 
@@ -376,7 +376,7 @@ class Variants:
         return [self.context.questions[alternative.name] for alternative in optional]
 
     @property
-    def some_code(self) -> str:
+    def example_code(self) -> str:
         """Last order code over an interface with a frame whose verdict depends on an answer of ``answers``.
 
         Raises an error if there is none.
@@ -388,7 +388,7 @@ class Variants:
         variants = (variant for variant in reversed(self.device.variants) if variant.interface in interface_names)
         return first_of(variants, "order code with a frame whose verdict an answer decides").code
 
-    def answered(self, question: OpenQuestion) -> list[tuple[str, str]]:
+    def answered_parameters(self, question: OpenQuestion) -> list[tuple[str, str]]:
         """Return the parameters that an answer sets, each with its attribute in the Enum of the answers."""
         return [(self.context.parameters[name], member) for name, member in question.members]
 
@@ -405,12 +405,12 @@ class Variants:
         return records
 
     @property
-    def initial(self) -> str:
+    def initial_values(self) -> str:
         """Kind of the values that these parameters have until they are read, such as ``factory defaults``."""
         return initial(self.device)
 
     @property
-    def holding(self) -> str:
+    def holding_registers(self) -> str:
         """Registers that hold these parameters, such as ``resolution at 5Ah, mode at 5Bh``."""
         registers = (group.register for group in held_parameters(self.device))
         return ", ".join(f"{register.name} at {register.address:02X}h" for register in registers)
