@@ -141,7 +141,7 @@ def _compare_sides(arguments: argparse.Namespace, cache: Cache) -> tuple[_Side, 
         return old, new, _compare_families(old, new, cache)
 
 
-def _print_comparison(comparison: DiffResult, old: _Side, new: _Side, arguments: argparse.Namespace) -> None:
+def _print_comparison(comparison: DiffResult, old_side: _Side, new_side: _Side, arguments: argparse.Namespace) -> None:
     """Print the changes as JSON, Markdown or text. With ``--editions``, the entries for the spec follow the text."""
     if arguments.json or arguments.format == "json":
         from ..changes.report import as_data
@@ -159,7 +159,7 @@ def _print_comparison(comparison: DiffResult, old: _Side, new: _Side, arguments:
         if arguments.editions:
             from .edition_entry import edition_entries
 
-            for entry in edition_entries(old.families, new.families, comparison.changes):
+            for entry in edition_entries(old_side.families, new_side.families, comparison.changes):
                 print(f"\n{entry}")
 
 
@@ -204,7 +204,7 @@ def _without_accepted(
         raise Stop(str(error), 2) from None
 
 
-def _compare_families(old: _Side, new: _Side, cache: Cache) -> DiffResult:
+def _compare_families(old_side: _Side, new_side: _Side, cache: Cache) -> DiffResult:
     """Return the changes in the families that could be read on both sides, with the notices of both.
 
     Generated files are compared only if the families differ. Otherwise, and if they cannot be generated, they are None.
@@ -213,14 +213,14 @@ def _compare_families(old: _Side, new: _Side, cache: Cache) -> DiffResult:
     from ..changes.report import DiffResult
     from ..changes.rules import packages
 
-    old_devices, new_devices = _comparable_devices(old, new), _comparable_devices(new, old)
+    old_devices, new_devices = _comparable_devices(old_side, new_side), _comparable_devices(new_side, old_side)
     changes = compare(old_devices, new_devices)
     files = _changed_files(old_devices, new_devices, cache) if changes else None
     return DiffResult(
         changes=changes,
         packages=packages(old_devices, new_devices, changes),
         files=files,
-        notices=(*old.notices, *new.notices),
+        notices=(*old_side.notices, *new_side.notices),
     )
 
 
@@ -230,7 +230,7 @@ def _comparable_devices(side: _Side, other_side: _Side) -> tuple[Device, ...]:
     return tuple(family.device for family in side.families if family.device.name not in excluded_names)
 
 
-def _write_records(comparison: DiffResult, new: _Side) -> DiffResult:
+def _write_records(comparison: DiffResult, new_side: _Side) -> DiffResult:
     """Write the records, and return ``comparison`` with notices about them and with the version that was written.
 
     Notices that it already has mean that a part was not compared. Then nothing is written.
@@ -244,7 +244,7 @@ def _write_records(comparison: DiffResult, new: _Side) -> DiffResult:
         raise Stop(f"nothing is recorded: {comparison.notices[0]}", 1)
     try:
         # Compose all texts before touching the first file.
-        paths_and_texts = list(files_of_release(comparison, new.families))
+        paths_and_texts = list(files_of_release(comparison, new_side.families))
         for path, text in paths_and_texts:
             path.write_text(text, encoding="utf-8")
     except NotRecorded as error:

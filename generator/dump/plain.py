@@ -63,18 +63,18 @@ def device_dump(device: Device) -> Item:
     return _Dump(device, None).whole(device.variants, _NO_PARAMETERS, None)
 
 
-def variant_dump(device: Device, match: Match) -> Item:
+def variant_dump(device: Device, code_match: Match) -> Item:
     """Return one order code as plain data, with expressions resolved and without the other interfaces.
 
-    Of the device, only what applies to the order code is left. ``match`` also says how the label differs from it.
+    Of the device, only what applies to the order code is left. ``code_match`` also says how the label differs from it.
     """
-    variant = match.variant
+    variant = code_match.variant
     label = {
         "code": variant.code,
-        "unlisted": list(match.unlisted),
-        "tail": match.tail,
-        "special": match.special,
-        "written_as_in": match.written_as_in,
+        "unlisted": list(code_match.unlisted),
+        "tail": code_match.tail,
+        "special": code_match.special,
+        "written_as_in": code_match.written_as_in,
     }
     reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
     # A parameter without an interface belongs to all of them.

@@ -70,9 +70,9 @@ class Place:
         return f"{words}, bits {self.high_bit}:{self.low_bit}"
 
 
-def devices_of(data: Raw) -> tuple[MasterDevice, ...]:
+def devices_of(master_data: Raw) -> tuple[MasterDevice, ...]:
     """Return the devices of a description, or the master itself as the only one."""
-    device_descriptions = data.get("devices", ({"name": data["title"]},))
+    device_descriptions = master_data.get("devices", ({"name": master_data["title"]},))
     devices: list[MasterDevice] = []
     for description in device_descriptions:
         channels = tuple(description.get("channels", ("",)))

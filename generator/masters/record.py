@@ -204,7 +204,7 @@ def _is_common_form(device: Device, crc: Crc) -> bool:
 
 def _build_record(
     frame: _PositionFrame,
-    parts: tuple[Part, ...],
+    frame_parts: tuple[Part, ...],
     numbers: Mapping[str, int | None],
     cables: CableTable,
     notes: tuple[str, ...],
@@ -217,9 +217,9 @@ def _build_record(
     return Record(
         code=frame.variant.code,
         family=device.name,
-        words=_words_by_name(frame, parts, numbers),
+        words=_words_by_name(frame, frame_parts, numbers),
         numbers=numbers,
-        parts=parts,
+        parts=frame_parts,
         timeout=timeout_words(timeout) if timeout is not None else "",
         cables=cables,
         notes=notes,
@@ -233,11 +233,11 @@ def _build_record(
     )
 
 
-def _numbers_by_name(frame: _PositionFrame, parts: Sequence[Part]) -> dict[str, int | None]:
+def _numbers_by_name(frame: _PositionFrame, frame_parts: Sequence[Part]) -> dict[str, int | None]:
     """Return the numbers of a record by name, in the order of ``NUMBERS``."""
     variant = frame.variant
     crc = frame.device.crc_of(frame.placed_layout)
-    widths = bit_counts(parts)
+    widths = bit_counts(frame_parts)
     numbers = (
         widths
         | _crc_numbers(crc)
@@ -248,23 +248,25 @@ def _numbers_by_name(frame: _PositionFrame, parts: Sequence[Part]) -> dict[str, 
     return {name: numbers[name] for name in NUMBERS}
 
 
-def _words_by_name(frame: _PositionFrame, parts: Sequence[Part], numbers: Mapping[str, int | None]) -> dict[str, str]:
+def _words_by_name(
+    frame: _PositionFrame, frame_parts: Sequence[Part], numbers: Mapping[str, int | None]
+) -> dict[str, str]:
     """Return the facts of a record that are words, by name: ``{"coding": "gray", "parity": "none", ...}``."""
     movement = frame.device.movement
     return {
         "interface": frame.variant.interface,
         "movement": movement,
-        "coding": position_coding(frame.placed_layout, frame.measurement, parts),
-        "status_active": _status_active(parts),
-        "parity": parity_of_frame(frame.placed_layout, parts),
+        "coding": position_coding(frame.placed_layout, frame.measurement, frame_parts),
+        "status_active": _status_active(frame_parts),
+        "parity": parity_of_frame(frame.placed_layout, frame_parts),
         "singleturn_codes": _singleturn_codes(movement, numbers["singleturn_bits"], numbers["counts_per_turn"]),
     }
 
 
-def _status_active(parts: Sequence[Part]) -> str:
+def _status_active(frame_parts: Sequence[Part]) -> str:
     """Return the level at which the status bits are active, ``mixed`` if they differ, or ``none``."""
     # A bit that is always 1 is an active-low bit that is never active.
-    levels = {part.active or "low" for part in parts if part.role == "status"}
+    levels = {part.active or "low" for part in frame_parts if part.role == "status"}
     if not levels:
         return "none"
     return levels.pop() if len(levels) == 1 else "mixed"

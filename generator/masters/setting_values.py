@@ -336,10 +336,10 @@ def _with_two_parts_of_position(record: Record) -> Sequence[Part]:
     return _with_neighbours_merged(record.parts, ("multiturn", "singleturn"))
 
 
-def _with_neighbours_merged(parts: Sequence[Part], roles: Collection[str]) -> Sequence[Part]:
+def _with_neighbours_merged(frame_parts: Sequence[Part], roles: Collection[str]) -> Sequence[Part]:
     """Return the parts with neighbours that have the same one of these roles merged, under the name of that role."""
     merged_parts: list[Part] = []
-    for part in parts:
+    for part in frame_parts:
         if part.role not in roles:
             merged_parts.append(part)
         elif merged_parts and merged_parts[-1].role == part.role:

@@ -166,18 +166,18 @@ def shipped_masters() -> tuple[Master, ...]:
     return masters
 
 
-def _master_from_spec(data: Raw) -> Master:
+def _master_from_spec(master_data: Raw) -> Master:
     """Return the master that a checked description describes. Lists of rules that it lacks are empty."""
-    documents = tuple(Document(key, row["title"], row.get("url", "")) for key, row in data["documents"].items())
+    documents = tuple(Document(key, row["title"], row.get("url", "")) for key, row in master_data["documents"].items())
     return Master(
-        name=data["master"],
-        title=data["title"],
-        takes=tuple(data["takes"]),
+        name=master_data["master"],
+        title=master_data["title"],
+        takes=tuple(master_data["takes"]),
         documents=documents,
-        devices=devices_of(data),
-        standing=data.get("standing", "documented"),
-        several_channels=data.get("several_channels", {}).get("text", ""),
-        **{name: tuple(data.get(name, ())) for name in _RULE_LISTS},
+        devices=devices_of(master_data),
+        standing=master_data.get("standing", "documented"),
+        several_channels=master_data.get("several_channels", {}).get("text", ""),
+        **{name: tuple(master_data.get(name, ())) for name in _RULE_LISTS},
     )
 
 
@@ -324,13 +324,13 @@ def _refusal_of_gap(uncovered: str) -> Refusal:
     return Refusal(reason=reason, standing="inferred", source="")
 
 
-def _items_of_parts(parts: Sequence[Part]) -> Iterator[str]:
+def _items_of_parts(frame_parts: Sequence[Part]) -> Iterator[str]:
     """Yield, for each part, the item that counts its bits, such as ``parity_bits``.
 
     For the parts of the common frame, which every master has, yield an empty string.
     """
     is_after_position = False
-    for part in parts:
+    for part in frame_parts:
         if part.role in ("multiturn", "singleturn"):
             is_after_position = True
         if part.role == "other":

@@ -234,12 +234,12 @@ def _setting_text(setting: Setting) -> str:
     return f"{bound_in_words(setting)}{setting.text}{standing_mark(setting)}"
 
 
-def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sheet]) -> str:
+def sheet_text(device: Device, code_match: Match, record: Record, sheets: Sequence[Sheet]) -> str:
     """Return the record and each master's settings or refusals as text, at most 80 columns wide.
 
     With a single master, places and documents follow. If no master can take the position, only the record is returned.
     """
-    lines = _record_lines(device, match, record)
+    lines = _record_lines(device, code_match, record)
     if record.obstacle:
         return "\n".join(lines)
     lines += ["", wrapped(legend([sheet.master for sheet in sheets], sheets, len(sheets) == 1), WIDTH)]
@@ -263,16 +263,18 @@ def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sh
     return "\n".join(lines)
 
 
-def _record_lines(device: Device, match: Match, record: Record) -> list[str]:
+def _record_lines(device: Device, code_match: Match, record: Record) -> list[str]:
     """Return the order code, notes about how its label is written, and the record."""
-    lines = [wrapped(f"{match.variant.code}: {device.title}", WIDTH, "  ", "")]
-    if match.written_as_in:
-        lines.append(wrapped(f"the label is written as in {match.written_as_in}", WIDTH, "  "))
-    if match.unlisted:
-        lines.append(wrapped(f"accepted, although not listed in the manual: {', '.join(match.unlisted)}", WIDTH, "  "))
+    lines = [wrapped(f"{code_match.variant.code}: {device.title}", WIDTH, "  ", "")]
+    if code_match.written_as_in:
+        lines.append(wrapped(f"the label is written as in {code_match.written_as_in}", WIDTH, "  "))
+    if code_match.unlisted:
+        lines.append(
+            wrapped(f"accepted, although not listed in the manual: {', '.join(code_match.unlisted)}", WIDTH, "  ")
+        )
     statements = (*grade_below_manual(device), *origin(device))
     lines += [wrapped(PLAIN_STYLE.sentence(statement), WIDTH, "  ") for statement in statements]
-    if match.special:
+    if code_match.special:
         lines.append(wrapped("A code that ends in /Sxxx may differ from the manual.", WIDTH, "  "))
     lines += two_columns(facts(record), 2)
     lines += [wrapped(note, WIDTH, "  ") for note in record.notes]
@@ -352,18 +354,18 @@ def masters_data(masters: Sequence[Master]) -> dict[str, Any]:
     }
 
 
-def sheet_data(device: Device, match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[str, Any]:
+def sheet_data(device: Device, code_match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[str, Any]:
     """Return the record and the settings as plain data, in the shape of ``language/master_settings.schema.json``."""
     return {
         "version": VERSION,
         "order_code": record.code,
         "family": record.family,
         "label": {
-            "code": match.variant.code,
-            "unlisted": list(match.unlisted),
-            "tail": match.tail,
-            "special": match.special,
-            "written_as_in": match.written_as_in,
+            "code": code_match.variant.code,
+            "unlisted": list(code_match.unlisted),
+            "tail": code_match.tail,
+            "special": code_match.special,
+            "written_as_in": code_match.written_as_in,
         },
         "evidence": device.evidence.grade,
         "placeholders": list(device.evidence.placeholders),

@@ -291,9 +291,9 @@ def _describe_check(check: PlannedCheck) -> Check:
             assert_never(check)
 
 
-def _describe_join(whole: Whole) -> Join:
-    fields_from_low = tuple((Name(field.name), low) for field, low in whole.from_low)
-    return Join(name=Name(whole.join.name), fields=fields_from_low)
+def _describe_join(joined_number: Whole) -> Join:
+    fields_from_low = tuple((Name(field.name), low) for field, low in joined_number.from_low)
+    return Join(name=Name(joined_number.join.name), fields=fields_from_low)
 
 
 def _describe_parity(parity_bit: Field, parity: ParityOf) -> Check:

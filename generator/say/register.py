@@ -353,10 +353,10 @@ def _flag_levels(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
         yield statement(Level.INACTIVE, f" when {inactive_level}: {flag.when_inactive}")
 
 
-def _run_of_digits(run: Digits) -> tuple[Part, ...]:
+def _run_of_digits(digit_run: Digits) -> tuple[Part, ...]:
     """Return the name of a run of digits, their number and their meaning, such as ``year 2 (of manufacture)``."""
-    meaning_text = f" ({run.meaning})" if run.meaning else ""
-    return Code(run.name), f" {run.digits}", meaning_text
+    meaning_text = f" ({digit_run.meaning})" if digit_run.meaning else ""
+    return Code(digit_run.name), f" {digit_run.digits}", meaning_text
 
 
 def _hex_digits_for(bits: int) -> int:

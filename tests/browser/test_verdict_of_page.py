@@ -46,7 +46,9 @@ def results(amm5: Device, tmp_path_factory: pytest.TempPathFactory) -> list[list
     """Return the class and the text of the coloured line, and the position in degrees, for each frame."""
     script = generate(Library((amm5,)))["browser/decode.js"]
     assert script.count(END) == 1
-    script = script.replace(END, f"  Object.assign(codewheelDecode, {{ createHeadline, describeMeasurement }});\n  return;\n{END}")
+    script = script.replace(
+        END, f"  Object.assign(codewheelDecode, {{ createHeadline, describeMeasurement }});\n  return;\n{END}"
+    )
     file = tmp_path_factory.mktemp("page") / "page.js"
     frames = json.dumps([USABLE, WITH_ERROR, DAMAGED])
     file.write_text(DOCUMENT + script + ASK.replace("FRAMES", frames), encoding="utf-8")

@@ -55,13 +55,13 @@ class ChannelDecoder:
         self._variant = variant
         self.frame = frame
 
-    def read(self, text: str) -> TypedFrame | None:
+    def read(self, frame_text: str) -> TypedFrame | None:
         """Return the frame in a text, or None if it is not longer than a single channel.
 
         Raises:
             FrameTextError: The text cannot be read as a number.
         """
-        typed_frame = frame_number(self.frame, undecorated(text), exact=True)
+        typed_frame = frame_number(self.frame, undecorated(frame_text), exact=True)
         longest_channel = max(channel.bits for channel in self.frame.channels)
         written_bits = typed_frame.bits if typed_frame.exact else max(typed_frame.bits, typed_frame.written - 3)
         return typed_frame if written_bits > longest_channel else None

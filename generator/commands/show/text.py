@@ -64,12 +64,12 @@ def device_text(device: Device) -> str:
     return "\n".join(lines)
 
 
-def variant_text(device: Device, match: Match) -> str:
+def variant_text(device: Device, code_match: Match) -> str:
     """Return the text about an order code: its parameters, interface, frames, registers, procedures and errata."""
-    variant = match.variant
+    variant = code_match.variant
     reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
     lines = [wrapped(f"{variant.code}: {device.title} ({device.manufacturer.title})", WIDTH, prefix="  ", first="")]
-    lines += [*label_differences(device, match), *_manual_lines(device), *_parameter_lines(device, variant)]
+    lines += [*label_differences(device, code_match), *_manual_lines(device), *_parameter_lines(device, variant)]
     lines += alternative_lines(reduced_device)
     lines += _position_lines([("", device.measurement_of(variant.interface))], variant.parameters)
     lines += _range_lines(reduced_device, variant.interface, variant.parameters)
@@ -299,13 +299,13 @@ def _notes_about_choices(device: Device, layout: Layout, style: Style) -> Iterat
             yield f"{style.sentence(statement)} The picture shows {alternative.answers[0].name}."
 
 
-def _position_code_note(device: Device, placed: PlacedLayout) -> str:
+def _position_code_note(device: Device, placed_layout: PlacedLayout) -> str:
     """Return a sentence with the code of the position, Gray or binary, and with the registers that decide it."""
-    layout = placed.layout
-    code = "Gray code" if placed.gray else "binary"
+    layout = placed_layout.layout
+    code = "Gray code" if placed_layout.gray else "binary"
     code_text = f"{layout.gray_of} is in {code}"
-    if placed.gray_excess:
-        code_text += f" with an excess of {placed.gray_excess}"
+    if placed_layout.gray_excess:
+        code_text += f" with an excess of {placed_layout.gray_excess}"
     deciding_names = device.needed_parameters([layout.gray_when]) if layout.gray_when else ()
     deciding_parameters = [parameter for parameter in device.run_time_parameters if parameter.name in deciding_names]
     if not deciding_parameters:

@@ -66,14 +66,14 @@ def json_number(value: int) -> int | str:
     return value if abs(value) <= _HIGHEST_EXACT_INTEGER else f"{value:#x}"
 
 
-def expression_data(value: Expression) -> Any:
+def expression_data(expression: Expression) -> Any:
     """Return a number, or a list of a number and terms, each of a multiple and factors.
 
     ``^name`` is two to the power ``name``: ``8 + 2 * turns - 2 ** bits`` becomes ``[8, [2, "turns"], [-1, "^bits"]]``.
     """
-    if value.is_constant:
-        return json_number(value.constant)
-    return [json_number(value.constant), *map(_term_data, value.terms)]
+    if expression.is_constant:
+        return json_number(expression.constant)
+    return [json_number(expression.constant), *map(_term_data, expression.terms)]
 
 
 def _term_data(term: Term) -> list[int | str]:
@@ -292,9 +292,11 @@ def _value_data(value: Value) -> list[Any]:
     return _without_empty_end(json_number(value.value), value.name, value.meaning)
 
 
-def _digits_data(run: Digits) -> list[Any]:
+def _digits_data(digit_run: Digits) -> list[Any]:
     """Return a run of digits: its name, its divisor, its modulus, and its meaning if it has one."""
-    return _without_empty_end(run.name, json_number(run.divisor), json_number(run.modulus), run.meaning)
+    return _without_empty_end(
+        digit_run.name, json_number(digit_run.divisor), json_number(digit_run.modulus), digit_run.meaning
+    )
 
 
 def _without_empty_end(*row: Any) -> list[Any]:

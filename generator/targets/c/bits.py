@@ -127,18 +127,18 @@ class Reader:
         has_32_bits = self.word_size == 32 and self.plan.gray is None
         return Cast("uint32_t", self.word) if high <= 32 and not has_32_bits else self.word
 
-    def number_of_join(self, whole: Whole, name_of: Callable[[Field], Expr]) -> Expr:
+    def number_of_join(self, joined_number: Whole, name_of: Callable[[Field], Expr]) -> Expr:
         """Return a join as one number: from the word if its fields are adjacent, otherwise from its fields by name."""
-        if whole.bits is None:
-            return self.number_from_fields(whole, name_of)
-        number = self.in_word(whole.bits)
-        return number if whole.widest > 32 else Cast(unsigned(whole.widest), number)
+        if joined_number.bits is None:
+            return self.number_from_fields(joined_number, name_of)
+        number = self.in_word(joined_number.bits)
+        return number if joined_number.widest > 32 else Cast(unsigned(joined_number.widest), number)
 
-    def number_from_fields(self, whole: Whole, name_of: Callable[[Field], Expr]) -> Expr:
+    def number_from_fields(self, joined_number: Whole, name_of: Callable[[Field], Expr]) -> Expr:
         """Return the fields of a join as one number of the join's type. The first field has the highest bits."""
-        highest_field, *lower_fields = whole.fields
-        type_ = unsigned(whole.widest)
-        is_short = size_of(whole.widest) < 32
+        highest_field, *lower_fields = joined_number.fields
+        type_ = unsigned(joined_number.widest)
+        is_short = size_of(joined_number.widest) < 32
         # Several operands below 32 bits would make the result signed.
         is_promoted = is_short and len(lower_fields) > 1
         number: Expr = Cast("uint32_t" if is_promoted else type_, name_of(highest_field))
@@ -182,14 +182,14 @@ class Reader:
         return Call("cw_parity", (combined,))
 
 
-def digits(number: object, field: Field, run: Digits) -> Expr:
+def digits(number: object, field: Field, digit_run: Digits) -> Expr:
     """Return a run of decimal digits extracted from a number, such as ``(number / 100U) % 10U``."""
     quotient: Expr = Name(str(number))
-    if run.divisor > 1:
-        quotient = Operation("/", (quotient, Number(run.divisor)))
+    if digit_run.divisor > 1:
+        quotient = Operation("/", (quotient, Number(digit_run.divisor)))
     # No digits are above the highest run, so that it needs no remainder.
-    is_highest_run = run is field.runs[0]
-    return quotient if is_highest_run else Operation("%", (quotient, Number(run.modulus)))
+    is_highest_run = digit_run is field.runs[0]
+    return quotient if is_highest_run else Operation("%", (quotient, Number(digit_run.modulus)))
 
 
 _MEMBER = Name("in->unused")

@@ -328,8 +328,8 @@ class Decoder:
         """Return True if a field always has the same bits."""
         return field.name in self.plan.constants
 
-    def number_of_join(self, whole: Whole) -> Expr:
-        return self.reader.number_of_join(whole, self.local)
+    def number_of_join(self, joined_number: Whole) -> Expr:
+        return self.reader.number_of_join(joined_number, self.local)
 
 
 def _constant_bytes(checks: Iterable[Check]) -> list[ByteIs]:

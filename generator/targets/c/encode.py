@@ -75,9 +75,9 @@ class Encoder:
                 assert_never(meaning)
         return Cast("uint32_t", self.member_of(field)) if needs_cast else self.member_of(field)
 
-    def number_from_members(self, whole: Whole) -> Expr:
+    def number_from_members(self, joined_number: Whole) -> Expr:
         """Return the number that the members of a join form, the first one in its highest bits."""
-        return self.reader.number_from_fields(whole, self._unsigned_bits_of_member)
+        return self.reader.number_from_fields(joined_number, self._unsigned_bits_of_member)
 
     def total(self, field: Field) -> Expr:
         """Return the number that a field's runs of digits form, such as ``(uint32_t)in->tens * 10U + in->ones``."""

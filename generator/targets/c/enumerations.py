@@ -433,9 +433,11 @@ def _report_note(device: Device, report: Report) -> str:
     return HEADER_STYLE.sentence(statement(title(field), unused, source=source(field, alarm_of(device, field))))
 
 
-def _express_condition(scope: Scope, only: Only) -> Expr:
+def _express_condition(scope: Scope, parameter_condition: Only) -> Expr:
     """Return the condition on a parameter of the order code, such as ``variant.has_warning != 0U``."""
-    return Operation("!=" if only.holds else "==", (scope.member(only.parameter), Number(0)))
+    return Operation(
+        "!=" if parameter_condition.holds else "==", (scope.member(parameter_condition.parameter), Number(0))
+    )
 
 
 def _member_of(part: Part) -> str:

@@ -93,9 +93,9 @@ def _format_markdown(text: object) -> str:
     return markdown_text(in_comment(text))
 
 
-def _digits_type(run: Digits) -> str:
+def _digits_type(digit_run: Digits) -> str:
     """Return the type that holds a run of decimal digits."""
-    return unsigned((run.modulus - 1).bit_length())
+    return unsigned((digit_run.modulus - 1).bit_length())
 
 
 def _made_of(join: Join) -> str:
@@ -218,8 +218,8 @@ def _shared_files(
 ) -> dict[str, str]:
     """Return the self-test, the package and the pages that all families share, by their path in the C folder."""
 
-    def render(template: str, values: Mapping[str, object]) -> str:
-        return _render_template(library, template, values)
+    def render(template: str, template_values: Mapping[str, object]) -> str:
+        return _render_template(library, template, template_values)
 
     tests = [test for test in map(SelfTest, views) if test.checks]
     files = selftest_files(views, tests, render)
@@ -241,8 +241,8 @@ def _yield_family_files(device: Device, library: Library, options: Options) -> I
     Form ``single`` has only the headers for order codes. Passing by address has only the headers for C.
     """
 
-    def later(template: str, values: Mapping[str, object]) -> Callable[[], str]:
-        return partial(_render_template, library, template, values)
+    def later(template: str, template_values: Mapping[str, object]) -> Callable[[], str]:
+        return partial(_render_template, library, template, template_values)
 
     passing = _choose_passing(options)
     if options.get(FORM.name) == "single":
@@ -301,9 +301,9 @@ def _template_values(view: DeviceView) -> Family:
     return {"maker": view.maker, "PREFIX": view.maker.name.upper(), "d": view}
 
 
-def _render_template(library: Library, template: str, values: Mapping[str, object]) -> str:
+def _render_template(library: Library, template: str, template_values: Mapping[str, object]) -> str:
     """Render a template. C files get their long lines broken, and headers also the marks of Doxygen."""
-    text = TEMPLATES.render(template, values, library.own_templates)
+    text = TEMPLATES.render(template, template_values, library.own_templates)
     if template.endswith((".h.jinja", ".hpp.jinja")):
         return documented(break_lines(text))
     return break_lines(text) if template.endswith((".c.jinja", ".ino.jinja")) else text

@@ -260,22 +260,22 @@ class InterfaceCode:
                 self._macro_statements.append(timing(time))
                 yield from timing_macros(time, self.upper)
 
-    def _fact_macros(self, fact: Fact, about: Statement) -> Iterator[Macro]:
+    def _fact_macros(self, fact: Fact, statement: Statement) -> Iterator[Macro]:
         """Yield the constants of a fact. Those of some order codes are in macros of these."""
         if isinstance(fact, (Clock, Timeout)) and fact.only:
             return
         match fact:
             case Clock():
-                yield from self._yield_clock_macros(fact, about)
+                yield from self._yield_clock_macros(fact, statement)
             case CableLength():
                 if self.clock_limits:
-                    self._macro_statements.append(about)  # A function states it.
+                    self._macro_statements.append(statement)  # A function states it.
             case Timeout():
-                yield from self._yield_timeout_macros(fact, about)
+                yield from self._yield_timeout_macros(fact, statement)
             case Port():
-                yield from self._yield_port_macros(fact, about)
+                yield from self._yield_port_macros(fact, statement)
             case WordFormat():
-                yield self._define_macro("MODE", fact.mode, about)
+                yield self._define_macro("MODE", fact.mode, statement)
                 if len(fact.lengths) == 1 and fact.lengths[0].is_constant:
                     yield self._define_macro("WORD_BITS", fact.lengths[0].constant, "number of bits of a word")
                 late = int(fact.reply == "next_word")
@@ -283,15 +283,15 @@ class InterfaceCode:
             case _:
                 pass  # Code needs no number from it.
 
-    def _yield_clock_macros(self, clock: Clock, about: Statement) -> Iterator[Macro]:
+    def _yield_clock_macros(self, clock: Clock, statement: Statement) -> Iterator[Macro]:
         """Yield the limits, and the fastest clock in use. The first macro has the comment on all of them."""
         has_comment_on_all = False
         for name, clock_hz, note in clock_limits(clock):
-            yield self._define_macro(name, clock_hz, note if has_comment_on_all else about)
+            yield self._define_macro(name, clock_hz, note if has_comment_on_all else statement)
             has_comment_on_all = True
 
-    def _yield_port_macros(self, port: Port, about: Statement) -> Iterator[Macro]:
-        yield self._define_macro("BAUD", port.baud, about)
+    def _yield_port_macros(self, port: Port, statement: Statement) -> Iterator[Macro]:
+        yield self._define_macro("BAUD", port.baud, statement)
         yield self._define_macro("DATA_BITS", port.data_bits, "number of data bits")
         yield Macro(f"{self.upper}_PARITY", _PARITIES[port.parity], f"parity: {port.parity}")
         yield self._define_macro("STOP_BITS", port.stop_bits, "number of stop bits")
@@ -304,14 +304,14 @@ class InterfaceCode:
                 name = f"CONTROL_{field.name}_{value.name}"
                 yield self._define_macro(name, value.value, f"{title(field)}: {title(value)}", hexadecimal=True)
 
-    def _yield_timeout_macros(self, timeout: Timeout, about: Statement) -> Iterator[Macro]:
+    def _yield_timeout_macros(self, timeout: Timeout, statement: Statement) -> Iterator[Macro]:
         """Yield the typical and the longest time-out. The first macro has the comment on all of them.
 
         If the time-out is not a number of clock periods, those printed for each clock follow.
         """
         for name, time_ns in timeout_limits(timeout):
-            is_above = about in self._macro_statements
-            yield self._define_macro(name, time_ns, "see above" if is_above else about)
+            is_above = statement in self._macro_statements
+            yield self._define_macro(name, time_ns, "see above" if is_above else statement)
 
     @property
     def exchanged(self) -> str:

@@ -189,6 +189,10 @@ def _build_modulus(context: Context, position_range: PositionRange, name: str) -
     return wide_number_of(context.scope, name, measurement.modulus, about)
 
 
-def _cast_to_signed(scope: Scope, value: Expression) -> Expr:
+def _cast_to_signed(scope: Scope, expression: Expression) -> Expr:
     """Return an expression as a number with a sign, such as ``(int64_t)variant.step``."""
-    return Number(value.constant, signed=True) if value.is_constant else Cast("int64_t", scope.expression_of(value))
+    return (
+        Number(expression.constant, signed=True)
+        if expression.is_constant
+        else Cast("int64_t", scope.expression_of(expression))
+    )

@@ -68,7 +68,7 @@ class ReadCode:
         answers = [f"##{question.argument}##" for question in frame.length_alternatives]
         return "_".join((f"{self._context.PREFIX}_##code##", *layout_names, *answers, "RX_BYTES"))
 
-    def buffer_of(self, code: str) -> str:
+    def buffer_of(self, order_code: str) -> str:
         """Return the size of the buffer for an order code and the first answers, as C, or an empty string.
 
         A word over SPI has no macro for its size.
@@ -78,9 +78,9 @@ class ReadCode:
             return ""
         for question in self.questions:
             buffer_size = buffer_size.replace(f"##{question.argument}##", question.alternative.answers[0].name.upper())
-        return buffer_size.replace("##code##", code)
+        return buffer_size.replace("##code##", order_code)
 
-    def arguments_of(self, code: str) -> str:
+    def arguments_of(self, order_code: str) -> str:
         """Return the first arguments of a macro for an order code and the first answers, such as ``X24, WIDE``."""
         answers = (question.alternative.answers[0].name.upper() for question in self.questions)
-        return ", ".join((code, *answers))
+        return ", ".join((order_code, *answers))

@@ -94,13 +94,13 @@ class CodeSwitch:
     cases: tuple[tuple[str, tuple[tuple[str, str], ...]], ...]
 
 
-def _yield_switches(values: Sequence[HeldValue]) -> Iterator[CodeSwitch]:
+def _yield_switches(held_values: Sequence[HeldValue]) -> Iterator[CodeSwitch]:
     """Yield a switch for each field that holds a code of one or several parameters.
 
     It has a case for each code for which all of these parameters have a value.
     """
     values_by_field: dict[str, list[HeldValue]] = {}
-    for value in values:
+    for value in held_values:
         if value.is_coded:
             values_by_field.setdefault(value.held_parameter.parameter.read_from, []).append(value)
     for field_values in values_by_field.values():
@@ -109,13 +109,13 @@ def _yield_switches(values: Sequence[HeldValue]) -> Iterator[CodeSwitch]:
         yield CodeSwitch(field_values[0].code, cases)
 
 
-def _codes_of(value: HeldValue) -> set[int]:
-    return {row.code for row in value.held_parameter.parameter.by_code}
+def _codes_of(held_value: HeldValue) -> set[int]:
+    return {row.code for row in held_value.held_parameter.parameter.by_code}
 
 
-def _switch_case(code: int, values: Sequence[HeldValue]) -> tuple[str, tuple[tuple[str, str], ...]]:
+def _switch_case(code: int, held_values: Sequence[HeldValue]) -> tuple[str, tuple[tuple[str, str], ...]]:
     """Return a code, and the assignments that it stands for, such as ``("2U", (("position_bits", "24U"),))``."""
-    return str(Number(code)), tuple((value.local, value.for_code(code)) for value in values)
+    return str(Number(code)), tuple((value.local, value.for_code(code)) for value in held_values)
 
 
 class Taker:
@@ -258,7 +258,9 @@ def _parameter_value(parameter: Parameter, variant: Variant) -> str:
 class LengthCode:
     """The lengths of one interface, empty if a peripheral receives its frames by itself."""
 
-    def __init__(self, context: Context, interface: Interface, rows: Sequence[CodeRow], sample_row: CodeRow) -> None:
+    def __init__(
+        self, context: Context, interface: Interface, code_rows: Sequence[CodeRow], sample_row: CodeRow
+    ) -> None:
         self.interface = interface
         received_frames = list(received(context.device, interface))
         #: Names of the frames whose lengths these are.
@@ -277,7 +279,7 @@ class LengthCode:
         #: Number of acknowledge bits that fit in a buffer, 0 if the interface has none.
         self.acknowledge = BISS_ACKNOWLEDGE if isinstance(interface, Biss) else 0
         self.register_access = "".join(_register_access(context.device, interface, received_frames))
-        self._codes = {id(row.variant): row.code for row in rows}
+        self._codes = {id(row.variant): row.code for row in code_rows}
         self._prefix = f"{context.PREFIX}_"
         #: Frames of the order code in all samples.
         self._sample_frames = [frame for frame in received_frames if frame.variant is sample_row.variant]

@@ -52,11 +52,11 @@ class SendingSection:
 
 
 def sending_section(
-    family: Device, device: Device, interface: Interface, variant: Variant, errata_at: Callable[..., str]
+    family_device: Device, device: Device, interface: Interface, variant: Variant, errata_at: Callable[..., str]
 ) -> SendingSection:
     """Return the bytes to send for an order code. ``errata_at`` returns links to errata that change bytes.
 
-    ``device`` is ``family`` reduced to the order code.
+    ``device`` is ``family_device`` reduced to the order code.
     """
     # In this order, because ``errata_at`` lists the errata in the order of its calls.
     requests = tuple(_request_rows(device, interface, errata_at))
@@ -74,7 +74,7 @@ def sending_section(
         facts.append(f"Inputs: {', '.join(input_links)}.")
     other_value = ""
     if presets:
-        other_value = _how_to_write_other_positions(family.register(presets[0].name), variant)
+        other_value = _how_to_write_other_positions(family_device.register(presets[0].name), variant)
     return SendingSection(
         facts=tuple(facts),
         requests=requests,

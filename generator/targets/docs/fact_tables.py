@@ -263,11 +263,11 @@ def _place_cell(device: Device, layout: Layout, field: Field) -> str:
     return join_filled([place, width])
 
 
-def _group_cell(layout: Layout, group: FieldGroup) -> str:
+def _group_cell(layout: Layout, field_group: FieldGroup) -> str:
     """Return a link to the table of a group, and the names of its fields."""
-    group_link = link(text(heading(group.name)), f"#group-{group.name}")
-    field_names = ", ".join(code(field.name) for field in layout.fields if field.group == group.name)
-    return f"{group_link} <small>{code(group.name)}</small>: {field_names}"
+    group_link = link(text(heading(field_group.name)), f"#group-{field_group.name}")
+    field_names = ", ".join(code(field.name) for field in layout.fields if field.group == field_group.name)
+    return f"{group_link} <small>{code(field_group.name)}</small>: {field_names}"
 
 
 def group_rows(device: Device, name: str) -> Iterator[Row]:

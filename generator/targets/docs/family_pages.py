@@ -120,9 +120,9 @@ class ManualPage(TypedDict):
     history_rows: Annotated[Rows, "the revisions of the manual"]
 
 
-def index_values(family: OrderCodes) -> FamilyPage:
+def index_values(family_codes: OrderCodes) -> FamilyPage:
     """Return the values of the first page of a family."""
-    device = family.device
+    device = family_codes.device
     return {
         "device": device,
         "origin": [*origin(device), *other_editions(device)],
@@ -132,7 +132,7 @@ def index_values(family: OrderCodes) -> FamilyPage:
         "errata_count": f"{len(device.errata)}",
         "wish_rows": list(_task_rows(device)),
         "interface_rows": [_interface_row(device, interface) for interface in device.interfaces],
-        "code_links": list(_order_code_links(family)),
+        "code_links": list(_order_code_links(family_codes)),
         "part_rows": list(order_code_tables.part_rows(device)),
         "spelling_rows": list(order_code_tables.spelling_rows(device)),
         "measurement_rows": list(order_code_tables.measurement_rows(device)),
@@ -160,12 +160,12 @@ def _subject_links(device: Device, interface: Interface) -> Iterator[str]:
         yield link(subject, f"{device.name}/{page_links.page_in_folder(interface.name, subject)}")
 
 
-def _order_code_links(family: OrderCodes) -> Iterator[tuple[str, list[str]]]:
+def _order_code_links(family_codes: OrderCodes) -> Iterator[tuple[str, list[str]]]:
     """Yield the number of order codes of each interface that has any, with links to their pages."""
-    for interface in family.device.interfaces:
-        order_codes = [variant.code for variant in family.device.variants_over(interface.name)]
+    for interface in family_codes.device.interfaces:
+        order_codes = [variant.code for variant in family_codes.device.variants_over(interface.name)]
         if order_codes:
-            code_links = [family.links[order_code] for order_code in order_codes]
+            code_links = [family_codes.links[order_code] for order_code in order_codes]
             yield f"{interface.title}: {counted(len(order_codes), 'order code')}", code_links
 
 

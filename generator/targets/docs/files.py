@@ -107,22 +107,26 @@ def _page_text(template: str, values: Mapping[str, Any], library: Library) -> st
 
 
 def _pages_of_family(
-    codes: order_code_page.OrderCodes, masters: tuple[Master, ...]
+    family_codes: order_code_page.OrderCodes, masters: tuple[Master, ...]
 ) -> Iterator[tuple[str, str, Callable[[], Mapping[str, Any]]]]:
     """Yield the name of each page, its template, and a function for its values."""
-    device = codes.device
-    folder = codes.device.name
+    device = family_codes.device
+    folder = family_codes.device.name
     kinds = [interface.name for interface in device.interfaces]
     kinds_with_masters = masters_page.kinds_with_masters(device)
-    yield f"{folder}.md", "device.md.jinja", partial(family_pages.index_values, codes)
+    yield f"{folder}.md", "device.md.jinja", partial(family_pages.index_values, family_codes)
     for kind in kinds:
-        interface_values = partial(_interface_values, codes, kind, kinds_with_masters)
+        interface_values = partial(_interface_values, family_codes, kind, kinds_with_masters)
         yield f"{folder}/{page_links.page_in_folder(kind)}", "interface.md.jinja", interface_values
         for subject in interface_page.subjects(device, kind):
             page_name = f"{folder}/{page_links.page_in_folder(kind, subject)}"
             yield page_name, "interface-subject.md.jinja", partial(_subject_values, subject, interface_values)
-    for group in codes.groups:
-        yield f"{folder}/{group.name}.md", "code.md.jinja", partial(_code_values, codes, group, kinds_with_masters)
+    for group in family_codes.groups:
+        yield (
+            f"{folder}/{group.name}.md",
+            "code.md.jinja",
+            partial(_code_values, family_codes, group, kinds_with_masters),
+        )
     yield f"{folder}/hardware.md", "hardware.md.jinja", partial(family_pages.hardware_values, device)
     yield f"{folder}/{page_links.ERRATA}", "errata.md.jinja", partial(inline_errata.page_values, device)
     yield f"{folder}/manual.md", "manual.md.jinja", partial(family_pages.manual_values, device)
@@ -134,15 +138,15 @@ def _pages_of_family(
 
 
 def _interface_values(
-    codes: order_code_page.OrderCodes, kind: str, kinds_with_masters: Collection[str]
+    family_codes: order_code_page.OrderCodes, interface_name: str, kinds_with_masters: Collection[str]
 ) -> interface_page.InterfacePage:
     """Return the values of the page of an interface."""
     return interface_page.page_values(
-        codes.device,
-        kind,
-        links=codes.links_in_folder,
-        has_masters=kind in kinds_with_masters,
-        pictures=codes.pictures,
+        family_codes.device,
+        interface_name,
+        links=family_codes.links_in_folder,
+        has_masters=interface_name in kinds_with_masters,
+        pictures=family_codes.pictures,
     )
 
 
@@ -153,18 +157,18 @@ def _subject_values(
 
 
 def _code_values(
-    codes: order_code_page.OrderCodes, group: order_code_page.CodeGroup, kinds_with_masters: Collection[str]
+    family_codes: order_code_page.OrderCodes, code_group: order_code_page.CodeGroup, kinds_with_masters: Collection[str]
 ) -> order_code_page.CodePage:
-    has_masters = group.interface.name in kinds_with_masters
-    return order_code_page.page_values(group, has_masters, codes.pictures)
+    has_masters = code_group.interface.name in kinds_with_masters
+    return order_code_page.page_values(code_group, has_masters, family_codes.pictures)
 
 
-def _pictures_of_family(codes: order_code_page.OrderCodes) -> Iterator[tuple[str, Callable[[], str]]]:
+def _pictures_of_family(family_codes: order_code_page.OrderCodes) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the file name of each picture of a family and its order codes, with a function for its text."""
-    for pictures in (codes.pictures, *(group.pictures for group in codes.groups)):
+    for pictures in (family_codes.pictures, *(group.pictures for group in family_codes.groups)):
         yield from ((picture.name, partial(str, picture.svg)) for picture in pictures.values())
-    for interface in codes.device.interfaces:
-        diagram = timing_pictures.timing_diagram(codes.device, interface)
+    for interface in family_codes.device.interfaces:
+        diagram = timing_pictures.timing_diagram(family_codes.device, interface)
         if diagram is not None:
             yield f"timing-{interface.name}.svg", partial(timing_pictures.diagram_picture, diagram)
 
@@ -179,18 +183,18 @@ def _without_surplus_spaces(page_text: str) -> str:
     return "\n".join(kept_lines).rstrip() + "\n"
 
 
-def _order_code_sections(codes: order_code_page.OrderCodes) -> Iterator[Section]:
+def _order_code_sections(family_codes: order_code_page.OrderCodes) -> Iterator[Section]:
     """Yield the sections of a family on the index, one for each interface with listed order codes."""
-    device = codes.device
+    device = family_codes.device
     for interface in device.interfaces:
         interface_codes = [variant.code for variant in device.variants_over(interface.name)]
         if interface_codes:
             count = counted(len(interface_codes), "order code")
             yield {
-                "pages": codes.page_links(interface.name),
+                "pages": family_codes.page_links(interface.name),
                 "counted": f"All {count}" if len(interface_codes) > 1 else "The order code",
                 "interface": link(f"{device.name.upper()}, {interface.title}", f"{device.name}/{interface.name}.md"),
-                "links": [codes.links[order_code] for order_code in interface_codes],
+                "links": [family_codes.links[order_code] for order_code in interface_codes],
             }
 
 

@@ -164,13 +164,13 @@ def _interface_section(device: Device, interface: Interface) -> Section:
     }
 
 
-def _group_section(device: Device, interface: Interface, group: FieldGroup) -> Section:
+def _group_section(device: Device, interface: Interface, field_group: FieldGroup) -> Section:
     """Return a group of fields with its rows and the frames that contain it."""
     return {
-        "group": group,
-        "title": _group_title(group),
-        "frames": layout_tables.links_to_frames_with(interface, group.name),
-        "rows": layout_tables.group_rows(device, group.name),
+        "group": field_group,
+        "title": _group_title(field_group),
+        "frames": layout_tables.links_to_frames_with(interface, field_group.name),
+        "rows": layout_tables.group_rows(device, field_group.name),
     }
 
 
@@ -218,9 +218,9 @@ def _memory_row(access: MemoryAccess) -> tuple[str, ...]:
     )
 
 
-def _group_title(group: FieldGroup) -> str:
+def _group_title(field_group: FieldGroup) -> str:
     """Return our name, with the name used in the manual in parentheses."""
-    return words(group.name).capitalize() + (f" ({group.printed_name})" if group.printed_name else "")
+    return words(field_group.name).capitalize() + (f" ({field_group.printed_name})" if field_group.printed_name else "")
 
 
 def _layout_section(device: Device, interface: Interface, layout: Layout) -> Section:
@@ -326,9 +326,9 @@ class SubjectPage(InterfacePage):
     contents: Annotated[str, "contents of the page, such as `wiring and LEDs`"]
 
 
-def subjects(device: Device, kind: str) -> list[str]:
+def subjects(device: Device, interface_name: str) -> list[str]:
     """Return the subjects for which an interface has any content. Each has a page of its own."""
-    return list(_contents_by_subject(for_interface(device, kind)))
+    return list(_contents_by_subject(for_interface(device, interface_name)))
 
 
 def _contents_by_subject(device: Device) -> dict[str, list[str]]:
@@ -360,36 +360,36 @@ def subject_values(subject: str, page: InterfacePage) -> SubjectPage:
 
 
 def interface_values(
-    family: Device, device: Device, variants: Sequence[Variant], has_masters: bool, pictures: Pictures
+    family_device: Device, device: Device, variants: Sequence[Variant], has_masters: bool, pictures: Pictures
 ) -> InterfaceValues:
-    """Return the values of a page about one interface. ``device`` is ``family`` reduced to the interface."""
+    """Return the values of a page about one interface. ``device`` is ``family_device`` reduced to the interface."""
     (interface,) = device.interfaces
-    layouts = family.interface(interface.name).layouts
+    layouts = family_device.interface(interface.name).layouts
     return {
         "interface": interface,
         "has_masters": has_masters,
         "short_rows": list(_overview_rows(device, interface, variants)),
         "pictures": pictures,
         "timing": timing_diagram(device, interface),
-        "delivered": [layout.name for layout in layouts if follows_registers(family, layout)],
-        "initial": initial(family),
+        "delivered": [layout.name for layout in layouts if follows_registers(family_device, layout)],
+        "initial": initial(family_device),
     }
 
 
 def page_values(
-    device: Device, kind: str, links: Mapping[str, str], has_masters: bool, pictures: Pictures
+    device: Device, interface_name: str, links: Mapping[str, str], has_masters: bool, pictures: Pictures
 ) -> InterfacePage:
-    """Return the values of the page of interface ``kind``. ``links`` has a link to the page of each order code."""
-    interface_device = for_interface(device, kind)
-    variants = device.variants_over(kind)
+    """Return the values of the page of an interface. ``links`` has a link to the page of each order code."""
+    interface_device = for_interface(device, interface_name)
+    variants = device.variants_over(interface_name)
     codes = [variant.code for variant in variants]
     return {
         **page_sections(interface_device),
         **interface_values(device, interface_device, variants, has_masters, pictures),
         "order_codes": order_codes(device, codes),
-        "code_table": order_code_tables.code_table(device, device.interface(kind), links),
-        "parameter_rows": list(order_code_tables.parameter_rows(device, kind)),
-        "run_time_rows": list(order_code_tables.run_time_rows(device, kind)),
+        "code_table": order_code_tables.code_table(device, device.interface(interface_name), links),
+        "parameter_rows": list(order_code_tables.parameter_rows(device, interface_name)),
+        "run_time_rows": list(order_code_tables.run_time_rows(device, interface_name)),
         "name_rows": list(_name_rows(interface_device)),
     }
 

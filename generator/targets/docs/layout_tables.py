@@ -126,12 +126,14 @@ def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
             yield _field_row(device, layout, field_or_group)
 
 
-def _group_row(device: Device, layout: Layout, group: FieldGroup) -> tuple[str, ...]:
+def _group_row(device: Device, layout: Layout, field_group: FieldGroup) -> tuple[str, ...]:
     """Return a row of group, its place, its number of bits, the names of its fields, and no source."""
-    group_cell = join_filled([link(code(group.name), f"#group-{group.name}"), text(group.printed_name)])
-    field_names = [Code(field.name) for field in layout.fields if field.group == group.name]
+    group_cell = join_filled(
+        [link(code(field_group.name), f"#group-{field_group.name}"), text(field_group.printed_name)]
+    )
+    field_names = [Code(field.name) for field in layout.fields if field.group == field_group.name]
     fields_sentence = MARKDOWN_STYLE.sentence(statement(*list_parts(field_names), label="Fields"))
-    return group_cell, group_place(device, layout, group), f"{group.bits}", fields_sentence, ""
+    return group_cell, group_place(device, layout, field_group), f"{field_group.bits}", fields_sentence, ""
 
 
 def _field_row(device: Device, layout: Layout, field: Field) -> tuple[str, ...]:
@@ -158,10 +160,10 @@ def fields_and_groups(device: Device, layout: Layout) -> Iterator[Field | FieldG
         yield groups.get(field.group, field)
 
 
-def group_place(device: Device, layout: Layout, group: FieldGroup) -> str:
+def group_place(device: Device, layout: Layout, field_group: FieldGroup) -> str:
     """Return the bytes of the longest frame that hold a group of fields, with the first answers to questions."""
-    low = _first_bit((field for field in layout.fields if field.group == group.name), _first_answers(device))
-    return frame_bytes(layout, layout.widest, low + group.bits - 1, low)
+    low = _first_bit((field for field in layout.fields if field.group == field_group.name), _first_answers(device))
+    return frame_bytes(layout, layout.widest, low + field_group.bits - 1, low)
 
 
 def field_place_cell(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> str:
@@ -379,9 +381,9 @@ def _codes_caption(placement: Placement) -> str:
     return f"{', '.join(placement.codes[:2])}{further_codes}"
 
 
-def group_stacks(device: Device, group: FieldGroup) -> list[Stack]:
-    shapes = group_shapes(device, group.name)
-    return [group_stack(_caption_with_answers(answers, ""), fields, group.bits) for answers, fields in shapes]
+def group_stacks(device: Device, field_group: FieldGroup) -> list[Stack]:
+    shapes = group_shapes(device, field_group.name)
+    return [group_stack(_caption_with_answers(answers, ""), fields, field_group.bits) for answers, fields in shapes]
 
 
 def has_picture(register: Register) -> bool:

@@ -53,9 +53,9 @@ class MastersPage(TypedDict):
     part: Annotated[dict[str, Any], "facts of the interface, with the settings of each master"]
 
 
-def file_name(device: Device, kind: str) -> str:
+def file_name(device: Device, interface_name: str) -> str:
     """Return the name of the page with the master settings of an interface."""
-    return f"{device.name}-{kind}-masters.md"
+    return f"{device.name}-{interface_name}-masters.md"
 
 
 def page_links(device: Device) -> list[str]:
@@ -64,10 +64,12 @@ def page_links(device: Device) -> list[str]:
     return [link(device.interface(kind).title, file_name(device, kind)) for kind in kinds]
 
 
-def page_values(device: Device, kind: str, masters: Sequence[Master]) -> MastersPage:
-    """Return the values of the page with the settings of all masters for interface ``kind``, which has some."""
+def page_values(device: Device, interface_name: str, masters: Sequence[Master]) -> MastersPage:
+    """Return the values of the page with the settings of all masters for an interface, which has some."""
     interface_sheets = sheets_of(device, masters)
-    group_sheets = first_of((group for group in interface_sheets if group.interface.name == kind), f"sheets of {kind}")
+    group_sheets = first_of(
+        (group for group in interface_sheets if group.interface.name == interface_name), f"sheets of {interface_name}"
+    )
     sheets: list[Sheet] = []
     for _, master_sheets in group_sheets.sheets:
         sheets += master_sheets
@@ -142,12 +144,12 @@ def _common_rows_and_tables(columns: Columns) -> tuple[list[Row], list[Table]]:
     return common_rows, tables
 
 
-def _follows_supply(key: Any, columns: Columns) -> bool:
+def _follows_supply(fact_key: Any, columns: Columns) -> bool:
     """Return whether all groups with the same supply have the same row."""
     rows_by_supply: dict[tuple[int | None, int | None], set[Row | None]] = {}
     for group, rows in columns:
         numbers = group.record.numbers
-        rows_by_supply.setdefault((numbers["supply_min_mv"], numbers["supply_max_mv"]), set()).add(rows.get(key))
+        rows_by_supply.setdefault((numbers["supply_min_mv"], numbers["supply_max_mv"]), set()).add(rows.get(fact_key))
     return all(len(rows) == 1 for rows in rows_by_supply.values())
 
 
@@ -167,12 +169,12 @@ def _table_of_differences(keys: Sequence[Any], columns: Columns) -> Table:
     }
 
 
-def _row_name(key: Any, columns: Columns) -> str:
-    return next(rows[key][0] for _, rows in columns if key in rows)
+def _row_name(fact_key: Any, columns: Columns) -> str:
+    return next(rows[fact_key][0] for _, rows in columns if fact_key in rows)
 
 
-def _value_cell(key: Any, rows: Mapping[Any, Row]) -> str:
-    return rows[key][1] if key in rows else "–"
+def _value_cell(fact_key: Any, rows: Mapping[Any, Row]) -> str:
+    return rows[fact_key][1] if fact_key in rows else "–"
 
 
 def _codes_label(groups: Sequence[Group]) -> str:

@@ -282,12 +282,12 @@ _SUPERSCRIPT = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _EXPONENT = re.compile(r"\^([0-9]*)")
 
 
-def position_frame(family: Device, interface: Interface) -> Layout | None:
+def position_frame(family_device: Device, interface: Interface) -> Layout | None:
     """Return the frame with the most parts of the position. With a tie, it has the most flags, then is shortest."""
-    family_layouts = family.interface(interface.name).layouts
-    position_frames = {layout.name for layout in family_layouts if family.tells_position(interface.name, layout)}
+    family_layouts = family_device.interface(interface.name).layouts
+    position_frames = {layout.name for layout in family_layouts if family_device.tells_position(interface.name, layout)}
     candidates = [layout for layout in interface.layouts if layout.name in position_frames]
-    parts_of_position = family.position_names(interface.name)
+    parts_of_position = family_device.position_names(interface.name)
 
     def information(layout: Layout) -> tuple[int, int, int]:
         number_of_parts = len(parts_of_position & {field.name for field in layout.fields})
@@ -306,22 +306,22 @@ def open_questions(device: Device, layout: Layout) -> Iterator[str]:
 
 
 def frame_facts(
-    family: Device, layout: Layout, variant: Variant, choices: Sequence[str] = ()
+    family_device: Device, layout: Layout, variant: Variant, choices: Sequence[str] = ()
 ) -> Iterator[tuple[str, str]]:
     """Yield facts as label and text: the CRC, the flags, the ranges of signed fields, and the verdict.
 
     ``choices`` are the names of the alternatives on the page, to which the verdicts link.
     """
-    crc = family.crc_of(layout.place(variant.parameters))
-    yield "CRC", "none" if crc is None else crc_line(family, crc)
+    crc = family_device.crc_of(layout.place(variant.parameters))
+    yield "CRC", "none" if crc is None else crc_line(family_device, crc)
     # The layout of a page is a copy with other notes. The family finds ranges only for its own layout objects.
-    family_layout = member_named(family.interface(variant.interface).layouts, layout.name, "layout")
+    family_layout = member_named(family_device.interface(variant.interface).layouts, layout.name, "layout")
     placed_layout = family_layout.place(variant.parameters)
     yield from _flag_facts(placed_layout)
     for placed_field in placed_layout.fields:
         if isinstance(meaning_of(placed_field.field), TwosComplement):
-            yield "Signed", _range_of_signed_number(family, placed_field, placed_layout)
-    yield from _verdict_facts(family, family_layout, variant, choices, has_crc=crc is not None)
+            yield "Signed", _range_of_signed_number(family_device, placed_field, placed_layout)
+    yield from _verdict_facts(family_device, family_layout, variant, choices, has_crc=crc is not None)
 
 
 def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
@@ -345,27 +345,29 @@ def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
 
 
 def _verdict_facts(
-    family: Device, layout: Layout, variant: Variant, choices: Sequence[str], has_crc: bool
+    family_device: Device, layout: Layout, variant: Variant, choices: Sequence[str], has_crc: bool
 ) -> Iterator[tuple[str, str]]:
     """Yield the verdict on the position, if there is one, and verdicts to which other answers add causes."""
-    judgement = judgement_of(family, layout)
+    judgement = judgement_of(family_device, layout)
     if judgement is None:
         return
     yield "Position", verdict_line(judgement, variant, has_crc)
-    alternatives = [alternative for alternative in family.verdict_alternatives(layout) if alternative.name in choices]
+    alternatives = [
+        alternative for alternative in family_device.verdict_alternatives(layout) if alternative.name in choices
+    ]
     for alternative in alternatives:
         # The first answer is the default.
         for answer in alternative.answers[1:]:
-            variant_with_answer = with_answers(family, variant, {alternative.name: answer.name})
+            variant_with_answer = with_answers(family_device, variant, {alternative.name: answer.name})
             changed_verdicts = _changed_verdicts(judgement, variant, variant_with_answer)
             if changed_verdicts:
                 with_answer = link(f"With {code(answer.name)}", f"#alternative-{alternative.name}")
                 yield with_answer, "; ".join(changed_verdicts)
 
 
-def _range_of_signed_number(family: Device, placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
+def _range_of_signed_number(family_device: Device, placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
     """Return a signed field with its range, such as ``position, in two's complement, -512 to 511``."""
-    lowest, highest = family.signed_range(placed_field, placed_layout)
+    lowest, highest = family_device.signed_range(placed_field, placed_layout)
     return f"{code(placed_field.name)}, in two's complement, {number(lowest)} to {number(highest)}"
 
 
@@ -378,13 +380,13 @@ def _with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
         previous_byte = byte
 
 
-def crc_line(family: Device, crc: Crc) -> str:
+def crc_line(family_device: Device, crc: Crc) -> str:
     """Return the parameters of a CRC in one line, with the polynomial including its top bit."""
     polynomial = _EXPONENT.sub(_in_superscript, crc.polynomial)
     crc_properties = [
         f"poly `0x{crc.poly_with_top_bit:X}` ({text(polynomial)})",
         f"init {crc.init:#x}" if crc.init else "init 0",
-        crc_reflected(family, crc),
+        crc_reflected(family_device, crc),
         crc_inverted(crc),
         counted(crc.width, "bit"),
         "over everything before it",

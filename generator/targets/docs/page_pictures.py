@@ -115,7 +115,7 @@ def pictures_of_family(device: Device) -> Pictures:
     return pictures
 
 
-def pictures_of_order_codes(family: Device, narrowed_family: Device, page: str, frame_name: str) -> Pictures:
+def pictures_of_order_codes(family_device: Device, narrowed_family: Device, page: str, frame_name: str) -> Pictures:
     """Return the pictures for a page of order codes that differ from the family's pictures.
 
     They are those of the layout ``frame_name``, also as one line, and of registers whose fields the order code moves.
@@ -126,7 +126,7 @@ def pictures_of_order_codes(family: Device, narrowed_family: Device, page: str, 
         if layout.name == frame_name:
             stacks = _without_only_caption(layout_tables.layout_stacks(narrowed_family, interface, layout))
             # A frame of bits has captions in the picture of the family, so that its picture differs.
-            if not layout.in_bytes or stacks != layout_tables.layout_stacks(family, interface, layout):
+            if not layout.in_bytes or stacks != layout_tables.layout_stacks(family_device, interface, layout):
                 pictures[_layout_key(layout)] = _draw_picture(f"{page}-{layout.name}.svg", layout, stacks)
             shapes = layout_tables.captioned_shapes(narrowed_family, interface, layout)
             pictures[f"wide-{layout.name}"] = Picture(
@@ -135,7 +135,7 @@ def pictures_of_order_codes(family: Device, narrowed_family: Device, page: str, 
                 svg=wide_picture(title(layout), shapes),
             )
     for register in narrowed_family.registers:
-        differs = len(layout_tables.register_stacks(family, register)) > 1
+        differs = len(layout_tables.register_stacks(family_device, register)) > 1
         if differs and layout_tables.has_picture(register):
             stacks = _without_only_caption(layout_tables.register_stacks(narrowed_family, register))
             pictures[_register_key(register)] = _draw_picture(f"{page}-register-{register.name}.svg", register, stacks)

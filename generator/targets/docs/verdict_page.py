@@ -148,26 +148,30 @@ def _active_value(device: Device, field: Field, conditions_on_codes: Sequence[On
     return " ".join([deciding(field), *texts_of_conditions])
 
 
-def _condition_text(device: Device, only: Only) -> str:
+def _condition_text(device: Device, parameter_condition: Only) -> str:
     """Return the order codes, such as ``with X-24``, or the answer to a question with a link to it."""
     for alternative in device.optional_alternatives:
-        if alternative.parameter == only.parameter:
-            return _answer_text(device, alternative, only)
-    return f"with {code(only.codes)}" if only.holds else "with all others"
+        if alternative.parameter == parameter_condition.parameter:
+            return _answer_text(device, alternative, parameter_condition)
+    return f"with {code(parameter_condition.codes)}" if parameter_condition.holds else "with all others"
 
 
-def _answer_text(device: Device, question: Alternative, only: Only) -> str:
+def _answer_text(device: Device, question: Alternative, parameter_condition: Only) -> str:
     """Return the answers to a question for which a condition holds, with a link to the question.
 
     The link leads to the page of the first interface with a frame whose verdict depends on it.
     """
-    answers = [answer for answer in question.answers if bool(answer.sets[only.parameter]) == only.holds]
+    answers = [
+        answer
+        for answer in question.answers
+        if bool(answer.sets[parameter_condition.parameter]) == parameter_condition.holds
+    ]
     answer_names = " or ".join(code(answer.name) for answer in answers)
     frames = device.layouts()
     interfaces = (interface for interface, layout in frames if question in device.verdict_alternatives(layout))
     interface = first_of(interfaces, f"frame whose verdict '{question.name}' decides")
     page = f"{device.name}/{interface.name}.md#alternative-{question.name}"
-    default = "" if only.holds else ", the default"
+    default = "" if parameter_condition.holds else ", the default"
     return f"and {link('your choice', page)} is {answer_names}{default}"
 
 

@@ -26,19 +26,21 @@ _MOST_ALTERNATIVES = 3
 _HEAD = ("Bit", "Flag", "Active at", "Position", "What to do")
 
 
-def judgement_of(family: Device, layout: Layout) -> Judgement | None:
+def judgement_of(family_device: Device, layout: Layout) -> Judgement | None:
     """Return how the verdict on a frame follows from its bits, or None for a frame without a position."""
-    judgements = (reporting.judgement for reporting in reportings(family) if reporting.codec.layout.name == layout.name)
+    judgements = (
+        reporting.judgement for reporting in reportings(family_device) if reporting.codec.layout.name == layout.name
+    )
     return next(judgements, None)
 
 
-def verdict_table(family: Device, device: Device, layout: Layout, variant: Variant) -> tuple[Row, list[Row]]:
+def verdict_table(family_device: Device, device: Device, layout: Layout, variant: Variant) -> tuple[Row, list[Row]]:
     """Return the head and the rows of the table. Columns without any content are left out.
 
     The rows are the causes of each verdict, then all other flags, then the verdict without any cause. ``device`` is the
     family with the order codes of the page, and has the alarms and remedies for these only.
     """
-    judgement = judgement_of(family, layout)
+    judgement = judgement_of(family_device, layout)
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {}
     if judgement is not None:
         judgement = judgement.for_parameters(variant.parameters)
@@ -59,17 +61,17 @@ def _cells_at(row: Row, indexes: Iterable[int]) -> Row:
 
 
 def _cause_rows(
-    device: Device, placed: PlacedLayout, causes_by_verdict: dict[Verdict, list[VerdictCause]]
+    device: Device, placed_layout: PlacedLayout, causes_by_verdict: dict[Verdict, list[VerdictCause]]
 ) -> Iterator[Row]:
     """Yield a row for each cause of a verdict, the worst verdict first."""
     for verdict, causes in causes_by_verdict.items():
         for cause in causes:
             if isinstance(cause.by, Match):
-                yield _row_of_match(placed, cause.by, EFFECTS[verdict])
+                yield _row_of_match(placed_layout, cause.by, EFFECTS[verdict])
             else:
                 field = cause.by.field
                 active_level = deciding(field) + _while_inactive(cause)
-                yield _build_row(device, placed, field, active_level, EFFECTS[verdict])
+                yield _build_row(device, placed_layout, field, active_level, EFFECTS[verdict])
 
 
 def _indices_with_content(rows: Iterable[Row]) -> list[int]:
@@ -82,7 +84,7 @@ def _indices_with_content(rows: Iterable[Row]) -> list[int]:
 
 def _rows_of_other_flags(
     device: Device,
-    placed: PlacedLayout,
+    placed_layout: PlacedLayout,
     causes_by_verdict: dict[Verdict, list[VerdictCause]],
     judgement: Judgement | None,
 ) -> Iterator[Row]:
@@ -94,15 +96,21 @@ def _rows_of_other_flags(
     for causes in causes_by_verdict.values():
         names_of_causes.update(cause.by.field.name for cause in causes)
     effect = "unchanged" if judgement is not None else ""
-    for placed_field in placed.fields:
+    for placed_field in placed_layout.fields:
         field = placed_field.field
         if isinstance(meaning_of(field), Active) and field.name not in names_of_causes:
-            yield _build_row(device, placed, field, deciding(field), effect)
+            yield _build_row(device, placed_layout, field, deciding(field), effect)
 
 
-def _build_row(device: Device, placed: PlacedLayout, field: Field, level: str, effect: str) -> Row:
+def _build_row(device: Device, placed_layout: PlacedLayout, field: Field, level: str, effect: str) -> Row:
     """Return a row of place, name, active level, effect on the position, remedy."""
-    return _place_of_field(placed, field.name), _names_of_field(field), level, effect, _remedy_cell(device, field)
+    return (
+        _place_of_field(placed_layout, field.name),
+        _names_of_field(field),
+        level,
+        effect,
+        _remedy_cell(device, field),
+    )
 
 
 def _remedy_cell(device: Device, field: Field) -> str:
@@ -128,18 +136,18 @@ def _names_of_field(field: Field) -> str:
     return f"{text(words)} <small>{printed_name}{code(field.name)}</small>"
 
 
-def _row_of_match(placed: PlacedLayout, match: Match, effect: str) -> Row:
+def _row_of_match(placed_layout: PlacedLayout, match: Match, effect: str) -> Row:
     """Return the row of values that lead to a verdict together."""
-    places = ", ".join(_place_of_field(placed, part.field.name) for part, _ in match.conditions)
+    places = ", ".join(_place_of_field(placed_layout, part.field.name) for part, _ in match.conditions)
     phrase = MARKDOWN_STYLE.phrase(conditions((part.field, value) for part, value in match.conditions))
     return places, phrase, "", effect, ""
 
 
-def _place_of_field(placed: PlacedLayout, name: str) -> str:
+def _place_of_field(placed_layout: PlacedLayout, name: str) -> str:
     """Return the bit of a field, or its byte and bit in a frame of bytes."""
-    field = placed.field(name)
-    if placed.layout.in_bytes:
-        return frame_bytes(placed.layout, placed.bits, field.high, field.low)
+    field = placed_layout.field(name)
+    if placed_layout.layout.in_bytes:
+        return frame_bytes(placed_layout.layout, placed_layout.bits, field.high, field.low)
     return bits(field.high, field.low)
 
 

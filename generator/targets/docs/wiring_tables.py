@@ -219,42 +219,44 @@ def _supply_text(supply: Supply) -> str:
     return f"{volts(supply.min_mv)} to {volts(supply.max_mv)} ({cited(supply.source)})"
 
 
-def unstated_facts(family: Device, interface: Interface, subjects: Mapping[str, Subject]) -> Iterator[str]:
+def unstated_facts(family_device: Device, interface: Interface, subjects: Mapping[str, Subject]) -> Iterator[str]:
     """Yield the facts that the manual does not state, and links for those that a text may have, in one line.
 
-    ``subjects`` are the facts by label. ``family`` has the texts about all order codes, because a text about others may
-    be valid for this one too.
+    ``subjects`` are the facts by label. ``family_device`` has the texts about all order codes, because a text about
+    others may be valid for this one too.
     """
-    unmentioned = [label for label, subject in subjects.items() if not mentions(family, interface, subject)]
-    sentences = [f"{_join_capitalized(unmentioned)}: the {document(family)} does not say."] if unmentioned else []
+    unmentioned = [label for label, subject in subjects.items() if not mentions(family_device, interface, subject)]
+    sentences = (
+        [f"{_join_capitalized(unmentioned)}: the {document(family_device)} does not say."] if unmentioned else []
+    )
     mentioned = [label for label in subjects if label not in unmentioned]
     if mentioned:
         places = [link("times", "#timings")]
-        if family.characteristics:
+        if family_device.characteristics:
             places.append(link("characteristics", "hardware.md#characteristics"))
         sentences.append(f"{_join_capitalized(mentioned)}: see {' and '.join(places)}.")
     if sentences:
         yield " ".join(sentences)
 
 
-def no_leds(family: Device, device: Device, interface: Interface) -> str:
+def no_leds(family_device: Device, device: Device, interface: Interface) -> str:
     """Return that the manual describes no LEDs, for a page without any.
 
     Return an empty string if the page has LEDs, if the manual may have some in its texts, or if the spec is not
     transcribed from all of a manual.
     """
-    if device.leds or document(family) != "manual":
+    if device.leds or document(family_device) != "manual":
         return ""
-    if family.leds:
+    if family_device.leds:
         return "The manual describes no LEDs of this order code."
-    return "" if mentions(family, interface, Subject.LEDS) else "The manual describes no LEDs."
+    return "" if mentions(family_device, interface, Subject.LEDS) else "The manual describes no LEDs."
 
 
-def no_supply(family: Device, interface: Interface) -> str:
+def no_supply(family_device: Device, interface: Interface) -> str:
     """Return what a page says in place of a supply."""
-    if mentions(family, interface, Subject.SUPPLY):
+    if mentions(family_device, interface, Subject.SUPPLY):
         return f"see {link('characteristics', 'hardware.md#characteristics')}"
-    return f"the {document(family)} does not say"
+    return f"the {document(family_device)} does not say"
 
 
 def _join_capitalized(labels: list[str]) -> str:
@@ -279,21 +281,21 @@ class SpeedSection:
     rows: tuple[Row, ...] = ()
 
 
-def speed_section(family: Device, device: Device, interface: Interface, layout: Layout | None) -> SpeedSection:
+def speed_section(family_device: Device, device: Device, interface: Interface, layout: Layout | None) -> SpeedSection:
     """Return the section about the clock or the baud rate of an interface."""
     match interface:
         case Ssi() | Biss():
-            return _clock_section(family, device, interface, layout)
+            return _clock_section(family_device, device, interface, layout)
         case Spi():
             setting_sentences = map(MARKDOWN_STYLE.sentence, settings(device, interface))
             return SpeedSection("Clock and words", tuple(setting_sentences))
         case Rs485():
-            return _baud_section(family, device, interface)
+            return _baud_section(family_device, device, interface)
         case _:
             assert_never(interface)
 
 
-def _clock_section(family: Device, device: Device, interface: Ssi | Biss, layout: Layout | None) -> SpeedSection:
+def _clock_section(family_device: Device, device: Device, interface: Ssi | Biss, layout: Layout | None) -> SpeedSection:
     """Return the limits of the clock, the duration of a frame, and the clock for each cable length.
 
     The table has no cables whose clock is below the lowest one of the encoder. Faster clocks than its fastest one are
@@ -309,7 +311,7 @@ def _clock_section(family: Device, device: Device, interface: Ssi | Biss, layout
         durations = _duration_range(clocked_lengths, example_hz)
         with_start_bits = ", with the start bit and the CDS bit" if start_bits else ""
         facts.append(f"{_joined_by_or(map(str, lengths))} bits at {hertz(example_hz)}: {durations}{with_start_bits}.")
-    facts += _pause_sentences(family, interface)
+    facts += _pause_sentences(family_device, interface)
     cable_clocks = cable_table(device, interface)
     cable_rows: list[Row] = []
     for cable in cable_clocks.rows:
@@ -341,7 +343,7 @@ def _limit_of_used_clocks(clock: Clock) -> str:
     return f", up to {hertz(clock.fastest_hz)}, the fastest clock in use"
 
 
-def _pause_sentences(family: Device, interface: Ssi | Biss) -> Iterator[str]:
+def _pause_sentences(family_device: Device, interface: Ssi | Biss) -> Iterator[str]:
     """Yield the pause between two frames over SSI, or the time-out and the reply time over BiSS."""
     match interface:
         case Ssi():
@@ -351,10 +353,10 @@ def _pause_sentences(family: Device, interface: Ssi | Biss) -> Iterator[str]:
         case Biss():
             for timeout in interface.timeouts:
                 yield f"Time-out after a frame: {timeout_words(timeout)} ({cited(timeout.source)})."
-            yield from unstated_facts(family, interface, {"reply time (acknowledge)": Subject.REPLY_TIME})
+            yield from unstated_facts(family_device, interface, {"reply time (acknowledge)": Subject.REPLY_TIME})
 
 
-def _baud_section(family: Device, device: Device, interface: Rs485) -> SpeedSection:
+def _baud_section(family_device: Device, device: Device, interface: Rs485) -> SpeedSection:
     """Return the baud rate, and the durations of one byte and of the replies."""
     port = interface.port
     start_bit = 1
@@ -369,7 +371,7 @@ def _baud_section(family: Device, device: Device, interface: Rs485) -> SpeedSect
     facts = (
         f"{baud_rate} ({cited(port.source)}).",
         f"Duration ({bits_per_byte} bits per byte): {', '.join(durations)}.",
-        *unstated_facts(family, interface, {"reply time": Subject.REPLY_TIME, "cable length": Subject.CABLE}),
+        *unstated_facts(family_device, interface, {"reply time": Subject.REPLY_TIME, "cable length": Subject.CABLE}),
     )
     return SpeedSection("Baud rate and times", facts)
 

@@ -51,7 +51,7 @@ class Index(TypedDict):
 
 def file_text(
     device: Device,
-    codes: Sequence[str],
+    order_codes: Sequence[str],
     sheet: Sheet,
     rule: Raw,
     master_device: str,
@@ -76,12 +76,12 @@ def file_text(
     written_keys = {file_value.key for file_value in file_content.entries}
     head = list(_paragraphs_on_content(file_content, is_short))
     if not is_short:
-        head = [*_first_paragraphs(device, codes, sheet, rule, master_device), *head]
+        head = [*_first_paragraphs(device, order_codes, sheet, rule, master_device), *head]
     values: MasterFile = {
         "head": head,
         "content": file_content,
         "channels": file_content.channels[:1] if is_short else file_content.channels,
-        "name": re.sub(r"\W|^(?=\d)", "_", codes[0], flags=re.ASCII),
+        "name": re.sub(r"\W|^(?=\d)", "_", order_codes[0], flags=re.ASCII),
         "device": master_device,
         "also": {key: value for key, value in rule.get("also", {}).items() if key not in written_keys},
         "line": rule.get("line", ""),
@@ -90,11 +90,11 @@ def file_text(
 
 
 def _first_paragraphs(
-    device: Device, codes: Sequence[str], sheet: Sheet, rule: Raw, master_device: str
+    device: Device, order_codes: Sequence[str], sheet: Sheet, rule: Raw, master_device: str
 ) -> Iterator[str]:
     """Yield what the file is for, and where its values come from."""
     format_ = FILE_FORMATS[rule["format"]]
-    yield f"{master_device} with {', '.join(codes)}. For {format_.title}."
+    yield f"{master_device} with {', '.join(order_codes)}. For {format_.title}."
     yield from _paragraphs_on_origin(device, [sheet], rule, master_device)
 
 

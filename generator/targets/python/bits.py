@@ -19,10 +19,10 @@ from .names import ClassNames, byte_order
 class Maker:
     """Expressions of joined numbers. They use the attributes of a class."""
 
-    def __init__(self, scope: Scope, codec: Codec, names: ClassNames) -> None:
+    def __init__(self, scope: Scope, codec: Codec, class_names: ClassNames) -> None:
         self.scope = scope
         self.codec = codec
-        self.names = names
+        self.names = class_names
 
     def _checked_bits(self, field: Field) -> Expr:
         """Return the bits of a field, with a check of its value like that of ``encode``.
@@ -56,17 +56,17 @@ class Maker:
         """Return the number that the runs of decimal digits of a field form, each times its divisor."""
         return join_operands("+", (multiply(self._index_of_choice(run.name), run.divisor) for run in field.runs))
 
-    def checked_bits(self, whole: Whole) -> list[tuple[str, Expr]]:
+    def checked_bits(self, joined_number: Whole) -> list[tuple[str, Expr]]:
         """Return each attribute of a joined number, most significant first, with a checked expression for its bits."""
-        return [(self.names.attribute(field.name), self._checked_bits(field)) for field in whole.fields]
+        return [(self.names.attribute(field.name), self._checked_bits(field)) for field in joined_number.fields]
 
-    def whole_of_numbers(self, whole: Whole, scope: Scope, expression_of: Callable[[str], str]) -> Expr:
+    def whole_of_numbers(self, joined_number: Whole, scope: Scope, expression_of: Callable[[str], str]) -> Expr:
         """Return a joined number of attributes that are unsigned numbers, without checks of their values.
 
         ``expression_of`` returns the expression for an attribute. An example is ``turns << 12 | angle``.
         """
         shifted_attributes = []
-        for field, low in whole.from_low:
+        for field, low in joined_number.from_low:
             attribute = Atom(expression_of(self.names.attribute(field.name)))
             shifted_attributes.append(shift_value(attribute, "<<", scope.expression_of(low)))
         return join_operands("|", reversed(shifted_attributes))
@@ -88,10 +88,10 @@ class Maker:
         return fields_and_bits
 
     @staticmethod
-    def parameters_of_whole(whole: Whole) -> frozenset[str]:
+    def parameters_of_whole(joined_number: Whole) -> frozenset[str]:
         """Return the parameters in the shifts and width checks of the expression of a joined number."""
         parameters: set[str] = set()
-        for field, low in whole.from_low:
+        for field, low in joined_number.from_low:
             parameters.update(low.parameters)
             if _has_width_check(field):
                 parameters.update(field.width.parameters)

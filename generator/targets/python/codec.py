@@ -65,8 +65,8 @@ class Coder:
         #: Questions whose answers the decoder accepts: those of all frames among which it is chosen.
         self.passed_arguments = self.questions
 
-    def number(self, value: Expression) -> Expr:
-        return self.context.scope.expression_of(value)
+    def number(self, expression: Expression) -> Expr:
+        return self.context.scope.expression_of(expression)
 
     # -- dependencies
 
@@ -163,9 +163,9 @@ class Coder:
             return [Attribute("unused", type="int", meaning=docstrings.OF_UNUSED, default="0")]
         return []
 
-    def others(self, whole: Whole) -> list[Attribute]:
+    def others(self, joined_number: Whole) -> list[Attribute]:
         """Return the attributes that are not part of a joined number."""
-        return self._attributes_of(part.field for part in self.plan.parts if part.field not in whole.fields)
+        return self._attributes_of(part.field for part in self.plan.parts if part.field not in joined_number.fields)
 
     def _attributes_of(self, fields: Iterable[Field]) -> list[Attribute]:
         """Return the attributes of these fields and of the unused bits."""
@@ -216,9 +216,9 @@ class Coder:
             name=self.names.attribute(field.name), type=type_, meaning=self.about(field, may_be_absent), default=default
         )
 
-    def _of_run(self, field: Field, run: Digits) -> str:
+    def _of_run(self, field: Field, digit_run: Digits) -> str:
         """Return the description of a run of digits: that of the field if the run has its name."""
-        return self.about(field) if run.name == field.name else docstrings.of_run(run)
+        return self.about(field) if digit_run.name == field.name else docstrings.of_run(digit_run)
 
     def about(self, field: Field, may_be_missing: bool = False) -> str:
         return docstrings.of_field(self.context.device, field, may_be_missing)
@@ -246,25 +246,25 @@ class Coder:
         enum = self.enum(field) if is_named(meaning_of(field)) else ""
         return assigned(self.context.scope, self.names, enum, field, bits)
 
-    def whole_of_attributes(self, whole: Whole) -> Expr:
+    def whole_of_attributes(self, joined_number: Whole) -> Expr:
         """Return a joined number as an expression of local variables named like the attributes."""
-        return self.encoding.whole_of_numbers(whole, self.encoding.scope, str)
+        return self.encoding.whole_of_numbers(joined_number, self.encoding.scope, str)
 
-    def whole_takes_variant(self, whole: Whole) -> bool:
+    def whole_takes_variant(self, joined_number: Whole) -> bool:
         """Return whether the expression of a joined number depends on the order code, not only on answers."""
-        return not self.answered_parameters.issuperset(self.encoding.parameters_of_whole(whole))
+        return not self.answered_parameters.issuperset(self.encoding.parameters_of_whole(joined_number))
 
-    def whole_questions(self, whole: Whole) -> list[OpenQuestion]:
+    def whole_questions(self, joined_number: Whole) -> list[OpenQuestion]:
         """Return the questions whose answers the expression of a joined number needs."""
-        needed_parameters = self.encoding.parameters_of_whole(whole)
+        needed_parameters = self.encoding.parameters_of_whole(joined_number)
         needed_questions = []
         for question in self.questions:
             if any(parameter in needed_parameters for parameter, _ in question.members):
                 needed_questions.append(question)
         return needed_questions
 
-    def whole_width(self, whole: Whole) -> Expr:
-        return self.number(sum((field.width for field in reversed(whole.fields)), Expression(0)))
+    def whole_width(self, joined_number: Whole) -> Expr:
+        return self.number(sum((field.width for field in reversed(joined_number.fields)), Expression(0)))
 
     @property
     def expected(self) -> list[Field]:
@@ -335,7 +335,7 @@ class Coder:
         reports_with_indices = FrameReports(
             reporting=self.context.reportings.get(self.layout.name),
             codec=self.plan,
-            names=self.names,
+            class_names=self.names,
             parameters=self.context.parameters,
             attribute_of=self.by_index,
         )

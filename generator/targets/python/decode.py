@@ -28,10 +28,10 @@ class Decoder:
     A frame has one decoder for each encoder, which computes the values in a NamedValues scope only once.
     """
 
-    def __init__(self, scope: Scope, codec: Codec, names: ClassNames, enum: Callable[[Field], str]) -> None:
+    def __init__(self, scope: Scope, codec: Codec, class_names: ClassNames, enum: Callable[[Field], str]) -> None:
         self.scope = scope
         self.codec = codec
-        self.names = names
+        self.names = class_names
         self.enum = enum
         is_short_frame = isinstance(scope, NamedValues) and 1 < codec.length <= _MAX_BYTE_VARIABLES
         #: True if each byte of the frame has a variable, ``b0`` and so on.
@@ -42,10 +42,10 @@ class Decoder:
         self.assigned: set[str] = set()
         self._first_byte = FirstByte(codec, enum)
         if isinstance(scope, NamedValues):
-            prefer_names_of_fields(scope, codec, names)
+            prefer_names_of_fields(scope, codec, class_names)
 
-    def number(self, value: Expression) -> Expr:
-        return self.scope.expression_of(value)
+    def number(self, expression: Expression) -> Expr:
+        return self.scope.expression_of(expression)
 
     @property
     def values_by_name(self) -> Mapping[str, str]:
@@ -330,9 +330,9 @@ class DecodedValues:
         return [(code, name) for code, name in self.values if name]
 
 
-def assigned(scope: Scope, names: ClassNames, enum: str, field: Field, bits: Expr) -> Iterator[tuple[str, Expr]]:
+def assigned(scope: Scope, class_names: ClassNames, enum: str, field: Field, bits: Expr) -> Iterator[tuple[str, Expr]]:
     """Yield the attributes of a field of a joined number, with their values. ``enum`` is the name of its IntEnum."""
-    attribute = names.attribute(field.name)
+    attribute = class_names.attribute(field.name)
     match meaning_of(field):
         case Raw():
             yield attribute, bits
@@ -346,7 +346,7 @@ def assigned(scope: Scope, names: ClassNames, enum: str, field: Field, bits: Exp
             yield attribute, call("as_member", enum, f'"{field.name}"', bits)
         case DigitRuns(runs):
             for run, run_value in digits(bits, runs):
-                yield names.attribute(run.name), run_value
+                yield class_names.attribute(run.name), run_value
         case Characters():
             yield attribute, _text_of_number(field, bits)
         case meaning:

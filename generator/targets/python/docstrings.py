@@ -331,5 +331,5 @@ def of_value(named_value: Field | Value) -> str:
     return DOCSTRING_STYLE.paragraph(say_register.meaning(named_value, named_value.meaning))
 
 
-def of_run(run: Digits) -> str:
-    return sentence(run.meaning or counted(run.digits, "digit"))
+def of_run(digit_run: Digits) -> str:
+    return sentence(digit_run.meaning or counted(digit_run.digits, "digit"))

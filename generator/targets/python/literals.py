@@ -141,18 +141,18 @@ class Scope:
 
     names: Mapping[str, str]
 
-    def expression_of(self, value: Expression) -> Expr:
+    def expression_of(self, expression: Expression) -> Expr:
         """Return a number that depends on parameters, such as ``variant.position_bits + 8``."""
-        if value.is_constant:
-            return number(value.constant)
+        if expression.is_constant:
+            return number(expression.constant)
         signs_and_products = [
-            (_sign_of(term.multiple), self._product_of_factors(term)) for term in _collect_terms(value)
+            (_sign_of(term.multiple), self._product_of_factors(term)) for term in _collect_terms(expression)
         ]
-        if value.constant:
-            sign_and_constant = (_sign_of(value.constant), Atom(str(abs(value.constant))))
+        if expression.constant:
+            sign_and_constant = (_sign_of(expression.constant), Atom(str(abs(expression.constant))))
             # A sum should not start with a sign.
             first_term_sign, _ = signs_and_products[0]
-            is_first = value.constant > 0 and first_term_sign < 0
+            is_first = expression.constant > 0 and first_term_sign < 0
             signs_and_products.insert(0 if is_first else len(signs_and_products), sign_and_constant)
         (first_sign, first_product), *following = signs_and_products
         total: Expr = first_product if first_sign > 0 else Negative(first_product)
@@ -178,10 +178,10 @@ class Scope:
         return Operation(number(1), "<<", parameter) if factor.power else parameter
 
 
-def _collect_terms(value: Expression) -> list[Term]:
+def _collect_terms(expression: Expression) -> list[Term]:
     """Return the terms, with those of equal factors added up."""
     multiples: dict[tuple[Factor, ...], int] = {}
-    for term in value.terms:
+    for term in expression.terms:
         multiples[term.factors] = multiples.get(term.factors, 0) + term.multiple
     return [Term(multiple, factors) for factors, multiple in multiples.items()]
 

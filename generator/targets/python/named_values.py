@@ -27,8 +27,8 @@ class NamedValues(Scope):
     preferred: dict[tuple[str, str], str] = dataclass_field(default_factory=dict)
     comments: dict[str, str] = dataclass_field(default_factory=dict)
 
-    def expression_of(self, value: Expression) -> Expr:
-        return self._use_name("size", value, super().expression_of(value))
+    def expression_of(self, expression: Expression) -> Expr:
+        return self._use_name("size", expression, super().expression_of(expression))
 
     def ones(self, width: Expression) -> Expr:
         mask_of_parameters = Scope(self.names).ones(width)
@@ -62,9 +62,9 @@ class NamedValues(Scope):
             self.comments[name] = comment
 
 
-def prefer_names_of_fields(scope: NamedValues, codec: Codec, names: ClassNames) -> None:
+def prefer_names_of_fields(scope: NamedValues, codec: Codec, class_names: ClassNames) -> None:
     """Name the positions, widths, masks and limits that depend on the order code by their fields."""
-    unused_name = _LocalNames(codec, names).unused_name
+    unused_name = _LocalNames(codec, class_names).unused_name
     scope.prefer("frame_bits", "size", codec.layout.bits, comment_on_constant(codec, codec.layout.bits))
     for field in codec.layout.fields:
         scope.prefer(unused_name(f"{field.name}_bits"), "size", field.width)
@@ -85,12 +85,12 @@ def prefer_names_of_fields(scope: NamedValues, codec: Codec, names: ClassNames) 
 class _LocalNames:
     """Names of the variables of a decoder, beginning with those of its fields and their runs of digits."""
 
-    def __init__(self, codec: Codec, names: ClassNames) -> None:
-        self._names = names
+    def __init__(self, codec: Codec, class_names: ClassNames) -> None:
+        self._names = class_names
         self._used_names: set[str] = set()
         for field in codec.layout.fields:
-            self._used_names.add(names.local(field.name))
-            self._used_names.update(names.local(run.name) for run in field.runs)
+            self._used_names.add(class_names.local(field.name))
+            self._used_names.update(class_names.local(run.name) for run in field.runs)
 
     def unused_name(self, wanted: str) -> str:
         """Return ``wanted``, with underscores at its end if another variable has this name, and reserve it."""
@@ -101,12 +101,12 @@ class _LocalNames:
         return name
 
 
-def comment_on_constant(codec: Codec, value: Expression) -> str:
+def comment_on_constant(codec: Codec, expression: Expression) -> str:
     """Return a comment on the constant of a sum of widths, such as ``8 = crc (6) + warning (1) + error (1)``.
 
     It lists the fields of fixed width at the low end of the word. Empty if they do not add up to the constant.
     """
-    constant = value.constant
+    constant = expression.constant
     if constant <= 0:
         return ""
     fields_by_low = {field.low.constant: field for field in codec.layout.fields if field.is_fixed}

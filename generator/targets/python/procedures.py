@@ -174,26 +174,26 @@ class Steps:
             return Atom(f"0x{value << field.low.constant:02X}")
         return shift_value(Atom(str(value)), "<<", self.scope.expression_of(field.low))
 
-    def members(self, value: AsMember, register: Register) -> list[tuple[str, Expr]]:
+    def members(self, member_value: AsMember, register: Register) -> list[tuple[str, Expr]]:
         """Return attributes and values of the register for an argument that sets a field or join of it.
 
         Only runs of decimal digits are several attributes.
         """
         attribute_of = self.coders[register.name].names.attribute
-        argument = Atom(self.argument(value.argument))
+        argument = Atom(self.argument(member_value.argument))
         # Empty if the argument sets a join.
-        fields_of_member = [field for field in register.layout.fields if field.name == value.member]
+        fields_of_member = [field for field in register.layout.fields if field.name == member_value.member]
         # A join of several fields is a number.
         match meaning_of(fields_of_member[0]) if fields_of_member else Raw():
             case DigitRuns(runs):
                 return [(attribute_of(run.name), value_of_run) for run, value_of_run in digits(argument, runs)]
             case Raw() | TwosComplement() | ZeroMeans() | Active() | Named() | Characters():
-                return [(attribute_of(value.member), argument)]
+                return [(attribute_of(member_value.member), argument)]
             case meaning:
                 assert_never(meaning)
 
-    def joins(self, value: AsMember, register: Register) -> bool:
-        return any(join.name == value.member for join in register.layout.joins)
+    def joins(self, member_value: AsMember, register: Register) -> bool:
+        return any(join.name == member_value.member for join in register.layout.joins)
 
     def limits(self, refusal: OutsideArgumentLimits) -> str:
         """Return the limits of an argument: a call such as ``Preset.limits(variant)``, or a tuple.

@@ -221,7 +221,7 @@ class Readme:
         first_answer = question.alternative.answers[0]
         return f", {question.name}={self.device.name}.{question.kind}.{first_answer.name.upper()}"
 
-    def _example_variant(self, kind: str) -> Variant | None:
+    def _example_variant(self, interface_name: str) -> Variant | None:
         """Return an order code with this interface, or None if none is listed.
 
         It is one of an example in the manual if possible, then the one with the highest sum of its parameters.
@@ -232,7 +232,7 @@ class Readme:
         def preference(variant: Variant) -> tuple[bool, int]:
             return variant.code in example_codes, sum(variant.parameters[name] for name in parameter_names)
 
-        return max(self.device.variants_over(kind), key=preference, default=None)
+        return max(self.device.variants_over(interface_name), key=preference, default=None)
 
     @property
     def registers(self) -> list[ReadmeExample]:

@@ -24,14 +24,14 @@ class FrameReports:
         self,
         reporting: Reporting | None,
         codec: Codec,
-        names: ClassNames,
+        class_names: ClassNames,
         parameters: Mapping[str, str],
         attribute_of: Callable[[str], str] = "self.{}".format,
     ) -> None:
         self._report_causes = reporting.causes if reporting is not None else ()
         self._judgement = reporting.judgement if reporting is not None else None
         self._reserved = codec.reserved
-        self._names = names
+        self._names = class_names
         self._variant = attribute_of("variant")
         self._variant_attributes = parameters
         self._attribute_of = attribute_of
@@ -174,6 +174,6 @@ def _meaning_while_active(cause: VerdictCause) -> str:
     return f"{flag.name}: {meaning_on_one_line.rstrip('.')}."
 
 
-def condition_on_parameter(only: Only, parameter: str) -> Expr:
-    """Return the condition that an order code is among ``only``: ``parameter`` or ``not parameter``."""
-    return Atom(parameter) if only.holds else Not(Atom(parameter))
+def condition_on_parameter(parameter_condition: Only, parameter: str) -> Expr:
+    """Return the condition that an order code is among ``parameter_condition``: ``parameter`` or ``not parameter``."""
+    return Atom(parameter) if parameter_condition.holds else Not(Atom(parameter))
