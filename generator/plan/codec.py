@@ -21,6 +21,7 @@ from .operations import (
     Gray,
     IsBetween,
     IsOneOf,
+    JoinedNumber,
     NotAbove,
     ParityIs,
     ParityOf,
@@ -29,7 +30,6 @@ from .operations import (
     ReservedBits,
     Term,
     ValueOfField,
-    Whole,
     ZerosAbove,
     checks_of_meaning,
 )
@@ -51,7 +51,7 @@ class Codec:
     crcs: tuple[FrameCrc, ...]
     gray: Gray | None
     parts: tuple[Part, ...]
-    wholes: tuple[Whole, ...]
+    joined_numbers: tuple[JoinedNumber, ...]
     alternatives: tuple[Alternative, ...]
     reserved: tuple[Reserved, ...]
     checks: tuple[Check, ...]
@@ -132,7 +132,7 @@ def codec_of(device: Device, layout: Layout) -> Codec:
         crcs=tuple(_plan_crc(device, layout, field) for field in layout.crc_fields),
         gray=_find_gray(layout),
         parts=tuple(_yield_parts(layout)),
-        wholes=tuple(_yield_wholes(layout, by_word)),
+        joined_numbers=tuple(_yield_joined_numbers(layout, by_word)),
         alternatives=device.alternatives_of(layout),
         reserved=tuple(_yield_reserved(layout)),
         checks=(
@@ -248,7 +248,7 @@ def _find_gray(layout: Layout) -> Gray | None:
     return Gray(fields[-1].low, width, layout.gray_when, layout.gray_excess or Expression(0))
 
 
-def _yield_wholes(layout: Layout, by_word: bool) -> Iterator[Whole]:
+def _yield_joined_numbers(layout: Layout, by_word: bool) -> Iterator[JoinedNumber]:
     """Yield the numbers made of several fields. If one shift extracts adjacent fields from a word, set ``bits``."""
     for join in layout.joins:
         fields = tuple(layout.field(name) for name in join.fields)  # most significant first
@@ -260,7 +260,7 @@ def _yield_wholes(layout: Layout, by_word: bool) -> Iterator[Whole]:
         if by_word and are_adjacent:
             lowest_field = fields[-1]
             adjacent_bits = _locate_bits(layout, lowest_field.low, total_width, widest)
-        yield Whole(join=join, fields=fields, width=total_width, widest=widest, bits=adjacent_bits)
+        yield JoinedNumber(join=join, fields=fields, width=total_width, widest=widest, bits=adjacent_bits)
 
 
 def _checks_of_constants_and_parity(layout: Layout, by_word: bool) -> Iterator[Check]:

@@ -27,11 +27,11 @@ from .operations import (
     Gray,
     IsBetween,
     IsOneOf,
+    JoinedNumber,
     NotAbove,
     ParityIs,
     ParityOf,
     Reserved,
-    Whole,
     ZerosAbove,
 )
 from .operations import Check as PlannedCheck
@@ -197,7 +197,7 @@ def describe(codec: Codec, reporting: reports.Reporting | None = None) -> Descri
         length=codec.length if codec.in_bytes else 0,
         order=_byte_order(codec),
         columns=tuple(_describe_column(field, field.name in power_of_two_names) for field in layout.fields),
-        joins=tuple(_describe_join(whole) for whole in codec.wholes),
+        joins=tuple(_describe_join(whole) for whole in codec.joined_numbers),
         unused=tuple(_describe_unused(reserved) for reserved in codec.reserved),
         checks=tuple(_describe_check(check) for check in codec.checks),
         parities=tuple(_computed_parities(codec)),
@@ -291,7 +291,7 @@ def _describe_check(check: PlannedCheck) -> Check:
             assert_never(check)
 
 
-def _describe_join(joined_number: Whole) -> Join:
+def _describe_join(joined_number: JoinedNumber) -> Join:
     fields_from_low = tuple((Name(field.name), low) for field, low in joined_number.from_low)
     return Join(name=Name(joined_number.join.name), fields=fields_from_low)
 

@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from html import escape
+from html import escape as escape_xml
 
 from ..model import Source, Sources, cite
 from .plain_text import one_line, plain
@@ -21,7 +21,7 @@ _WIDTH = 132
 _BLOCK_START = re.compile(r"^(\d+)([.)])(?=\s|$)|^([-+#=])")
 
 
-def text(value: object) -> str:
+def escape(value: object) -> str:
     """Return one line of text with all Markdown and HTML markup escaped."""
     return _escape_markdown(plain(value))
 
@@ -62,14 +62,14 @@ def _escaped_start(match: re.Match[str]) -> str:
     return f"{item_number}\\{sign_after_number}" if item_number else f"\\{other_sign}"
 
 
-def cited(sources: Sources) -> str:
+def citation(sources: Sources) -> str:
     """Return the sources as ``§6.4 p.35, it: §6.4 p.36``."""
-    return text(_cite_with_section_signs(sources))
+    return escape(_cite_with_section_signs(sources))
 
 
 def cited_html(sources: Sources) -> str:
     """Return the sources for an HTML element."""
-    return html(_cite_with_section_signs(sources))
+    return escape_html(_cite_with_section_signs(sources))
 
 
 def _cite_with_section_signs(sources: Sources) -> str:
@@ -86,9 +86,9 @@ def _with_section_sign(source: Source) -> Source:
 _SECTION_NUMBER = re.compile(r"\d+(?![\dx])")
 
 
-def html(value: object) -> str:
+def escape_html(value: object) -> str:
     """Return one line of text for an HTML element or attribute, with Markdown characters escaped as entities."""
-    return escape(plain(value)).translate(_ENTITIES)
+    return escape_xml(plain(value)).translate(_ENTITIES)
 
 
 def link(label: str, target: str) -> str:
@@ -132,7 +132,7 @@ def join_filled(parts: Iterable[str], between: str = "<br>") -> str:
 def reference(ref: Ref) -> str:
     """Return a name with a link to its description. Manual steps are on the hardware page."""
     if ref.kind == "by-hand":
-        return link(text(ref.title), f"hardware.md#{ref.anchor}")
+        return link(escape(ref.title), f"hardware.md#{ref.anchor}")
     return link(code(ref.name), f"#{ref.anchor}")
 
 
@@ -141,5 +141,5 @@ MARKDOWN_STYLE = Style(
     text=lambda part: _escape_markdown(one_line(part)),
     code=code,
     ref=reference,
-    cited=lambda sources: f"({cited(sources)})" if sources else "",
+    cited=lambda sources: f"({citation(sources)})" if sources else "",
 )

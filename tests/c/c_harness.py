@@ -207,7 +207,9 @@ def members(codec: StructCodec) -> list[Member]:
             continue
         struct_members.append(Member(codec.struct.type_of(field), c_name(field.name), 0))
         struct_members += [Member(unsigned((run.modulus - 1).bit_length()), c_name(run.name), 0) for run in field.runs]
-    struct_members += [Member(unsigned(whole.widest), c_name(whole.join.name), 0) for whole in codec.plan.wholes]
+    struct_members += [
+        Member(unsigned(whole.widest), c_name(whole.join.name), 0) for whole in codec.plan.joined_numbers
+    ]
     struct_members += [Member(codec.struct.unused.type, "unused", 0)] if codec.struct.unused else []
     return struct_members or [Member("uint8_t", "no_data", 0)]
 

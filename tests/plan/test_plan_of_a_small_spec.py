@@ -295,7 +295,7 @@ def test_reasons_to_refuse_values(by_hand: Device) -> None:
     assert powers_of_two(plan(by_hand, "number_word")) == {"power"}
     names = [type(refusal).__name__ for refusal in refusals(plan(by_hand, "digit_word"))]
     assert names == ["DigitTooHigh", "DigitTooHigh", "DigitsDisagree"]
-    assert [type(refusal).__name__ for refusal in refusals(plan(by_hand, "gray_word"))][-1] == "WholeDisagrees"
+    assert [type(refusal).__name__ for refusal in refusals(plan(by_hand, "gray_word"))][-1] == "JoinDisagrees"
 
 
 def test_places_of_bits(by_hand: Device) -> None:
@@ -322,7 +322,7 @@ def test_reserved_bits(by_hand: Device) -> None:
 def test_numbers_of_several_fields(by_hand: Device) -> None:
     """5 turns and an angle of 10 in 5 bits are 5 x 32 + 10."""
     codec = plan(by_hand, "gray_word")
-    (position,) = codec.wholes
+    (position,) = codec.joined_numbers
     parameters = dict(by_hand.variant("HABG").parameters)
     assert position.joined({"turns": 5, "angle": 10}, parameters) == 5 * 32 + 10
     assert position.parts(5 * 32 + 10, parameters) == {"turns": 5, "angle": 10}

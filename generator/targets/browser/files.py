@@ -39,7 +39,7 @@ from ...render import Templates, our_templates
 from ...say import report
 from ...say.evidence import GRADES, grade, lowest_grade, mark_in_lists, origin
 from ...say.layout import as_one_number
-from ...say.markdown import text
+from ...say.markdown import escape
 from ...say.names_and_places import field_at
 from ...say.order_code import not_on_label
 from ...say.plain_text import plain
@@ -416,7 +416,7 @@ def sha256(part: str) -> str:
 TEMPLATES = Templates(
     our_templates("browser"),
     values=dict.fromkeys(("README.md.jinja", "decode.html.jinja", "decode.js.jinja"), Page),
-    filters={"script_json": script_json, "md": text, "sha256": sha256},
+    filters={"script_json": script_json, "md": escape, "sha256": sha256},
 )
 TARGET = Target(
     name="browser",

@@ -11,7 +11,7 @@ from dataclasses import replace
 from ...model import Digits, Field, Piece, first_of
 from ...model.record import dataclass
 from ...plan.codec import Codec, ShiftedBits, moved_bits
-from ...plan.operations import Bits, Reserved, Whole
+from ...plan.operations import Bits, JoinedNumber, Reserved
 from .names import (
     Call,
     Cast,
@@ -127,14 +127,14 @@ class Reader:
         has_32_bits = self.word_size == 32 and self.plan.gray is None
         return Cast("uint32_t", self.word) if high <= 32 and not has_32_bits else self.word
 
-    def number_of_join(self, joined_number: Whole, name_of: Callable[[Field], Expr]) -> Expr:
+    def number_of_join(self, joined_number: JoinedNumber, name_of: Callable[[Field], Expr]) -> Expr:
         """Return a join as one number: from the word if its fields are adjacent, otherwise from its fields by name."""
         if joined_number.bits is None:
             return self.number_from_fields(joined_number, name_of)
         number = self.in_word(joined_number.bits)
         return number if joined_number.widest > 32 else Cast(unsigned(joined_number.widest), number)
 
-    def number_from_fields(self, joined_number: Whole, name_of: Callable[[Field], Expr]) -> Expr:
+    def number_from_fields(self, joined_number: JoinedNumber, name_of: Callable[[Field], Expr]) -> Expr:
         """Return the fields of a join as one number of the join's type. The first field has the highest bits."""
         highest_field, *lower_fields = joined_number.fields
         type_ = unsigned(joined_number.widest)

@@ -169,7 +169,7 @@ class StructCodec:
     @property
     def set_names(self) -> tuple[str, ...]:
         """The members that other members repeat: joins, and numbers of decimal digits."""
-        join_names = (whole.join.name for whole in self.plan.wholes)
+        join_names = (whole.join.name for whole in self.plan.joined_numbers)
         decimal_names = (part.field.name for part in self.plan.parts if part.field.runs)
         return (*join_names, *decimal_names)
 

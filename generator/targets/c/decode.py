@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from ...model import Field, assert_never
 from ...model.record import dataclass
 from ...plan.codec import ShiftedBits, characters, is_plain_flag
-from ...plan.operations import AlwaysIs, Check, ParityIs, Part, Whole, ZerosAbove
+from ...plan.operations import AlwaysIs, Check, JoinedNumber, ParityIs, Part, ZerosAbove
 from ...plan.values import (
     Active,
     Characters,
@@ -220,7 +220,7 @@ class Decoder:
     # -- members
 
     @property
-    def fill_operations(self) -> Iterator[FlagsIn | Part | Whole | UnusedIn | UnusedAre]:
+    def fill_operations(self) -> Iterator[FlagsIn | Part | JoinedNumber | UnusedIn | UnusedAre]:
         """The operations that fill the members, in order. Unused bits are taken from a byte together with its flags."""
         unused = self.struct.unused
         # The unused bits of each byte that no operation has taken yet. It shrinks in the calls below.
@@ -251,14 +251,14 @@ class Decoder:
         if not ungathered:
             yield UnusedAre(unused.member_from(Name("unused")))
 
-    def _parts_and_wholes(self) -> Iterator[FlagsIn | Part | Whole]:
+    def _parts_and_wholes(self) -> Iterator[FlagsIn | Part | JoinedNumber]:
         """Yield all parts and joins. The byte of adjacent flags comes before the first of them."""
         flags_in = self._first_flags_of_bytes()
         for part in self.plan.parts:
             if part.field.name in flags_in:
                 yield flags_in[part.field.name]
             yield part
-        yield from self.plan.wholes
+        yield from self.plan.joined_numbers
 
     def _first_flags_of_bytes(self) -> dict[str, FlagsIn]:
         """Return the bytes of flags, by the name of the first flag of each run of flags in the same byte.
@@ -328,7 +328,7 @@ class Decoder:
         """Return True if a field always has the same bits."""
         return field.name in self.plan.constants
 
-    def number_of_join(self, joined_number: Whole) -> Expr:
+    def number_of_join(self, joined_number: JoinedNumber) -> Expr:
         return self.reader.number_of_join(joined_number, self.local)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from ...model import Field, Piece, assert_never
 from ...plan.codec import characters
 from ...plan.limits import NoPowerOfTwo, OutsideLimits, Refusal, TooWide, refusals
-from ...plan.operations import Fixed, ParityIs, ParityOf, ReservedBits, Term, ValueOfField, Whole, ZerosAbove
+from ...plan.operations import Fixed, JoinedNumber, ParityIs, ParityOf, ReservedBits, Term, ValueOfField, ZerosAbove
 from ...plan.values import (
     Active,
     Characters,
@@ -75,7 +75,7 @@ class Encoder:
                 assert_never(meaning)
         return Cast("uint32_t", self.member_of(field)) if needs_cast else self.member_of(field)
 
-    def number_from_members(self, joined_number: Whole) -> Expr:
+    def number_from_members(self, joined_number: JoinedNumber) -> Expr:
         """Return the number that the members of a join form, the first one in its highest bits."""
         return self.reader.number_from_fields(joined_number, self._unsigned_bits_of_member)
 

@@ -63,7 +63,7 @@ class ShownRegister:
     def members(self) -> int:
         """The number of members in its struct."""
         plan = self.struct.plan
-        return len(plan.wholes) + sum(1 + len(part.field.runs) for part in plan.parts)
+        return len(plan.joined_numbers) + sum(1 + len(part.field.runs) for part in plan.parts)
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,7 +256,7 @@ class ExampleCode:
         for placed_field in self.frame.layout.place(parameters).fields:
             if isinstance(meaning_of(placed_field.field), Raw):
                 numbers[placed_field.name] = (self.frame.wire >> placed_field.low) & placed_field.mask
-        for whole in self.struct.plan.wholes:
+        for whole in self.struct.plan.joined_numbers:
             if all(field.name in numbers for field in whole.fields):
                 numbers[whole.join.name] = whole.joined(numbers, parameters)
         return self.view.interface.request_for_reply(self.frame.layout, numbers)

@@ -20,10 +20,10 @@ from ...model import Device, Digits, Join, Manufacturer
 from ...model.expressions import Expression
 from ...plan import steps
 from ...plan.limits import Refusal
-from ...plan.operations import Check, Whole
+from ...plan.operations import Check, JoinedNumber
 from ...render import Templates, our_templates, tests_for
 from ...say.layout import join as say_join
-from ...say.markdown import text as markdown_text
+from ...say.markdown import escape as markdown_text
 from ...say.names_and_places import addresses, title, words
 from ...say.plain_text import plain
 from ...say.text import TITLE_STYLE
@@ -73,7 +73,7 @@ from .single import SingleHeader, single_header, single_path, single_views
 
 #: Operations of the plan and further operations of this target.
 TESTS = tests_for(
-    *(Expression, Check, Refusal, Whole, steps.Operation, steps.ArgumentRefusal),
+    *(Expression, Check, Refusal, JoinedNumber, steps.Operation, steps.ArgumentRefusal),
     *(ByteIs, FlagsIn, UnusedIn, UnusedAre, FoldOperation, FilledRows, Positions, Work),
 )
 

@@ -341,7 +341,7 @@ class Guide:
     def number(self) -> str:
         """The position or else the first number of the frame, by its name in the spec. Without any, ``no_data``."""
         plan = self.example.struct.plan
-        number_names = [whole.join.name for whole in plan.wholes]
+        number_names = [whole.join.name for whole in plan.joined_numbers]
         number_names += [part.field.name for part in plan.parts]
         for name in number_names:
             if c_name(name) == self.example.counts:

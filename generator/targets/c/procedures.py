@@ -76,7 +76,7 @@ class FilledRegister:
 
 
 @dataclass(frozen=True, slots=True)
-class Whole:
+class WholeRegister:
     """The bytes of a register whose whole number is an argument, and the struct that they decode to."""
 
     code: RegisterCode
@@ -158,10 +158,10 @@ class ProcedureCode:
         return sum(member.length for member in self.reads)
 
     @property
-    def wholes(self) -> list[Whole]:
+    def wholes(self) -> list[WholeRegister]:
         return list(self._wholes.values())
 
-    def whole(self, argument: ArgumentCode, register: Register) -> Whole:
+    def whole(self, argument: ArgumentCode, register: Register) -> WholeRegister:
         return self._wholes[argument.checked.argument.name, register.name]
 
     @property
@@ -169,7 +169,7 @@ class ProcedureCode:
         """The variant that functions receive, which is a copy if limits depend on values written earlier."""
         return self.context.passing.argument("written") if self._teaching else "variant"
 
-    def taker(self, written: FilledRegister | Whole) -> str:
+    def taker(self, written: FilledRegister | WholeRegister) -> str:
         """Return the function that updates the copy from written bytes, or an empty string if no limit needs it."""
         name = written.code.register.name
         return f"{self.context.prefix}_take_{name}" if name in self._teaching else ""
@@ -266,7 +266,7 @@ class ProcedureCode:
                 )
                 yield (argument, register), filled_register
 
-    def _whole_numbers(self) -> Iterator[tuple[tuple[str, str], Whole]]:
+    def _whole_numbers(self) -> Iterator[tuple[tuple[str, str], WholeRegister]]:
         """Yield the registers whose whole number is an argument, with their key ``(argument, register)``.
 
         Only those are needed whose decoder can reject the number, or on which the limit of a later step depends.
@@ -279,7 +279,7 @@ class ProcedureCode:
                 register = write.register.name
                 is_checked = register in checked_registers or write.determines_limits
                 if isinstance(write.value, AsNumber) and is_checked:
-                    whole = Whole(
+                    whole = WholeRegister(
                         code=self.registers[register],
                         local=c_name(f"{argument}_{register}_held", self._names),
                         bytes=c_name(f"{argument}_{register}_sent", self._names),

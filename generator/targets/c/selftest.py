@@ -351,7 +351,7 @@ class SelfTest:
 
 def _member_names(codec: StructCodec) -> Iterator[str]:
     """Yield the names of the members of a struct, as in the spec."""
-    yield from (whole.join.name for whole in codec.plan.wholes)
+    yield from (whole.join.name for whole in codec.plan.joined_numbers)
     for part in codec.plan.parts:
         yield from (part.field.name, *(run.name for run in part.field.runs))
 

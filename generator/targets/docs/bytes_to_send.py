@@ -32,7 +32,7 @@ from ...plan.values import Raw, TwosComplement, meaning_of
 from ...say.commands import Commands, commands_over
 from ...say.evidence import document
 from ...say.layout import name_as_words
-from ...say.markdown import code, join_filled, link, text
+from ...say.markdown import code, escape, join_filled, link
 from ...say.names_and_places import addresses, bits, title
 from ...say.order_code import PURPOSES, word_lengths
 from ...say.text import counted, microseconds
@@ -68,7 +68,7 @@ def sending_section(
     )
     facts = list(introduction)
     input_links = [
-        link(text(title(hardware_input)), f"#input-{hardware_input.name}") for hardware_input in device.inputs
+        link(escape(title(hardware_input)), f"#input-{hardware_input.name}") for hardware_input in device.inputs
     ]
     if input_links:
         facts.append(f"Inputs: {', '.join(input_links)}.")
@@ -149,7 +149,7 @@ def _sentences_on_writable_registers(possible_commands: Commands) -> Iterator[st
 
 
 def _register_link(register: Register) -> str:
-    return link(f"{addresses(register)} {text(title(register))}", f"#register-{register.name}")
+    return link(f"{addresses(register)} {escape(title(register))}", f"#register-{register.name}")
 
 
 def _commands_missing_in_t_format(device: Device, possible_commands: Commands) -> Iterator[str]:
@@ -213,7 +213,7 @@ def _exchange_row(exchange: Exchanged) -> Row:
     layouts = [layout for layout in (exchange.request, exchange.reply) if layout is not None]
     frame_links = [link(code(layout.name), f"#layout-{layout.name}") for layout in layouts]
     first_sentence_of_note = exchange.request.note.partition(". ")[0].removesuffix(".")
-    description = PURPOSES[exchange.exchange.purpose] or text(first_sentence_of_note)
+    description = PURPOSES[exchange.exchange.purpose] or escape(first_sentence_of_note)
     word_bits = exchange.exchange.word_bits
     if word_bits is not None:
         word_size = f"in words of {word_lengths([word_bits])}"
@@ -237,7 +237,7 @@ def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: C
         reply_link = f" → {link(counted(reply.widest // 8, 'byte'), f'#layout-{reply.name}')}"
     procedures = _procedures_sending_only(device, data_id)
     repetitions = (_repetition_text(procedure) for procedure in procedures)
-    description = join_filled([text(data_id.meaning or data_id.purpose), *repetitions], ". ")
+    description = join_filled([escape(data_id.meaning or data_id.purpose), *repetitions], ". ")
     identifier = f"<small>Data ID {data_id.id:X} {code(data_id.name)}</small>"
     errata_links = errata_at(*(f"procedures.{procedure.name}" for procedure in procedures))
     return sent_bytes + reply_link, join_filled([f"{description}.", identifier, errata_links], " ")
@@ -255,7 +255,7 @@ def _names_after_control_field(request: Layout) -> list[str]:
         if not is_in_control_field:
             unique_names[field.group or field.name] = None
     # Of "preset of turns", only "preset" is shown.
-    return [text(name_as_words(part_name).partition(" of ")[0]) for part_name in unique_names]
+    return [escape(name_as_words(part_name).partition(" of ")[0]) for part_name in unique_names]
 
 
 def _procedures_sending_only(device: Device, data_id: DataId) -> list[Procedure]:
@@ -299,7 +299,7 @@ def _command_rows(device: Device, variant: Variant, errata_at: Callable[..., str
         bit_changes = [step for step in procedure.steps if isinstance(step, ModifyStep)]
         changed_fields = [f"registers.{step.register}.{step.field}" for step in bit_changes]
         errata_links = errata_at(exactly=changed_fields) if changed_fields else ""
-        task = link(text(procedure.title), f"#procedure-{procedure.name}")
+        task = link(escape(procedure.title), f"#procedure-{procedure.name}")
         yield task, join_filled([bytes_to_write, errata_links], ". ")
 
 

@@ -10,7 +10,7 @@ from ...masters.sheet import Master, shipped_masters
 from ...model import Device
 from ...render import Templates, our_templates
 from ...say import markdown
-from ...say.markdown import link, text
+from ...say.markdown import escape, link
 from ...say.names_and_places import addresses, heading, title
 from ...say.text import counted, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
@@ -212,13 +212,13 @@ def _index_row(device: Device) -> tuple[str, ...]:
     folder = device.name
     interface_links = [link(interface.title, f"{folder}/{interface.name}.md") for interface in device.interfaces]
     return (
-        link(text(device.title), f"{folder}.md"),
-        text(device.manufacturer.title),
+        link(escape(device.title), f"{folder}.md"),
+        escape(device.manufacturer.title),
         ", ".join(interface_links),
         f"{len(device.variants)}",
         ", ".join(masters_page.page_links(device)),
-        f"{text(device.manual.title)}, revision {family_pages.revision_and_date(device.manual)}",
-        text(device.evidence.grade),
+        f"{escape(device.manual.title)}, revision {family_pages.revision_and_date(device.manual)}",
+        escape(device.evidence.grade),
     )
 
 
@@ -245,11 +245,11 @@ TEMPLATES = Templates(
         f"{cross_family_pages.PAGE}.jinja": cross_family_pages.GlossaryPage,
     },
     filters={
-        "md": markdown.text,
+        "md": markdown.escape,
         "paragraph": markdown.paragraph,
         "code": markdown.code,
-        "html": markdown.html,
-        "cited": markdown.cited,
+        "html": markdown.escape_html,
+        "cited": markdown.citation,
         "cited_html": markdown.cited_html,
         "anchor": markdown.anchor,
         "sentence": sentence,

@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypedDict
 from ...model import Device, Erratum
 from ...say.errata import errata
 from ...say.errata import erratum as erratum_statement
-from ...say.markdown import MARKDOWN_STYLE, anchor, cited, code, html, link, link_list, text
+from ...say.markdown import MARKDOWN_STYLE, anchor, citation, code, escape, escape_html, link, link_list
 from ...say.text import sentence
 from . import fact_tables
 from .page_links import ERRATA, link_to_erratum
@@ -52,11 +52,11 @@ class ErrataLines:
         wording_errata = [erratum for erratum in manual_errata if erratum.severity == "wording"]
         if wording_errata:
             mistakes = "mistake" if len(wording_errata) == 1 else "mistakes"
-            links = link_list(self._link_to_erratum(erratum, text(erratum.title)) for erratum in wording_errata)
+            links = link_list(self._link_to_erratum(erratum, escape(erratum.title)) for erratum in wording_errata)
             list_items.append(f"- Wording {mistakes} in the manual: {links}")
         if edition_errata:
             edition_links = [
-                self._link_to_erratum(erratum, text(_edition_phrase(erratum))) for erratum in edition_errata
+                self._link_to_erratum(erratum, escape(_edition_phrase(erratum))) for erratum in edition_errata
             ]
             list_items.append(f"- Other editions differ: {', '.join(dict.fromkeys(edition_links))}")
         return "\n".join(list_items)
@@ -65,7 +65,7 @@ class ErrataLines:
         """Return the errata about these paths, those about wording included, as links for a table cell."""
         affecting_errata = errata(self._device, *paths, wording=True)
         links = [
-            f"{status_badge(erratum)} {self._link_to_erratum(erratum, text(erratum.title))}"
+            f"{status_badge(erratum)} {self._link_to_erratum(erratum, escape(erratum.title))}"
             for erratum in affecting_errata
         ]
         return link_list(links)
@@ -76,7 +76,7 @@ class ErrataLines:
     def _erratum_line(self, erratum: Erratum) -> str:
         """Return an erratum as an item of a list: its text at the first mention on the page, then a link to that."""
         if erratum.name in self._names_on_page:
-            first_mention = link(text(erratum.title), f"#erratum-{erratum.name}")
+            first_mention = link(escape(erratum.title), f"#erratum-{erratum.name}")
             return f"- {status_badge(erratum)} {first_mention}, see above"
         self._names_on_page.add(erratum.name)
         return f"- {anchor(f'erratum-{erratum.name}')}{erratum_line(erratum, self._page)}"
@@ -113,7 +113,8 @@ class ErrataLinks:
         self._errata |= {erratum.name: erratum for erratum in linked_errata}
         if len(linked_errata) == 1:
             (erratum,) = linked_errata
-            return f"{_MARKS[erratum.status]} {erratum.status}: {link(text(erratum.title), f'#erratum-{erratum.name}')}"
+            title_link = link(escape(erratum.title), f"#erratum-{erratum.name}")
+            return f"{_MARKS[erratum.status]} {erratum.status}: {title_link}"
         counts = []
         links = []
         for status, mark in _MARKS.items():
@@ -147,12 +148,12 @@ class ErrataLinks:
 
 def _html_link(erratum: Erratum) -> str:
     """Return a link in HTML, since a block that begins with HTML has no Markdown in it."""
-    return f'<a href="#erratum-{erratum.name}">{html(erratum.title)}</a>'
+    return f'<a href="#erratum-{erratum.name}">{escape_html(erratum.title)}</a>'
 
 
 def _numbered_links(label: str, pages: Sequence[str]) -> str:
     """Return links to several pages: the first with the label, the others with their numbers."""
-    first_link = link(text(label), pages[0])
+    first_link = link(escape(label), pages[0])
     return ", ".join([first_link, *(link(f"{number}", page) for number, page in enumerate(pages[1:], 2))])
 
 
@@ -183,11 +184,11 @@ def erratum_line(listed_erratum: Erratum, page: str) -> str:
     A change by an overlay has its reason and source, because the user of a special model needs them.
     """
     name = listed_erratum.name
-    title_link = f"{status_badge(listed_erratum)} {link(text(listed_erratum.title), f'{page}#erratum-{name}')}"
+    title_link = f"{status_badge(listed_erratum)} {link(escape(listed_erratum.title), f'{page}#erratum-{name}')}"
     if listed_erratum.overlay:
         reasons = map(MARKDOWN_STYLE.sentence, erratum_statement(listed_erratum).below)
         return " ".join([f"{title_link} {MARKDOWN_STYLE.cited(listed_erratum.source)}:", *reasons])
-    return f"{title_link}: {text(_shorten_sentences(sentence(listed_erratum.used)))}"
+    return f"{title_link}: {escape(_shorten_sentences(sentence(listed_erratum.used)))}"
 
 
 def _shorten_sentences(sentences: str) -> str:
@@ -224,11 +225,11 @@ def page_values(device: Device) -> ErrataPage:
 
 def _erratum_section(erratum: Erratum) -> dict[str, Any]:
     """Return one erratum for the page of errata: a summary, and its texts as a table of one row."""
-    head, cells = zip(*fact_tables.printed_and_used_rows(erratum), ("Why", text(erratum.why)), strict=True)
+    head, cells = zip(*fact_tables.printed_and_used_rows(erratum), ("Why", escape(erratum.why)), strict=True)
     affected = ", ".join(map(code, erratum.affects))
     kind = f"{status_badge(erratum)}, {fact_tables.severity_text(erratum.severity)}"
-    summary = f"{kind}. Source: {cited(erratum.source)}. Affects {affected}."
-    return {"erratum": erratum, "title": text(erratum.title), "summary": summary, "head": head, "cells": cells}
+    summary = f"{kind}. Source: {citation(erratum.source)}. Affects {affected}."
+    return {"erratum": erratum, "title": escape(erratum.title), "summary": summary, "head": head, "cells": cells}
 
 
 def _summary_of_counts(count: int, open_count: int) -> str:
@@ -252,8 +253,8 @@ def _links_by_status_and_impact(listed_errata: Sequence[Erratum]) -> Iterator[tu
         for severity in fact_tables.SEVERITIES:
             of_kind = [erratum for erratum in listed_errata if _is_of(erratum, status, severity)]
             if of_kind:
-                label = text(f"{status}, {fact_tables.severity_text(severity)}")
-                yield label, [link(text(erratum.title), f"#erratum-{erratum.name}") for erratum in of_kind]
+                label = escape(f"{status}, {fact_tables.severity_text(severity)}")
+                yield label, [link(escape(erratum.title), f"#erratum-{erratum.name}") for erratum in of_kind]
 
 
 def _is_of(erratum: Erratum, status: str, severity: str) -> bool:
@@ -281,7 +282,7 @@ def _rows_of_all_families(devices: Sequence[Device], status: str) -> Iterator[tu
             for erratum in _errata_of_manual(device):
                 if _is_of(erratum, status, severity):
                     yield (
-                        text(fact_tables.severity_text(severity)),
-                        link(text(device.name.upper()), f"{device.name}.md"),
+                        escape(fact_tables.severity_text(severity)),
+                        link(escape(device.name.upper()), f"{device.name}.md"),
                         link_to_erratum(device, erratum),
                     )

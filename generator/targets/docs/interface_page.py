@@ -36,7 +36,7 @@ from ...say import register as say_register
 from ...say import report
 from ...say.errata import needed_answers
 from ...say.evidence import document, origin, other_editions
-from ...say.markdown import MARKDOWN_STYLE, cited, code, join_filled, link, text
+from ...say.markdown import MARKDOWN_STYLE, citation, code, escape, join_filled, link
 from ...say.names_and_places import Named, addresses, title, words
 from ...say.order_code import PURPOSES, initial
 from ...say.register import measurement, own_ranges, position_range
@@ -118,9 +118,9 @@ def _example_section(device: Device, example: Example) -> Section:
 def _led_rows(led: Led) -> Iterator[tuple[str, ...]]:
     """Yield a row for each state of an LED. The first row has the name and the source of the LED."""
     for index, state in enumerate(led.states):
-        name, source = (text(led.title), cited(led.source)) if index == 0 else ("", "")
-        meaning = join_filled([text(state.meaning), *links_to_steps("", state.by_hand)])
-        yield name, text(state.state), meaning, code(state.only), source
+        name, source = (escape(led.title), citation(led.source)) if index == 0 else ("", "")
+        meaning = join_filled([escape(state.meaning), *links_to_steps("", state.by_hand)])
+        yield name, escape(state.state), meaning, code(state.only), source
 
 
 #: Keys of an interface whose errata are listed with its facts.
@@ -180,9 +180,9 @@ def _data_id_row(data_id: DataId) -> tuple[str, ...]:
         f"{data_id.id:X}",
         code(data_id.name),
         f"`{data_id.control:02X}h`",
-        text(data_id.purpose),
-        text(data_id.meaning),
-        cited(data_id.source),
+        escape(data_id.purpose),
+        escape(data_id.meaning),
+        citation(data_id.source),
     )
 
 
@@ -198,7 +198,7 @@ def _exchange_rows(interface: Interface) -> Rows:
         length_cells = [f"{exchange.request.bits.render()} bits"] if len(lengths) > 1 else []
         purpose = PURPOSES[exchange.exchange.purpose]
         frame_links = [_layout_link(exchange.request), _layout_link(exchange.reply)]
-        exchange_rows.append((*frame_links, *length_cells, purpose, cited(exchange.exchange.source)))
+        exchange_rows.append((*frame_links, *length_cells, purpose, citation(exchange.exchange.source)))
     return exchange_rows
 
 
@@ -209,12 +209,12 @@ def _layout_link(layout: Layout | None) -> str:
 def _memory_row(access: MemoryAccess) -> tuple[str, ...]:
     """Return a row of access, busy, address, data, meaning, source for one kind of access to memory."""
     return (
-        text(access.access),
+        escape(access.access),
         f"{access.busy}",
-        text(access.address),
-        text(access.data),
-        text(access.meaning),
-        cited(access.source),
+        escape(access.address),
+        escape(access.data),
+        escape(access.meaning),
+        citation(access.source),
     )
 
 
@@ -281,7 +281,9 @@ def _connector_section(connector: Connector) -> Section:
     return {
         "connector": connector,
         "head": "Wire" if connector.kind == "cable" else "Pin",
-        "rows": [(text(contact.contact), text(contact.signal), code(contact.only)) for contact in connector.contacts],
+        "rows": [
+            (escape(contact.contact), escape(contact.signal), code(contact.only)) for contact in connector.contacts
+        ],
     }
 
 
@@ -294,7 +296,7 @@ def _register_row(register: Register) -> tuple[str, ...]:
         link(code(register.name), f"#register-{register.name}"),
         say_register.access(register),
         f"`{default_bytes.hex(' ').upper()}`" if default_bytes is not None else "",
-        cited(register.source),
+        citation(register.source),
     )
 
 
@@ -398,16 +400,20 @@ def _overview_rows(device: Device, interface: Interface, variants: Sequence[Vari
     """Yield rows of fact, value, source: the position with its unit, each supply, and the facts of the interface."""
     position_measurement = device.measurement_of(interface.name)
     if position_measurement is not None:
-        yield "Position", MARKDOWN_STYLE.phrase(measurement(position_measurement)), cited(position_measurement.source)
+        yield (
+            "Position",
+            MARKDOWN_STYLE.phrase(measurement(position_measurement)),
+            citation(position_measurement.source),
+        )
         for layout_name, own_range in own_ranges(device, interface.name):
             yield (
                 f"Position in {code(layout_name)}",
                 MARKDOWN_STYLE.phrase(position_range(own_range)),
-                cited(own_range.source),
+                citation(own_range.source),
             )
     for supply, codes in _codes_by_supply(device, variants).items():
         with_codes = f" ({order_codes(device, codes)})" if len(codes) < len(variants) else ""
-        yield f"Supply{with_codes}", f"{volts(supply.min_mv)} to {volts(supply.max_mv)}", cited(supply.source)
+        yield f"Supply{with_codes}", f"{volts(supply.min_mv)} to {volts(supply.max_mv)}", citation(supply.source)
     yield from fact_tables.interface_rows(device, interface)
 
 
@@ -426,7 +432,12 @@ def _name_rows(device: Device) -> Iterator[Row]:
     for named_part in _parts_with_names(device):
         for language, name_in_language in named_part.names.items():
             if name_in_language != title(named_part):
-                yield code(named_part.name), text(named_part.printed_name), text(language), text(name_in_language)
+                yield (
+                    code(named_part.name),
+                    escape(named_part.printed_name),
+                    escape(language),
+                    escape(name_in_language),
+                )
 
 
 def _parts_with_names(device: Device) -> Iterator[Named]:

@@ -48,7 +48,7 @@ def _style_element() -> str:
     return f"<style>{always}{light}@media(prefers-color-scheme:dark){{{dark}}}</style>"
 
 
-def card(title: str, body: Sequence[str], width: float, height: float, description: str) -> str:
+def create_picture(title: str, body: Sequence[str], width: float, height: float, description: str) -> str:
     """Return a picture of this size. ``description`` is its text alternative."""
     svg_start = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{number(width)}" height="{number(height)}" '
@@ -66,19 +66,19 @@ def _escape_xml(words: str) -> str:
     return html.escape(plain(words), quote=False)
 
 
-def rect(x: float, top: float, box_width: float, box_height: float, fill: str) -> str:
+def draw_box(x: float, top: float, box_width: float, box_height: float, fill: str) -> str:
     """Return a box. ``fill`` is its colour class."""
     size = f'width="{number(box_width)}" height="{number(box_height)}"'
     return f'<rect x="{number(x)}" y="{number(top)}" {size} class="{fill}"/>'
 
 
-def swatch(x: float, top: float, box_width: float, box_height: float, colour: str) -> str:
+def draw_swatch(x: float, top: float, box_width: float, box_height: float, colour: str) -> str:
     """Return a box in a colour that is the same in both colour schemes, such as that of a wire."""
     size = f'width="{number(box_width)}" height="{number(box_height)}"'
     return f'<rect x="{number(x)}" y="{number(top)}" {size} fill="{colour}"/>'
 
 
-def text(
+def draw_text(
     x: float,
     y: float,
     words: str,
@@ -97,12 +97,12 @@ def text(
     return f'<text x="{number(x)}" y="{number(y)}" {look}>{_escape_xml(words)}</text>'
 
 
-def width(words: str, size: float) -> float:
+def text_width(words: str, size: float) -> float:
     """Return an upper estimate of the width of a line of text."""
     return len(words) * size * _LETTER_WIDTH
 
 
-def wrapped(words: str, room: float, size: float) -> list[str]:
+def wrap_to_width(words: str, room: float, size: float) -> list[str]:
     """Return text as lines no wider than ``room``."""
     return wrap(plain(words), max(1, int(room / (size * _LETTER_WIDTH))))
 
@@ -348,8 +348,8 @@ def stacks_picture(title: str, stacks: Sequence[Stack]) -> str:
     body: list[str] = []
     top = _MARGIN
     for stack in stacks:
-        for text_line in wrapped(stack.caption, WIDE - 2 * _MARGIN, _BIG * _WIDE_LETTERS):
-            body.append(text(_MARGIN, top + 13, text_line, _BIG, "start", bold=True))
+        for text_line in wrap_to_width(stack.caption, WIDE - 2 * _MARGIN, _BIG * _WIDE_LETTERS):
+            body.append(draw_text(_MARGIN, top + 13, text_line, _BIG, "start", bold=True))
             top += _LINE + 4
         for row in stack.rows:
             body += _row_elements(row, top)
@@ -357,33 +357,33 @@ def stacks_picture(title: str, stacks: Sequence[Stack]) -> str:
             lines_below = _lines_below(row)
             for fill, text_line in lines_below:
                 if fill:
-                    body.append(rect(_MARGIN, top + 5, 10, 10, fill))
-                body.append(text(_MARGIN + _INDENT, top + 14, text_line, _SMALL, "start"))
+                    body.append(draw_box(_MARGIN, top + 5, 10, 10, fill))
+                body.append(draw_text(_MARGIN + _INDENT, top + 14, text_line, _SMALL, "start"))
                 top += _LINE
             top += 6 if lines_below else 0
         top += _GAP
-    return card(title, body, WIDE, top - _GAP + _MARGIN, text_alternative(stacks))
+    return create_picture(title, body, WIDE, top - _GAP + _MARGIN, text_alternative(stacks))
 
 
 def _row_elements(row: ByteRow, top: float) -> Iterator[str]:
     """Yield the name of a byte, and its boxes with their names and bit numbers."""
     if row.label:
-        yield text(_MARGIN, top + _BOX / 2 + 4, row.label, _SMALL, "start", faint=True)
+        yield draw_text(_MARGIN, top + _BOX / 2 + 4, row.label, _SMALL, "start", faint=True)
     for box in row.boxes:
         # Bit 7 is at the left.
         left = _MARGIN + _LABELS + (7 - box.high) * _BIT
         box_width = _width_of_box(box)
-        yield rect(left, top, box_width, _BOX, box.fill)
+        yield draw_box(left, top, box_width, _BOX, box.fill)
         name_lines = _lines_inside(box)
         number_of_lines = len(name_lines) + bool(box.place)
         center = left + box_width / 2
         # The lines are 14 pixels apart, and centred in the box.
         baseline = top + _BOX / 2 + 4.5 - 7 * (number_of_lines - 1)
         for name_line in name_lines:
-            yield text(center, baseline, name_line, _SMALL, "middle")
+            yield draw_text(center, baseline, name_line, _SMALL, "middle")
             baseline += 14
         if box.place:
-            yield text(center, baseline, box.place, _SMALL, "middle", faint=True)
+            yield draw_text(center, baseline, box.place, _SMALL, "middle", faint=True)
 
 
 def _width_of_box(box: Box) -> float:
@@ -398,7 +398,7 @@ def _lines_inside(box: Box) -> list[str]:
     """
     if box.active_low:
         return []
-    name_lines = wrapped(box.name, _width_of_box(box) - 4, _SMALL)
+    name_lines = wrap_to_width(box.name, _width_of_box(box) - 4, _SMALL)
     fits = len(name_lines) == 1 or (len(name_lines) == 2 and not box.place and " ".join(name_lines) == box.name)
     return name_lines if fits else []
 
@@ -411,7 +411,7 @@ def _lines_below(row: ByteRow) -> list[tuple[str, str]]:
     colours_and_lines = []
     for box in row.boxes:
         if not _lines_inside(box):
-            name_lines = wrapped(_name_below(box), WIDE - 2 * _MARGIN - _INDENT, _SMALL)
+            name_lines = wrap_to_width(_name_below(box), WIDE - 2 * _MARGIN - _INDENT, _SMALL)
             colours_and_lines.append((box.fill, name_lines[0]))
             colours_and_lines += [("", further_line) for further_line in name_lines[1:]]
     return colours_and_lines

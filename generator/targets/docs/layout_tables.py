@@ -23,7 +23,7 @@ from ...model import (
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...say.errata import answer_names
-from ...say.markdown import MARKDOWN_STYLE, cited, code, join_filled, link, table, text
+from ...say.markdown import MARKDOWN_STYLE, citation, code, escape, join_filled, link, table
 from ...say.names_and_places import Named, bit_range, bits, field_place, frame_bytes, hexadecimal
 from ...say.register import rules, value
 from ...say.text import Code, Statement, join_groups, list_parts, spec_text, statement
@@ -74,7 +74,7 @@ def _shape_of(placed_layout: PlacedLayout) -> _Shape:
 
 def name_cell(named_part: Named) -> str:
     """Return a name as code, with the name used in the manual below it."""
-    return join_filled([code(named_part.name), text(named_part.printed_name)])
+    return join_filled([code(named_part.name), escape(named_part.printed_name)])
 
 
 def field_cell(device: Device, field: Field, in_register: bool = False) -> str:
@@ -114,7 +114,7 @@ def value_rows(field: Field) -> Iterator[tuple[str, ...]]:
     for named_value in field.values:
         # A hexadecimal digit is four bits.
         number = hexadecimal(named_value.value, (field.widest + 3) // 4)
-        yield number, name_cell(named_value), text(named_value.meaning), cited(named_value.source)
+        yield number, name_cell(named_value), escape(named_value.meaning), citation(named_value.source)
 
 
 def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
@@ -129,7 +129,7 @@ def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
 def _group_row(device: Device, layout: Layout, field_group: FieldGroup) -> tuple[str, ...]:
     """Return a row of group, its place, its number of bits, the names of its fields, and no source."""
     group_cell = join_filled(
-        [link(code(field_group.name), f"#group-{field_group.name}"), text(field_group.printed_name)]
+        [link(code(field_group.name), f"#group-{field_group.name}"), escape(field_group.printed_name)]
     )
     field_names = [Code(field.name) for field in layout.fields if field.group == field_group.name]
     fields_sentence = MARKDOWN_STYLE.sentence(statement(*list_parts(field_names), label="Fields"))
@@ -143,7 +143,7 @@ def _field_row(device: Device, layout: Layout, field: Field) -> tuple[str, ...]:
         field_place_cell(layout, field, device.alternatives_of(layout)),
         MARKDOWN_STYLE.number(field.width),
         field_cell(device, field, in_register=not layout.sender),
-        cited(field.source) if field.source != layout.source else "",
+        citation(field.source) if field.source != layout.source else "",
     )
 
 
@@ -214,7 +214,7 @@ def _decides_place_of_any(fields: Iterable[Field], alternative: Alternative) -> 
 def group_rows(device: Device, name: str) -> Iterator[tuple[str, ...]]:
     """Yield rows of field, place, meaning, source."""
     for field, place in group_places(device, name, _answers_in_words):
-        yield name_cell(field), place, field_cell(device, field), cited(field.source)
+        yield name_cell(field), place, field_cell(device, field), citation(field.source)
 
 
 def _answers_in_words(answers: Sequence[Answer]) -> str:

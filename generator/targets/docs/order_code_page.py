@@ -30,7 +30,7 @@ from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.reduction import for_codes, with_quantities
 from ...say.evidence import grade
 from ...say.layout import size
-from ...say.markdown import MARKDOWN_STYLE, cited, code, link, text
+from ...say.markdown import MARKDOWN_STYLE, citation, code, escape, link
 from ...say.names_and_places import field_at, heading, hexadecimal, title
 from ...say.order_code import not_on_label, parameter_value
 from ...say.plain_text import counted, with_unit
@@ -396,10 +396,12 @@ def _quantity_rows(code_group: CodeGroup) -> Iterator[Row]:
 def _quantity_row(code_group: CodeGroup, parameter: Parameter, is_set_by_registers: bool) -> Row:
     """Return a row for a quantity that the order code or a register sets."""
     quantity = parameter_value(parameter, code_group.variants[0].parameters[parameter.name])
-    meaning = text(sentence(meaning_without_range(code_group.family, parameter)))
+    meaning = escape(sentence(meaning_without_range(code_group.family, parameter)))
     origin = _origin_of_quantity(code_group.family, parameter, is_set_by_registers)
-    about_quantity = f"{meaning}{origin} <small>{code(parameter.name)}</small> <small>{cited(parameter.source)}</small>"
-    return with_unit(quantity, text(parameter.unit)), about_quantity
+    about_quantity = (
+        f"{meaning}{origin} <small>{code(parameter.name)}</small> <small>{citation(parameter.source)}</small>"
+    )
+    return with_unit(quantity, escape(parameter.unit)), about_quantity
 
 
 def _origin_of_quantity(family_device: Device, parameter: Parameter, is_set_by_registers: bool) -> str:
@@ -407,5 +409,5 @@ def _origin_of_quantity(family_device: Device, parameter: Parameter, is_set_by_r
     if parameter.read_from:
         has_default = family_device.register(parameter.register).default is not None
         value_kind = "Factory default" if has_default else "Value of the order code"
-        return f" {value_kind}, held in {text(field_at(family_device, parameter.read_from))}."
+        return f" {value_kind}, held in {escape(field_at(family_device, parameter.read_from))}."
     return " Factory default, set by registers." if is_set_by_registers else ""

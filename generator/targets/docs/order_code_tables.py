@@ -28,7 +28,7 @@ from ...order_codes.parameters import parameters_of, run_time_names, with_answer
 from ...plan.values import Active, TwosComplement, meaning_of
 from ...plan.verdicts import Judgement, Match, VerdictCause
 from ...say.layout import crc_inverted, crc_reflected
-from ...say.markdown import MARKDOWN_STYLE, cited, code, join_filled, link, text
+from ...say.markdown import MARKDOWN_STYLE, citation, code, escape, join_filled, link
 from ...say.names_and_places import bits, frame_bytes, heading
 from ...say.order_code import open_values, parameter_origin, parameter_value
 from ...say.plain_text import counted, number
@@ -43,16 +43,18 @@ def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
     """Yield rows of part, meaning, value, meaning of the value, source, then of other values that a part accepts."""
     parameters = {parameter.name: parameter for parameter in device.parameters}
     for part in device.order_code.parts:
-        name_cell, meaning_cell = code(part.name), text(part.meaning)
+        name_cell, meaning_cell = code(part.name), escape(part.meaning)
         for value in part.values:
             assignments = [_assignment_text(parameters[name], number) for name, number in value.sets.items()]
-            value_meaning_cell = join_filled([text(value.meaning), ", ".join(assignments), _only_with(value.only_with)])
-            yield name_cell, meaning_cell, code(value.text), value_meaning_cell, cited(value.source or part.source)
+            value_meaning_cell = join_filled(
+                [escape(value.meaning), ", ".join(assignments), _only_with(value.only_with)]
+            )
+            yield name_cell, meaning_cell, code(value.text), value_meaning_cell, citation(value.source or part.source)
             # Only the first row of a part names it.
             name_cell, meaning_cell = "", ""
         for open_value in open_values(part):
             other_values_cell = join_filled([MARKDOWN_STYLE.sentence(open_value), _only_with(part.open_only_with)])
-            yield "", "", "", other_values_cell, cited(part.source)
+            yield "", "", "", other_values_cell, citation(part.source)
 
 
 def _assignment_text(parameter: Parameter, number: int) -> str:
@@ -68,9 +70,9 @@ def spelling_rows(device: Device) -> Iterator[tuple[str, ...]]:
         ignored_ending = f"{code(spelling.then)} may follow and has no meaning here" if spelling.then else ""
         yield (
             code(spelling.pattern),
-            text(spelling.where),
+            escape(spelling.where),
             join_filled([texts_of_values, ignored_ending]),
-            cited(spelling.source),
+            citation(spelling.source),
         )
 
 
@@ -87,10 +89,10 @@ def parameter_rows(device: Device, interface_name: str) -> Iterator[tuple[str, .
     for parameter in _parameters_of_order_codes(device, interface_name):
         yield (
             code(parameter.name),
-            text(parameter.meaning),
-            text(parameter.unit),
+            escape(parameter.meaning),
+            escape(parameter.unit),
             MARKDOWN_STYLE.number(parameter.equals) if parameter.equals is not None else "",
-            cited(parameter.source),
+            citation(parameter.source),
         )
 
 
@@ -109,13 +111,13 @@ def run_time_rows(device: Device, interface_name: str) -> Iterator[tuple[str, ..
     names_at_run_time = run_time_names(device)
     for parameter in parameters_of(device, interface_name):
         if parameter.name in names_at_run_time:
-            unit = f"unit: {text(parameter.unit)}" if parameter.unit else ""
+            unit = f"unit: {escape(parameter.unit)}" if parameter.unit else ""
             yield (
                 code(parameter.name),
-                join_filled([text(parameter.meaning), unit]),
+                join_filled([escape(parameter.meaning), unit]),
                 style_in_folder(device).paragraph(parameter_origin(device, parameter)),
                 _factory_default(device, parameter),
-                cited(parameter.source),
+                citation(parameter.source),
             )
 
 
@@ -176,8 +178,13 @@ def _answer_row(device: Device, alternative: Alternative, answer: Answer) -> tup
     for name, value in answer.sets.items():
         # The page of one interface lacks the parameters of others.
         if name in parameters:
-            assignments.append(f"{_assignment_text(parameters[name], value)}: {text(parameters[name].meaning)}")
-    return code(answer.name), text(answer.meaning), join_filled(assignments), cited(answer.source or alternative.source)
+            assignments.append(f"{_assignment_text(parameters[name], value)}: {escape(parameters[name].meaning)}")
+    return (
+        code(answer.name),
+        escape(answer.meaning),
+        join_filled(assignments),
+        citation(answer.source or alternative.source),
+    )
 
 
 def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
@@ -192,11 +199,15 @@ def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
         if interface_measurement is not None:
             for layout_name, frame_range in own_ranges(device, interface.name):
                 position_in_frame = f"{code(interface_measurement.of)} in {code(layout_name)}"
-                yield position_in_frame, MARKDOWN_STYLE.phrase(position_range(frame_range)), cited(frame_range.source)
+                yield (
+                    position_in_frame,
+                    MARKDOWN_STYLE.phrase(position_range(frame_range)),
+                    citation(frame_range.source),
+                )
 
 
 def _measurement_row(position: Measurement, over_interface: str = "") -> tuple[str, ...]:
-    return code(position.of) + over_interface, MARKDOWN_STYLE.phrase(measurement(position)), cited(position.source)
+    return code(position.of) + over_interface, MARKDOWN_STYLE.phrase(measurement(position)), citation(position.source)
 
 
 #: Lowest number of order codes that are shown as patterns. Fewer codes are listed one by one.
@@ -384,7 +395,7 @@ def crc_line(family_device: Device, crc: Crc) -> str:
     """Return the parameters of a CRC in one line, with the polynomial including its top bit."""
     polynomial = _EXPONENT.sub(_in_superscript, crc.polynomial)
     crc_properties = [
-        f"poly `0x{crc.poly_with_top_bit:X}` ({text(polynomial)})",
+        f"poly `0x{crc.poly_with_top_bit:X}` ({escape(polynomial)})",
         f"init {crc.init:#x}" if crc.init else "init 0",
         crc_reflected(family_device, crc),
         crc_inverted(crc),

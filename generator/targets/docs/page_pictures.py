@@ -15,7 +15,17 @@ from ...model.record import dataclass
 from ...say.names_and_places import Titled, title
 from ..palette import palette
 from . import layout_tables
-from .layout_pictures import WIDE, Stack, card, rect, stacks_picture, swatch, text, text_alternative, wrapped
+from .layout_pictures import (
+    WIDE,
+    Stack,
+    create_picture,
+    draw_box,
+    draw_swatch,
+    draw_text,
+    stacks_picture,
+    text_alternative,
+    wrap_to_width,
+)
 from .wide_pictures import wide_picture
 
 _MARGIN, _ROW, _LINE, _SIZE = 10.0, 28.0, 15.0, 12
@@ -43,20 +53,20 @@ def connector_picture(connector: Connector) -> str:
         signal_lines = list(_signal_lines(contact, WIDE - _MARGIN - signal_left))
         body += _contact_elements(contact, top)
         for index, (text_line, faint) in enumerate(signal_lines):
-            body.append(text(signal_left, top + 18 + _LINE * index, text_line, _SIZE, "start", faint=faint))
+            body.append(draw_text(signal_left, top + 18 + _LINE * index, text_line, _SIZE, "start", faint=faint))
         top += max(_ROW, _LINE * len(signal_lines) + 8)
     if any(map(_is_pin, connector.contacts)):
-        for text_line in wrapped(FACE_UNKNOWN, WIDE - 2 * _MARGIN, _SIZE):
-            body.append(text(_MARGIN, top + 16, text_line, _SIZE, "start", faint=True))
+        for text_line in wrap_to_width(FACE_UNKNOWN, WIDE - 2 * _MARGIN, _SIZE):
+            body.append(draw_text(_MARGIN, top + 16, text_line, _SIZE, "start", faint=True))
             top += _LINE
-    return card(connector.title, body, WIDE, top + _MARGIN, connector_text(connector))
+    return create_picture(connector.title, body, WIDE, top + _MARGIN, connector_text(connector))
 
 
 def _signal_lines(contact: Contact, room: float) -> Iterator[tuple[str, bool]]:
     """Yield the lines for a signal and its order codes, each with True if it is faint."""
-    yield from ((line, False) for line in wrapped(contact.signal, room, _SIZE))
+    yield from ((line, False) for line in wrap_to_width(contact.signal, room, _SIZE))
     if contact.only:
-        yield from ((line, True) for line in wrapped(f"only {contact.only}", room, _SIZE))
+        yield from ((line, True) for line in wrap_to_width(f"only {contact.only}", room, _SIZE))
 
 
 def _is_pin(contact: Contact) -> bool:
@@ -67,18 +77,18 @@ def _is_pin(contact: Contact) -> bool:
 def _contact_elements(contact: Contact, top: float) -> Iterator[str]:
     """Yield the elements of a pin with its number, a wire with its colours and their names, or only a name."""
     if _is_pin(contact):
-        yield rect(_MARGIN, top + 3, 28, 22, "data")
-        yield text(_MARGIN + 14, top + 18, contact.contact, _SIZE, "middle", bold=True)
+        yield draw_box(_MARGIN, top + 3, 28, 22, "data")
+        yield draw_text(_MARGIN + 14, top + 18, contact.contact, _SIZE, "middle", bold=True)
         return
     colour_words = _BETWEEN_COLOURS.split(contact.contact.lower())
     wire_colours = palette().wires
     if all(word in wire_colours for word in colour_words):
         colour_width = 28.0 / len(colour_words)
         for index, word in enumerate(colour_words):
-            yield swatch(_MARGIN + colour_width * index, top + 5, colour_width, 18, wire_colours[word])
+            yield draw_swatch(_MARGIN + colour_width * index, top + 5, colour_width, 18, wire_colours[word])
     # Only the first line of a long name fits.
-    for name_line in wrapped(contact.contact, _SIGNAL_AFTER_WIRES - _NAME - 6, _SIZE)[:1]:
-        yield text(_NAME, top + 18, name_line, _SIZE, "start")
+    for name_line in wrap_to_width(contact.contact, _SIGNAL_AFTER_WIRES - _NAME - 6, _SIZE)[:1]:
+        yield draw_text(_NAME, top + 18, name_line, _SIZE, "start")
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,8 @@ from ...say.layout import DATA, box_colour
 from ...say.names_and_places import words
 from ...say.order_code import REPLIES, bounds_with_codes, timeouts_with_codes, word_lengths
 from ...say.text import counted, microseconds
-from .layout_pictures import card, number, rect, text
-from .layout_pictures import width as text_width
+from .layout_pictures import create_picture, draw_box, draw_text, number
+from .layout_pictures import text_width as text_width
 
 _HIGH, _ROW, _NAME, _MARGIN = 24.0, 58.0, 70.0, 16.0
 #: Width of a clock pulse, including its low and high parts.
@@ -283,14 +283,14 @@ def diagram_picture(diagram: TimingDiagram) -> str:
     right_end = 0.0
     for row_index, (line_name, parts) in enumerate(diagram.lines):
         top = _MARGIN + 14 + row_index * _ROW
-        elements.append(text(_MARGIN, top + _HIGH - 7, line_name, 12, "start", bold=True))
+        elements.append(draw_text(_MARGIN, top + _HIGH - 7, line_name, 12, "start", bold=True))
         elements += _line_elements(parts, left, top)
         right_end = max(right_end, left + sum(part.width for part in parts))
     spans_top = _MARGIN + 14 + len(diagram.lines) * _ROW - 18
     for row_index, span in enumerate(diagram.spans):
         elements += _span_elements(span, left, spans_top + 10 + row_index * 22, right_end)
     height = spans_top + 10 + 22 * len(diagram.spans) + 4
-    return card(diagram.title, elements, right_end + _MARGIN, height, diagram.text)
+    return create_picture(diagram.title, elements, right_end + _MARGIN, height, diagram.text)
 
 
 def _span_elements(span: Span, left: float, middle: float, right_end: float) -> Iterator[str]:
@@ -299,7 +299,7 @@ def _span_elements(span: Span, left: float, middle: float, right_end: float) -> 
     yield f'<path d="M{number(start)} {number(middle - 6)}v12m0 -6H{number(end)}m0 -6v12" class="line"/>'
     fits_after = end + 8 + text_width(span.label, 11) <= right_end
     x, anchor = (end + 8, "start") if fits_after else (start - 8, "end")
-    yield text(x, middle + 4, span.label, 11, anchor)
+    yield draw_text(x, middle + 4, span.label, 11, anchor)
 
 
 def _line_elements(parts: Sequence[Part], left: float, top: float) -> Iterator[str]:
@@ -312,15 +312,15 @@ def _line_elements(parts: Sequence[Part], left: float, top: float) -> Iterator[s
                 y = top if part.trace is Trace.UP else top + _HIGH
                 path.append(f"{'L' if path else 'M'}{number(part_start)} {number(y)}H{number(part_start + part.width)}")
                 if part.label:
-                    yield text(part_start + part.width / 2, top + _HIGH - 8, part.label, 11, "middle", faint=True)
+                    yield draw_text(part_start + part.width / 2, top + _HIGH - 8, part.label, 11, "middle", faint=True)
             case Trace.CLOCK:
                 path += _pulse_path(part_start, top, part, starts=not path)
             case Trace.GAP:
-                yield text(part_start + part.width / 2, top + _HIGH - 7, "· · ·", 12, "middle", faint=True)
+                yield draw_text(part_start + part.width / 2, top + _HIGH - 7, "· · ·", 12, "middle", faint=True)
                 path.append(f"M{number(part_start + part.width)} {number(top)}")
             case Trace.EITHER:
-                yield rect(part_start, top, part.width, _HIGH, part.fill)
-                yield text(part_start + part.width / 2, top + _HIGH - 8, part.label, 11, "middle")
+                yield draw_box(part_start, top, part.width, _HIGH, part.fill)
+                yield draw_text(part_start + part.width / 2, top + _HIGH - 8, part.label, 11, "middle")
                 path.append(f"M{number(part_start + part.width)} {number(top)}")
             case _:
                 assert_never(part.trace)

@@ -10,7 +10,7 @@ from ...model.record import dataclass
 from ...plan.values import Active, meaning_of
 from ...plan.verdicts import Judgement, Only, Reporting, reportings, reports_of, sums_up, verdict_of
 from ...say.evidence import document
-from ...say.markdown import MARKDOWN_STYLE, cited, code, join_filled, link, link_list, text
+from ...say.markdown import MARKDOWN_STYLE, citation, code, escape, join_filled, link, link_list
 from ...say.names_and_places import own_names
 from ...say.report import alarm_of, by_hand, conditions, deciding, meaning, remedy_text, source
 from ...say.text import Code, list_parts, statement
@@ -41,7 +41,7 @@ def file_name(device: Device) -> str:
 
 def usable_values(devices: Sequence[Device]) -> UsablePage:
     """Return the values of the page on verdicts."""
-    return {"family_links": [link(text(device.title), file_name(device)) for device in devices]}
+    return {"family_links": [link(escape(device.title), file_name(device)) for device in devices]}
 
 
 def page_values(device: Device) -> VerdictPage:
@@ -208,11 +208,11 @@ def _report_rows(device: Device) -> Iterator[Row]:
     """Yield rows of report, meaning, remedy, source."""
     for report in reports_of(device):
         alarm = alarm_of(device, report.field)
-        name_cell = join_filled([code(report.name), text(own_names(report.field))])
+        name_cell = join_filled([code(report.name), escape(own_names(report.field))])
         steps = links_to_steps(f"{device.name}/", by_hand(report.field, alarm))
-        remedy_and_steps = join_filled([text(remedy_text(report.field, alarm)), *steps])
+        remedy_and_steps = join_filled([escape(remedy_text(report.field, alarm)), *steps])
         remedy = remedy_and_steps or _clearing_procedures(device, alarm) or f"The {document(device)} gives no remedy"
-        yield name_cell, text(meaning(report.field, alarm)), remedy, cited(source(report.field, alarm))
+        yield name_cell, escape(meaning(report.field, alarm)), remedy, citation(source(report.field, alarm))
 
 
 def _clearing_procedures(device: Device, alarm: Alarm | None) -> str:
@@ -222,16 +222,16 @@ def _clearing_procedures(device: Device, alarm: Alarm | None) -> str:
     procedure_links = []
     for procedure in map(device.procedure, alarm.cleared_by):
         path = path_to_anchor(device, procedure.interface, f"procedure-{procedure.name}")
-        procedure_links.append(link(text(procedure.title), path))
+        procedure_links.append(link(escape(procedure.title), path))
     return f"Cleared by: {', '.join(procedure_links)}"
 
 
 def _name_cell(field: Field) -> str:
-    return join_filled([code(field.name), text(own_names(field))])
+    return join_filled([code(field.name), escape(own_names(field))])
 
 
 def _source_cell(device: Device, field: Field) -> str:
-    return cited(source(field, alarm_of(device, field)))
+    return citation(source(field, alarm_of(device, field)))
 
 
 def _layout_links(device: Device, layouts: Sequence[Layout]) -> str:

@@ -8,7 +8,7 @@ from ...model import Device, Field, Layout, PlacedLayout, Variant, Verdict
 from ...plan.values import Active, meaning_of
 from ...plan.verdicts import Judgement, Match, VerdictCause, reportings
 from ...say.layout import is_reserved
-from ...say.markdown import MARKDOWN_STYLE, code, join_filled, link, text
+from ...say.markdown import MARKDOWN_STYLE, code, escape, join_filled, link
 from ...say.names_and_places import bits, frame_bytes, heading
 from ...say.report import alarm_of, by_hand, conditions, deciding, remedy_text
 from ...say.text import sentence
@@ -117,7 +117,7 @@ def _remedy_cell(device: Device, field: Field) -> str:
     """Return the remedy of a flag, with links to those steps by hand that the page of the hardware describes."""
     alarm = alarm_of(device, field)
     remedy = remedy_text(field, alarm)
-    sentences = [text(sentence(remedy) if remedy else "")]
+    sentences = [escape(sentence(remedy) if remedy else "")]
     described_names = {characteristic.name for characteristic in device.characteristics}
     for name in by_hand(field, alarm):
         if name in described_names:
@@ -132,8 +132,8 @@ def _names_of_field(field: Field) -> str:
         return f"Reserved <small>{code(field.name)}</small>"
     words = heading(field.name)
     is_printed_alike = field.printed_name.lower() in {"", words.lower()}
-    printed_name = "" if is_printed_alike else f"{text(field.printed_name)} "
-    return f"{text(words)} <small>{printed_name}{code(field.name)}</small>"
+    printed_name = "" if is_printed_alike else f"{escape(field.printed_name)} "
+    return f"{escape(words)} <small>{printed_name}{code(field.name)}</small>"
 
 
 def _row_of_match(placed_layout: PlacedLayout, match: Match, effect: str) -> Row:

@@ -24,7 +24,7 @@ from ...model import (
 from ...model.order_codes import fits
 from ...model.record import dataclass
 from ...say.evidence import Subject, document, mentions
-from ...say.markdown import MARKDOWN_STYLE, anchor, cited, code, link, text
+from ...say.markdown import MARKDOWN_STYLE, anchor, citation, code, escape, link
 from ...say.order_code import bounds_with_codes, clock_words, settings
 from ...say.plain_text import counted
 from ...say.text import PLAIN_STYLE, hertz, list_parts, nanoseconds, sentence, statement, timeout_words, volts
@@ -99,7 +99,7 @@ def _common_sentences(connectors: Sequence[Connector]) -> list[str]:
     for note_sentence in first_note:
         is_common = all(note_sentence in other_note for other_note in other_notes)
         if note_sentence and is_common:
-            common_sentences.append(text(sentence(note_sentence)))
+            common_sentences.append(escape(sentence(note_sentence)))
     return common_sentences
 
 
@@ -142,13 +142,13 @@ def _signal_cell(contact: Contact, order_codes: Sequence[str]) -> str:
     If only some order codes have it, add the patterns of these that fit one of ``order_codes``.
     """
     if not contact.only:
-        return text(contact.signal)
+        return escape(contact.signal)
     patterns = []
     # ``only`` is a list of patterns of order codes, such as "X-*-24, X-*-25".
     for pattern in contact.only.split(", "):
         if any(fits(pattern, order_code) for order_code in order_codes):
             patterns.append(pattern)
-    return f"{text(contact.signal)} <small>(only {text(', '.join(patterns))})</small>"
+    return f"{escape(contact.signal)} <small>(only {escape(', '.join(patterns))})</small>"
 
 
 def _contacts_cell(column: Sequence[Connector], signal: str, order_codes: Sequence[str]) -> str:
@@ -161,13 +161,13 @@ def _contacts_cell(column: Sequence[Connector], signal: str, order_codes: Sequen
         contacts = _contacts_by_signal(connector, order_codes).get(signal, [])
         contact_lists.append(_contact_list(contacts))
     if len(set(contact_lists)) == 1:
-        return text(contact_lists[0])
+        return escape(contact_lists[0])
     connector_names = _short_names([connector.title for connector in column])
     lists_with_names = []
     for contact_list, connector_name in zip(contact_lists, connector_names, strict=True):
         if contact_list:
             lists_with_names.append(f"{contact_list} ({connector_name})")
-    return text(", ".join(lists_with_names))
+    return escape(", ".join(lists_with_names))
 
 
 def _short_names(titles: Sequence[str]) -> list[str]:
@@ -197,7 +197,7 @@ def _contact_list(contacts: Sequence[str]) -> str:
 
 
 def _anchored_title(connector: Connector) -> str:
-    return f"{anchor(f'connector-{connector.name}')}{text(connector.title)}"
+    return f"{anchor(f'connector-{connector.name}')}{escape(connector.title)}"
 
 
 def supply_lines(device: Device, variants: Sequence[Variant]) -> list[str]:
@@ -216,7 +216,7 @@ def supply_lines(device: Device, variants: Sequence[Variant]) -> list[str]:
 
 
 def _supply_text(supply: Supply) -> str:
-    return f"{volts(supply.min_mv)} to {volts(supply.max_mv)} ({cited(supply.source)})"
+    return f"{volts(supply.min_mv)} to {volts(supply.max_mv)} ({citation(supply.source)})"
 
 
 def unstated_facts(family_device: Device, interface: Interface, subjects: Mapping[str, Subject]) -> Iterator[str]:
@@ -302,7 +302,7 @@ def _clock_section(family_device: Device, device: Device, interface: Ssi | Biss,
     replaced by that.
     """
     clock = interface.clocks[0]  # The order codes of a page share their clock.
-    facts = [f"Clock: {clock_words(clock)} ({cited(clock.source)})."]
+    facts = [f"Clock: {clock_words(clock)} ({citation(clock.source)})."]
     lengths = _frame_lengths(device, layout) if layout is not None else []
     start_bits = _BISS_START_BITS if isinstance(interface, Biss) else 0
     clocked_lengths = [bits + start_bits for bits in lengths]
@@ -319,7 +319,7 @@ def _clock_section(family_device: Device, device: Device, interface: Ssi | Biss,
             clock_hz = min(cable.hz, clock.fastest_hz)
             cable_rows.append((f"{cable.metres} m", hertz(clock_hz), _duration_range(clocked_lengths, clock_hz)))
     if cable_rows:
-        facts.append(f"Clock for each cable length: from {text(cable_clocks.origin)}{_limit_of_used_clocks(clock)}.")
+        facts.append(f"Clock for each cable length: from {escape(cable_clocks.origin)}{_limit_of_used_clocks(clock)}.")
     if any(cable.is_below for cable in cable_clocks.rows):
         head = ("Cable below", "Clock below", "Frame above")
     else:
@@ -349,10 +349,10 @@ def _pause_sentences(family_device: Device, interface: Ssi | Biss) -> Iterator[s
         case Ssi():
             pauses = [timing for timing in interface.timings if timing.symbol == "Tp"]
             for pause in pauses:
-                yield f"Pause between two words: {bounds_with_codes(pause)} ({cited(pause.source)})."
+                yield f"Pause between two words: {bounds_with_codes(pause)} ({citation(pause.source)})."
         case Biss():
             for timeout in interface.timeouts:
-                yield f"Time-out after a frame: {timeout_words(timeout)} ({cited(timeout.source)})."
+                yield f"Time-out after a frame: {timeout_words(timeout)} ({citation(timeout.source)})."
             yield from unstated_facts(family_device, interface, {"reply time (acknowledge)": Subject.REPLY_TIME})
 
 
@@ -369,7 +369,7 @@ def _baud_section(family_device: Device, device: Device, interface: Rs485) -> Sp
     # The first setting of a serial interface is its baud rate.
     baud_rate = MARKDOWN_STYLE.phrase(next(iter(settings(device, interface))))
     facts = (
-        f"{baud_rate} ({cited(port.source)}).",
+        f"{baud_rate} ({citation(port.source)}).",
         f"Duration ({bits_per_byte} bits per byte): {', '.join(durations)}.",
         *unstated_facts(family_device, interface, {"reply time": Subject.REPLY_TIME, "cable length": Subject.CABLE}),
     )

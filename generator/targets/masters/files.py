@@ -20,7 +20,7 @@ from ...masters.text import cited, condition_text
 from ...model import Device
 from ...render import Templates, our_templates
 from ...say.evidence import grade_below_manual, titled_in_lists
-from ...say.markdown import text as escape_markdown
+from ...say.markdown import escape as escape_markdown
 from ...say.plain_text import plain, wrapped
 from ...say.text import PLAIN_STYLE
 from .. import NO_OPTIONS, Library, Option, Options, Target

@@ -9,14 +9,14 @@ from ...model import Field, Piece
 from ...model.expressions import Expression
 from ...model.lookup import assert_never
 from ...plan.codec import Codec, ShiftedBits, moved_bits
-from ...plan.operations import Bits, Reserved, Whole
+from ...plan.operations import Bits, JoinedNumber, Reserved
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...say.plain_text import plain
 from .literals import Atom, Expr, Not, Operation, Scope, call, join_operands, mask, multiply, number, shift_value
 from .names import ClassNames, byte_order
 
 
-class Maker:
+class BitsEncoder:
     """Expressions of joined numbers. They use the attributes of a class."""
 
     def __init__(self, scope: Scope, codec: Codec, class_names: ClassNames) -> None:
@@ -56,11 +56,11 @@ class Maker:
         """Return the number that the runs of decimal digits of a field form, each times its divisor."""
         return join_operands("+", (multiply(self._index_of_choice(run.name), run.divisor) for run in field.runs))
 
-    def checked_bits(self, joined_number: Whole) -> list[tuple[str, Expr]]:
+    def checked_bits(self, joined_number: JoinedNumber) -> list[tuple[str, Expr]]:
         """Return each attribute of a joined number, most significant first, with a checked expression for its bits."""
         return [(self.names.attribute(field.name), self._checked_bits(field)) for field in joined_number.fields]
 
-    def whole_of_numbers(self, joined_number: Whole, scope: Scope, expression_of: Callable[[str], str]) -> Expr:
+    def join_numbers(self, joined_number: JoinedNumber, scope: Scope, expression_of: Callable[[str], str]) -> Expr:
         """Return a joined number of attributes that are unsigned numbers, without checks of their values.
 
         ``expression_of`` returns the expression for an attribute. An example is ``turns << 12 | angle``.
@@ -71,7 +71,7 @@ class Maker:
             shifted_attributes.append(shift_value(attribute, "<<", scope.expression_of(low)))
         return join_operands("|", reversed(shifted_attributes))
 
-    def parts(self, whole: Whole) -> list[tuple[Field, Expr]]:
+    def parts(self, whole: JoinedNumber) -> list[tuple[Field, Expr]]:
         """Return the fields of a joined number, most significant first, with expressions for their bits.
 
         An example of such an expression is ``position >> 4 & 0xFFF``.
@@ -88,7 +88,7 @@ class Maker:
         return fields_and_bits
 
     @staticmethod
-    def parameters_of_whole(joined_number: Whole) -> frozenset[str]:
+    def parameters_of_whole(joined_number: JoinedNumber) -> frozenset[str]:
         """Return the parameters in the shifts and width checks of the expression of a joined number."""
         parameters: set[str] = set()
         for field, low in joined_number.from_low:

@@ -14,7 +14,7 @@ from ...model.record import dataclass
 from ...plan.codec import codec_of
 from ...plan.crcs import carrier_of
 from ...plan.limits import Limits, limits_of, powers_of_two
-from ...plan.operations import FrameCrc, Part, Whole
+from ...plan.operations import FrameCrc, JoinedNumber, Part
 from ...plan.values import (
     Active,
     Characters,
@@ -30,7 +30,7 @@ from ...plan.values import (
 from ...say.names_and_places import words
 from ...say.text import sentence
 from . import docstrings
-from .bits import Maker
+from .bits import BitsEncoder
 from .decode import Decoder, assigned
 from .limits import LimitsFunction, limit_expressions, limits_depend
 from .literals import Atom, Expr, Scope, coded, quoted
@@ -59,7 +59,7 @@ class Coder:
         self.layout_interface = interface
         self.interface, self.encoder = interface_name(interface), encoder_name(interface)
         self.names = ClassNames(layout, register, context.crcs.values())
-        self.encoding = Maker(context.scope, self.plan, self.names)
+        self.encoding = BitsEncoder(context.scope, self.plan, self.names)
         scope = NamedValues(context.scope.names, self.answered_parameters) if register is None else context.scope
         self.decoding = Decoder(scope, self.plan, self.names, self.enum)
         #: Questions whose answers the decoder accepts: those of all frames among which it is chosen.
@@ -163,7 +163,7 @@ class Coder:
             return [Attribute("unused", type="int", meaning=docstrings.OF_UNUSED, default="0")]
         return []
 
-    def others(self, joined_number: Whole) -> list[Attribute]:
+    def others(self, joined_number: JoinedNumber) -> list[Attribute]:
         """Return the attributes that are not part of a joined number."""
         return self._attributes_of(part.field for part in self.plan.parts if part.field not in joined_number.fields)
 
@@ -246,15 +246,15 @@ class Coder:
         enum = self.enum(field) if is_named(meaning_of(field)) else ""
         return assigned(self.context.scope, self.names, enum, field, bits)
 
-    def whole_of_attributes(self, joined_number: Whole) -> Expr:
+    def join_attributes(self, joined_number: JoinedNumber) -> Expr:
         """Return a joined number as an expression of local variables named like the attributes."""
-        return self.encoding.whole_of_numbers(joined_number, self.encoding.scope, str)
+        return self.encoding.join_numbers(joined_number, self.encoding.scope, str)
 
-    def whole_takes_variant(self, joined_number: Whole) -> bool:
+    def whole_takes_variant(self, joined_number: JoinedNumber) -> bool:
         """Return whether the expression of a joined number depends on the order code, not only on answers."""
         return not self.answered_parameters.issuperset(self.encoding.parameters_of_whole(joined_number))
 
-    def whole_questions(self, joined_number: Whole) -> list[OpenQuestion]:
+    def whole_questions(self, joined_number: JoinedNumber) -> list[OpenQuestion]:
         """Return the questions whose answers the expression of a joined number needs."""
         needed_parameters = self.encoding.parameters_of_whole(joined_number)
         needed_questions = []
@@ -263,7 +263,7 @@ class Coder:
                 needed_questions.append(question)
         return needed_questions
 
-    def whole_width(self, joined_number: Whole) -> Expr:
+    def whole_width(self, joined_number: JoinedNumber) -> Expr:
         return self.number(sum((field.width for field in reversed(joined_number.fields)), Expression(0)))
 
     @property
@@ -313,10 +313,10 @@ class Coder:
     def usable_position(self) -> str:
         """Expression for the position: its attribute or, for a join of raw numbers, the join without checks."""
         scope = self._scope_of_attributes(self.by_index)
-        for whole in self.plan.wholes:
+        for whole in self.plan.joined_numbers:
             is_position = self.names.attribute(whole.join.name) == self.position_attribute
             if is_position and all(isinstance(meaning_of(field), Raw) for field in whole.fields):
-                return str(self.encoding.whole_of_numbers(whole, scope, self.by_index))
+                return str(self.encoding.join_numbers(whole, scope, self.by_index))
         return self.by_index(self.position_attribute)
 
     def _scope_of_attributes(self, read: Callable[[str], str]) -> Scope:
