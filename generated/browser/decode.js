@@ -3849,7 +3849,7 @@
       const { parts, fill } = selectedRegister()
         ? createRegisterForm(state, selectedRegister(), frameInput, showResult) : { parts: [], fill: null };
       formArea.replaceChildren(...parts);
-      state.fill = fill;
+      state.fillForm = fill;
       showResult();
     }
 

@@ -90,7 +90,7 @@ _BISS_SLIPS = (
     *(
         FrameOffset(
             "first_bit_missing",
-            "started one clock late: the first bit ({0}) is missing, and an extra bit follows",
+            text="started one clock late: the first bit ({0}) is missing, and an extra bit follows",
             missing=missing,
             behind=1,
         )
@@ -98,29 +98,29 @@ _BISS_SLIPS = (
     ),
     FrameOffset(
         "bits_in_front",
-        "started one clock early: an extra bit such as CDS is in front, and the last bit is missing",
+        text="started one clock early: an extra bit such as CDS is in front, and the last bit is missing",
         front="~",
         lost=1,
     ),
     FrameOffset(
         "bits_in_front",
-        "started two clocks early: start bit and CDS are in front, and the last two bits are missing",
+        text="started two clocks early: start bit and CDS are in front, and the last two bits are missing",
         front="1~",
         lost=2,
     ),
-    FrameOffset("bits_in_front", "an extra bit in front, such as CDS", front="~"),
-    FrameOffset("bits_behind", "an extra bit at the end, such as the stop bit", behind=1),
-    FrameOffset("bits_in_front", "two extra bits in front: start bit and CDS", front="1~"),
+    FrameOffset("bits_in_front", text="an extra bit in front, such as CDS", front="~"),
+    FrameOffset("bits_behind", text="an extra bit at the end, such as the stop bit", behind=1),
+    FrameOffset("bits_in_front", text="two extra bits in front: start bit and CDS", front="1~"),
     FrameOffset(
         "bits_in_front",
-        "an extra bit in front, such as CDS, and one at the end, such as the stop bit",
+        text="an extra bit in front, such as CDS, and one at the end, such as the stop bit",
         front="~",
         behind=1,
     ),
-    FrameOffset("bits_behind", "two extra bits at the end", behind=2),
-    *(FrameOffset("first_bit_missing", "the first bit ({0}) is missing", missing=missing) for missing in "01"),
-    FrameOffset("last_bits_missing", "the last bit is missing", lost=1),
-    FrameOffset("last_bits_missing", "the last two bits are missing", lost=2),
+    FrameOffset("bits_behind", text="two extra bits at the end", behind=2),
+    *(FrameOffset("first_bit_missing", text="the first bit ({0}) is missing", missing=missing) for missing in "01"),
+    FrameOffset("last_bits_missing", text="the last bit is missing", lost=1),
+    FrameOffset("last_bits_missing", text="the last two bits are missing", lost=2),
 )
 
 _BISS = Line(
@@ -202,8 +202,8 @@ def _one_clock_offsets(cause: str) -> tuple[FrameOffset, ...]:
     late_text = f"started one clock late{cause}: the first bit ({{0}}) is missing, and an extra bit follows"
     early_text = f"started one clock early{cause}: an extra bit is in front, and the last bit is missing"
     return (
-        FrameOffset("bits_in_front", early_text, front="?", lost=1),
-        *(FrameOffset("first_bit_missing", late_text, missing=missing, behind=1) for missing in "01"),
+        FrameOffset("bits_in_front", text=early_text, front="?", lost=1),
+        *(FrameOffset("first_bit_missing", text=late_text, missing=missing, behind=1) for missing in "01"),
     )
 
 

@@ -80,7 +80,7 @@ function box(root) {
     const { parts, fill } = selectedRegister()
       ? createRegisterForm(state, selectedRegister(), frameInput, showResult) : { parts: [], fill: null };
     formArea.replaceChildren(...parts);
-    state.fill = fill;
+    state.fillForm = fill;
     showResult();
   }
 

@@ -80,7 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
     # The counts of the coverage, and the problems of chosen targets, depend on more than the stored inputs.
     is_storable = not arguments.coverage and not arguments.target
     options = filters_as_texts(settings.only) if settings is not None else []
-    cached_check = cached_result(cache if is_storable else NO_CACHE, "check", specs.paths, options)
+    cached_check = cached_result(cache if is_storable else NO_CACHE, "check", specs.paths, options=options)
     if _print_stored(cached_check, arguments):
         # Only runs without problems are stored.
         return 0

@@ -178,7 +178,7 @@ def _result_of_earlier_run(arguments: argparse.Namespace, selection: Selection, 
     options = [*(arguments.target or ()), "", *selection.options, "", *arguments.edition, "", *arguments.packaged, ""]
     options += filters_as_texts(selection.only)
     is_cacheable = arguments.templates is None and arguments.biss_dtd is None
-    return cached_result(cache if is_cacheable else NO_CACHE, "generate", selection.paths, options)
+    return cached_result(cache if is_cacheable else NO_CACHE, "generate", selection.paths, options=options)
 
 
 def _refuse_misused_options(arguments: argparse.Namespace, targets: Sequence[Target]) -> None:

@@ -97,7 +97,7 @@ class Enumerations:
                 if isinstance(meaning_of(field), Named):
                     # The title of a register whose only field it is.
                     sole = title(register) if len(register.layout.fields) == 1 else ""
-                    self._add_enumeration(f"reg_{register.name}", field, ("registers", register.name), sole)
+                    self._add_enumeration(f"reg_{register.name}", field, ("registers", register.name), sole=sole)
 
     def of(self, *path: str) -> list[Enumeration]:
         """Return those declared with this part of the spec, such as ``("registers", "status")``, or one inside it."""
@@ -110,17 +110,17 @@ class Enumerations:
         register whose only field it is, which has its own ``PREFIX_REGISTER``.
         """
         if sole:
-            self._add_new(owner, field, path, f"{self.prefix}_{path[-1]}", sole)
+            self._add_new(owner, field, path, type_=f"{self.prefix}_{path[-1]}", sole=sole)
             return
         if field.name not in self._shared:
-            enumeration = self._add_new(owner, field, path, f"{self.prefix}_{field.name}")
+            enumeration = self._add_new(owner, field, path, type_=f"{self.prefix}_{field.name}")
             self._shared[field.name] = (field.values, enumeration)
             return
         shared_values, shared_enumeration = self._shared[field.name]
         if shared_values == field.values:
             self.choices[owner, field.name] = shared_enumeration
         else:
-            self._add_new(owner, field, path, f"{self.prefix}_{path[-1]}_{field.name}")
+            self._add_new(owner, field, path, type_=f"{self.prefix}_{path[-1]}_{field.name}")
 
     def _add_new(self, owner: str, field: Field, path: Path, type_: str, sole: str = "") -> Enumeration:
         """Add and return a new enumeration with the values of a field."""

@@ -275,11 +275,11 @@ class InterfaceCode:
             case Port():
                 yield from self._yield_port_macros(fact, statement)
             case WordFormat():
-                yield self._define_macro("MODE", fact.mode, statement)
+                yield self._define_macro("MODE", fact.mode, about=statement)
                 if len(fact.lengths) == 1 and fact.lengths[0].is_constant:
-                    yield self._define_macro("WORD_BITS", fact.lengths[0].constant, "number of bits of a word")
+                    yield self._define_macro("WORD_BITS", fact.lengths[0].constant, about="number of bits of a word")
                 late = int(fact.reply == "next_word")
-                yield self._define_macro("REPLY_WORDS", late, "number of words from a request to its reply")
+                yield self._define_macro("REPLY_WORDS", late, about="number of words from a request to its reply")
             case _:
                 pass  # Code needs no number from it.
 
@@ -287,22 +287,22 @@ class InterfaceCode:
         """Yield the limits, and the fastest clock in use. The first macro has the comment on all of them."""
         has_comment_on_all = False
         for name, clock_hz, note in clock_limits(clock):
-            yield self._define_macro(name, clock_hz, note if has_comment_on_all else statement)
+            yield self._define_macro(name, clock_hz, about=note if has_comment_on_all else statement)
             has_comment_on_all = True
 
     def _yield_port_macros(self, port: Port, statement: Statement) -> Iterator[Macro]:
-        yield self._define_macro("BAUD", port.baud, statement)
-        yield self._define_macro("DATA_BITS", port.data_bits, "number of data bits")
+        yield self._define_macro("BAUD", port.baud, about=statement)
+        yield self._define_macro("DATA_BITS", port.data_bits, about="number of data bits")
         yield Macro(f"{self.upper}_PARITY", _PARITIES[port.parity], f"parity: {port.parity}")
-        yield self._define_macro("STOP_BITS", port.stop_bits, "number of stop bits")
+        yield self._define_macro("STOP_BITS", port.stop_bits, about="number of stop bits")
 
     def _control_data(self, interface: Biss) -> Iterator[Macro]:
         """Yield the widths and the named values of the fields in the control data."""
         for field in interface.control_data:
-            yield self._define_macro(f"CONTROL_{field.name}_BITS", field.bits, control_field(field))
+            yield self._define_macro(f"CONTROL_{field.name}_BITS", field.bits, about=control_field(field))
             for value in field.values:
                 name = f"CONTROL_{field.name}_{value.name}"
-                yield self._define_macro(name, value.value, f"{title(field)}: {title(value)}", hexadecimal=True)
+                yield self._define_macro(name, value.value, about=f"{title(field)}: {title(value)}", hexadecimal=True)
 
     def _yield_timeout_macros(self, timeout: Timeout, statement: Statement) -> Iterator[Macro]:
         """Yield the typical and the longest time-out. The first macro has the comment on all of them.
@@ -311,7 +311,7 @@ class InterfaceCode:
         """
         for name, time_ns in timeout_limits(timeout):
             is_above = statement in self._macro_statements
-            yield self._define_macro(name, time_ns, "see above" if is_above else statement)
+            yield self._define_macro(name, time_ns, about="see above" if is_above else statement)
 
     @property
     def exchanged(self) -> str:
@@ -327,12 +327,14 @@ class InterfaceCode:
         if isinstance(self.interface, Rs485):
             for rs485_id in self.interface.data_ids:
                 yield self._define_macro(
-                    f"CONTROL_{rs485_id.name}", rs485_id.control, data_id(rs485_id), hexadecimal=True
+                    f"CONTROL_{rs485_id.name}", rs485_id.control, about=data_id(rs485_id), hexadecimal=True
                 )
         if isinstance(self.interface, Spi):
             # 0 means that there is none.
             for request_number, spi_exchange in enumerate(self.interface.exchanges, 1):
-                yield self._define_macro(f"REQUEST_{spi_exchange.request}", request_number, exchange(spi_exchange))
+                yield self._define_macro(
+                    f"REQUEST_{spi_exchange.request}", request_number, about=exchange(spi_exchange)
+                )
 
     @property
     def controls_title(self) -> str:

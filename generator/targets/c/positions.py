@@ -110,9 +110,9 @@ def _angle_positions(context: Context, measurement: Measurement, counts_per_turn
     where = f"[{cite(measurement.source)}]"
     per_turn = wide_number_of(
         context.scope,
-        f"{context.prefix}_counts_per_turn",
-        counts_per_turn,
-        f"Return the number of counts in one revolution {where}.",
+        name=f"{context.prefix}_counts_per_turn",
+        expression=counts_per_turn,
+        about=f"Return the number of counts in one revolution {where}.",
     )
     return AnglePositions(
         prefix=context.prefix,
@@ -186,7 +186,7 @@ def _build_modulus(context: Context, position_range: PositionRange, name: str) -
         about += f" The highest position is {measurement.highest.render()}."
     elif measurement.highest is not None:
         about += f" An offset raises all positions, up to {measurement.highest.render()}."
-    return wide_number_of(context.scope, name, measurement.modulus, about)
+    return wide_number_of(context.scope, name=name, expression=measurement.modulus, about=about)
 
 
 def _cast_to_signed(scope: Scope, expression: Expression) -> Expr:

@@ -312,7 +312,7 @@ class ProcedureCode:
             if isinstance(step, Verifies):
                 yield from self._read_back(first_index, step, filled_register, note)
             else:
-                yield FilledRows(first_index, "write", filled_register, note)
+                yield FilledRows(first_index, kind="write", filled=filled_register, note=note)
             return
         _refuse_unsupported(step)
         for index, piece in enumerate(step.pieces):
@@ -337,7 +337,7 @@ class ProcedureCode:
     ) -> Iterator[Row | FilledRows]:
         """Yield one row for all bytes if every bit of them counts, else one row per byte."""
         if step.pieces == step.write.pieces:
-            yield FilledRows(first_index, "verify", filled_register, note)
+            yield FilledRows(first_index, kind="verify", filled=filled_register, note=note)
             return
         for index, piece in enumerate(step.pieces):
             written_byte = Name(f"{filled_register.bytes}[{piece.byte}]")

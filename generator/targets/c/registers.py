@@ -364,7 +364,7 @@ class RegisterCode:
         for variant in self.device.variants_over(self.register.interface):
             for parameters in parameters_at_run_time(self.device, variant):
                 unsigned_limits.append(limit.value(parameters))
-        return number_of(self.scope, name, limit, largest=max(unsigned_limits), about=about)
+        return number_of(self.scope, name=name, expression=limit, largest=max(unsigned_limits), about=about)
 
 
 def _is_byte(plan: Codec) -> bool:

@@ -224,7 +224,13 @@ class VariantCode:
         """Return the function that computes a derived parameter."""
         assert parameter.equals is not None
         name = f"{self.context.prefix}_{parameter.name}"
-        return number_of(self.context.scope, name, parameter.equals, parameter.largest, self.about_parameter(parameter))
+        return number_of(
+            self.context.scope,
+            name=name,
+            expression=parameter.equals,
+            largest=parameter.largest,
+            about=self.about_parameter(parameter),
+        )
 
     def _build_row(self, variant: Variant) -> CodeRow:
         """Return an order code with its name in C, such as ``24_A`` for ``X-24/A`` of the family X.

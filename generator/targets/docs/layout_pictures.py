@@ -290,7 +290,9 @@ def runs_of(placed_layout: PlacedLayout) -> list[_BitRun]:
     """Return the fields, and the bits that belong to no field, highest first."""
     fields = placed_layout.fields
     runs = [_run_of_field(placed_field.field, placed_field.high, placed_field.low) for placed_field in fields]
-    runs += [_BitRun(high, low, "no field", _NOTHING) for high, low in _gaps_between_fields(placed_layout)]
+    runs += [
+        _BitRun(high=high, low=low, name="no field", fill=_NOTHING) for high, low in _gaps_between_fields(placed_layout)
+    ]
     return sorted(runs, key=lambda run: -run.high)
 
 
@@ -349,7 +351,7 @@ def stacks_picture(title: str, stacks: Sequence[Stack]) -> str:
     top = _MARGIN
     for stack in stacks:
         for text_line in wrap_to_width(stack.caption, WIDE - 2 * _MARGIN, _BIG * _WIDE_LETTERS):
-            body.append(draw_text(_MARGIN, top + 13, text_line, _BIG, "start", bold=True))
+            body.append(draw_text(_MARGIN, top + 13, text_line, size=_BIG, anchor="start", bold=True))
             top += _LINE + 4
         for row in stack.rows:
             body += _row_elements(row, top)
@@ -357,33 +359,33 @@ def stacks_picture(title: str, stacks: Sequence[Stack]) -> str:
             lines_below = _lines_below(row)
             for fill, text_line in lines_below:
                 if fill:
-                    body.append(draw_box(_MARGIN, top + 5, 10, 10, fill))
-                body.append(draw_text(_MARGIN + _INDENT, top + 14, text_line, _SMALL, "start"))
+                    body.append(draw_box(_MARGIN, top + 5, box_width=10, box_height=10, fill=fill))
+                body.append(draw_text(_MARGIN + _INDENT, top + 14, text_line, size=_SMALL, anchor="start"))
                 top += _LINE
             top += 6 if lines_below else 0
         top += _GAP
-    return create_picture(title, body, WIDE, top - _GAP + _MARGIN, text_alternative(stacks))
+    return create_picture(title, body, width=WIDE, height=top - _GAP + _MARGIN, description=text_alternative(stacks))
 
 
 def _row_elements(row: ByteRow, top: float) -> Iterator[str]:
     """Yield the name of a byte, and its boxes with their names and bit numbers."""
     if row.label:
-        yield draw_text(_MARGIN, top + _BOX / 2 + 4, row.label, _SMALL, "start", faint=True)
+        yield draw_text(_MARGIN, top + _BOX / 2 + 4, row.label, size=_SMALL, anchor="start", faint=True)
     for box in row.boxes:
         # Bit 7 is at the left.
         left = _MARGIN + _LABELS + (7 - box.high) * _BIT
         box_width = _width_of_box(box)
-        yield draw_box(left, top, box_width, _BOX, box.fill)
+        yield draw_box(left, top, box_width=box_width, box_height=_BOX, fill=box.fill)
         name_lines = _lines_inside(box)
         number_of_lines = len(name_lines) + bool(box.place)
         center = left + box_width / 2
         # The lines are 14 pixels apart, and centred in the box.
         baseline = top + _BOX / 2 + 4.5 - 7 * (number_of_lines - 1)
         for name_line in name_lines:
-            yield draw_text(center, baseline, name_line, _SMALL, "middle")
+            yield draw_text(center, baseline, name_line, size=_SMALL, anchor="middle")
             baseline += 14
         if box.place:
-            yield draw_text(center, baseline, box.place, _SMALL, "middle", faint=True)
+            yield draw_text(center, baseline, box.place, size=_SMALL, anchor="middle", faint=True)
 
 
 def _width_of_box(box: Box) -> float:

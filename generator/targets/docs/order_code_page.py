@@ -104,7 +104,7 @@ def manual_procedures(device: Device) -> list[ManualProcedure]:
 
 def _manual_procedure(characteristic: Characteristic) -> ManualProcedure:
     before, *steps = steps_of(characteristic.value)
-    return ManualProcedure(characteristic, heading(characteristic.name), before, tuple(steps))
+    return ManualProcedure(characteristic, title=heading(characteristic.name), before=before, steps=tuple(steps))
 
 
 Row = tuple[str, ...]

@@ -53,13 +53,17 @@ def connector_picture(connector: Connector) -> str:
         signal_lines = list(_signal_lines(contact, WIDE - _MARGIN - signal_left))
         body += _contact_elements(contact, top)
         for index, (text_line, faint) in enumerate(signal_lines):
-            body.append(draw_text(signal_left, top + 18 + _LINE * index, text_line, _SIZE, "start", faint=faint))
+            body.append(
+                draw_text(signal_left, top + 18 + _LINE * index, text_line, size=_SIZE, anchor="start", faint=faint)
+            )
         top += max(_ROW, _LINE * len(signal_lines) + 8)
     if any(map(_is_pin, connector.contacts)):
         for text_line in wrap_to_width(FACE_UNKNOWN, WIDE - 2 * _MARGIN, _SIZE):
-            body.append(draw_text(_MARGIN, top + 16, text_line, _SIZE, "start", faint=True))
+            body.append(draw_text(_MARGIN, top + 16, text_line, size=_SIZE, anchor="start", faint=True))
             top += _LINE
-    return create_picture(connector.title, body, WIDE, top + _MARGIN, connector_text(connector))
+    return create_picture(
+        connector.title, body, width=WIDE, height=top + _MARGIN, description=connector_text(connector)
+    )
 
 
 def _signal_lines(contact: Contact, room: float) -> Iterator[tuple[str, bool]]:
@@ -77,18 +81,24 @@ def _is_pin(contact: Contact) -> bool:
 def _contact_elements(contact: Contact, top: float) -> Iterator[str]:
     """Yield the elements of a pin with its number, a wire with its colours and their names, or only a name."""
     if _is_pin(contact):
-        yield draw_box(_MARGIN, top + 3, 28, 22, "data")
-        yield draw_text(_MARGIN + 14, top + 18, contact.contact, _SIZE, "middle", bold=True)
+        yield draw_box(_MARGIN, top + 3, box_width=28, box_height=22, fill="data")
+        yield draw_text(_MARGIN + 14, top + 18, contact.contact, size=_SIZE, anchor="middle", bold=True)
         return
     colour_words = _BETWEEN_COLOURS.split(contact.contact.lower())
     wire_colours = palette().wires
     if all(word in wire_colours for word in colour_words):
         colour_width = 28.0 / len(colour_words)
         for index, word in enumerate(colour_words):
-            yield draw_swatch(_MARGIN + colour_width * index, top + 5, colour_width, 18, wire_colours[word])
+            yield draw_swatch(
+                _MARGIN + colour_width * index,
+                top + 5,
+                box_width=colour_width,
+                box_height=18,
+                colour=wire_colours[word],
+            )
     # Only the first line of a long name fits.
     for name_line in wrap_to_width(contact.contact, _SIGNAL_AFTER_WIRES - _NAME - 6, _SIZE)[:1]:
-        yield draw_text(_NAME, top + 18, name_line, _SIZE, "start")
+        yield draw_text(_NAME, top + 18, name_line, size=_SIZE, anchor="start")
 
 
 @dataclass(frozen=True)

@@ -66,11 +66,11 @@ def wide_picture(title: str, shapes: Sequence[tuple[str, PlacedLayout]]) -> str:
         stack = make_stack(caption, placed_layout)
         stacks.append(stack)
         if caption:
-            body.append(draw_text(_MARGIN, top + 13, caption, _SIZE, "start", bold=True))
+            body.append(draw_text(_MARGIN, top + 13, caption, size=_SIZE, anchor="start", bold=True))
             top += _LINE
         elements, top = _frame_elements(placed_layout, stack, top)
         body += elements
-    return create_picture(title, body, WIDE, top, text_alternative(stacks))
+    return create_picture(title, body, width=WIDE, height=top, description=text_alternative(stacks))
 
 
 def _frame_elements(placed_layout: PlacedLayout, stack: Stack, top: float) -> tuple[list[str], float]:
@@ -82,7 +82,9 @@ def _frame_elements(placed_layout: PlacedLayout, stack: Stack, top: float) -> tu
     else:
         cells = list(_bit_cells(placed_layout))
         marks = list(_bit_marks(placed_layout))
-    elements = [draw_text(x, top + 12, mark_text, _SIZE, anchor, faint=True) for x, mark_text, anchor in marks]
+    elements = [
+        draw_text(x, top + 12, mark_text, size=_SIZE, anchor=anchor, faint=True) for x, mark_text, anchor in marks
+    ]
     for cell in cells:
         elements += _cell_elements(cell, box_top)
     if not placed_layout.layout.in_bytes:
@@ -96,13 +98,13 @@ def _frame_elements(placed_layout: PlacedLayout, stack: Stack, top: float) -> tu
 
 def _cell_elements(cell: _Cell, top: float) -> Iterator[str]:
     """Yield the box of a cell, and the lines inside it, of which the last one is the place."""
-    yield draw_box(cell.left, top, cell.right - cell.left, _BOX, cell.fill)
+    yield draw_box(cell.left, top, box_width=cell.right - cell.left, box_height=_BOX, fill=cell.fill)
     # The lines are 14 pixels apart, and centred in the box.
     first_baseline = top + _BOX / 2 + 4.5 - 7 * (len(cell.lines) - 1)
     for index, box_text in enumerate(cell.lines):
         is_place = bool(cell.place) and index == len(cell.lines) - 1
         baseline = first_baseline + 14 * index
-        yield draw_text((cell.left + cell.right) / 2, baseline, box_text, _SIZE, "middle", faint=is_place)
+        yield draw_text((cell.left + cell.right) / 2, baseline, box_text, size=_SIZE, anchor="middle", faint=is_place)
 
 
 def _bit_cells(placed_layout: PlacedLayout) -> Iterator[_Cell]:
@@ -193,6 +195,6 @@ def _names_below(cells: Sequence[_Cell], top: float) -> Iterator[tuple[float, st
                 left = _MARGIN
                 top += _LINE
             bottom = top + _LINE
-            yield bottom, draw_box(left, top + 4, 10, 10, cell.fill)
-            yield bottom, draw_text(left + 16, top + 13, cell.about, _SIZE, "start")
+            yield bottom, draw_box(left, top + 4, box_width=10, box_height=10, fill=cell.fill)
+            yield bottom, draw_text(left + 16, top + 13, cell.about, size=_SIZE, anchor="start")
             left += width_with_box

@@ -55,15 +55,23 @@ _TABLES = (
         name="ALARMS",
         kind="Alarm",
     ),
-    Table("Timings of the encoder as a whole.", "TIMINGS", "Timing"),
-    Table("Connectors and cables, contact by contact.", "CONNECTORS", "Connector"),
-    Table("LEDs and the meaning of their states.", "LEDS", "Led"),
-    Table("Hardware inputs.", "INPUTS", "Input"),
-    Table("Tables of the manual.", "TABLES", "Table"),
-    Table("Further facts of the manual, as text.", "CHARACTERISTICS", "Characteristic"),
-    Table("Content of figures that is missing from the text of the manual.", "LOST_FIGURES", "LostFigure"),
-    Table("Errors and ambiguities in the manual, with the text that is used instead.", "ERRATA", "Erratum"),
-    Table("Documents that sources cite by key.", "DOCUMENTS", "Document"),
+    Table(comment="Timings of the encoder as a whole.", name="TIMINGS", kind="Timing"),
+    Table(comment="Connectors and cables, contact by contact.", name="CONNECTORS", kind="Connector"),
+    Table(comment="LEDs and the meaning of their states.", name="LEDS", kind="Led"),
+    Table(comment="Hardware inputs.", name="INPUTS", kind="Input"),
+    Table(comment="Tables of the manual.", name="TABLES", kind="Table"),
+    Table(comment="Further facts of the manual, as text.", name="CHARACTERISTICS", kind="Characteristic"),
+    Table(
+        comment="Content of figures that is missing from the text of the manual.",
+        name="LOST_FIGURES",
+        kind="LostFigure",
+    ),
+    Table(
+        comment="Errors and ambiguities in the manual, with the text that is used instead.",
+        name="ERRATA",
+        kind="Erratum",
+    ),
+    Table(comment="Documents that sources cite by key.", name="DOCUMENTS", kind="Document"),
 )
 #: Tables that every module has, even empty.
 _ALWAYS = ("ALARMS", "TIMINGS", "CONNECTORS", "LEDS", "CHARACTERISTICS", "ERRATA", "DOCUMENTS")
