@@ -26,7 +26,7 @@ from ...model.expressions import Expression, Factor, Term
 from ...model.lookup import assert_never
 from ...order_codes.labels import edition_before, tests_of
 from ...plan.codec import Codec, codec_of
-from ...plan.description import Description, Name, Tells, describe
+from ...plan.description import DescribedReportCause, Description, Name, describe
 from ...plan.limits import Limits, limits_of
 from ...plan.operations import (
     AlwaysIs,
@@ -169,8 +169,8 @@ def frame_data(device: Device, interface: str, layout: Layout, reporting: Report
     description = describe(codec, reporting)
     causes = reporting.causes if reporting is not None else ()
     reports = []
-    for tells, cause in zip(description.tells, causes, strict=True):
-        reports.append(_report_data(device, tells, cause))
+    for described_cause, cause in zip(description.report_causes, causes, strict=True):
+        reports.append(_report_data(device, described_cause, cause))
     # Use the order of the frame, without flags first. Values with a verdict come last.
     flags = (*layout.fields, *(sign.flag for sign in layout.signs))
     flag_names = [flag.name for flag in flags]
@@ -215,15 +215,15 @@ def register_data(device: Device, register: Register) -> Data:
     )
 
 
-def _report_data(device: Device, tells: Tells, cause: ReportCause) -> Data:
+def _report_data(device: Device, described_cause: DescribedReportCause, cause: ReportCause) -> Data:
     """Return a report of a frame with its texts."""
-    data: Data = plain_data(tells)
+    data: Data = plain_data(described_cause)
     return data | _report_texts(cause.made_of, alarm_of(device, cause.made_of))
 
 
 def _alarm_report_data(field: Field, alarm: Alarm) -> Data:
     """Return the report of an alarm in a register with its texts."""
-    data: Data = plain_data(Tells(report="", flag=Name(field.name), only=explained(field)))
+    data: Data = plain_data(DescribedReportCause(report="", flag=Name(field.name), only=explained(field)))
     return data | _report_texts(field, alarm)
 
 
@@ -232,13 +232,21 @@ def _layout_data(device: Device, codec: Codec, description: Description) -> Data
 
     ``asks`` are the open questions that a decoder needs answers to, and ``offers`` those that only affect the verdict.
     """
-    described_members = ("bits", "order", "joins", "speaks", "gray", "otherwise", "judging_bits")
+    described_members = {
+        "bits": description.bits,
+        "order": description.order,
+        "joins": description.joins,
+        "speaks": description.verdict_causes,
+        "gray": description.gray,
+        "otherwise": description.otherwise,
+        "judging_bits": description.judging_bits,
+    }
     checks = zip(description.checks, codec.checks, strict=True)
     crc = codec.only_crc
     optional_crcs = {frame_crc.field.name: frame_crc.crc.name for frame_crc in codec.crcs if frame_crc.is_optional}
     return without_empty(
         name=codec.layout.name,
-        **{name: plain_data(getattr(description, name)) for name in described_members},
+        **{name: plain_data(member) for name, member in described_members.items()},
         fields=[*_field_data(codec, description)],
         checks=[plain_data(check) | _check_message(codec.layout, operation) for check, operation in checks],
         # A byte that the bits sent do not fill begins with these zeros.

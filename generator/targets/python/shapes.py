@@ -26,15 +26,13 @@ _POSITIONAL_COUNTS = {"BitField": 1, "Column": 1, "Join": 1, "VerdictCause": 1, 
 #: Names of classes and members in the runtime, if they differ from those of the plan.
 _RUNTIME_NAMES: Mapping[str, str] = MappingProxyType(
     {
-        "Speaks": "VerdictCause",
-        "Tells": "ReportCause",
-        "speaks": "verdict_causes",
-        "tells": "report_causes",
+        "DescribedVerdictCause": "VerdictCause",
+        "DescribedReportCause": "ReportCause",
         "answered": "chosen_verdict",
     }
 )
 #: Members of the plan with several items, except the columns.
-_PLANNED_ROWS = ("joins", "unused", "checks", "parities", "speaks", "tells", "fields")
+_PLANNED_ROWS = ("joins", "unused", "checks", "parities", "verdict_causes", "report_causes", "fields")
 #: Members that say for which encoders a cause applies.
 _CONDITIONS = ("only", "chosen")
 
