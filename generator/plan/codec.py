@@ -177,8 +177,8 @@ def only_value(layout: Layout, field: Field) -> int | None:
 
 def bits_of(layout: Layout, field: Field) -> Bits:
     """Return the bits of a field. In bytes, a padded field has no pieces for bytes that contain only padding."""
-    occupied_pieces = tuple(piece for piece in field.pieces if not field.container or piece.left < field.widest)
-    return _locate_bits(layout, field.low, field.width, field.widest, occupied_pieces)
+    pieces = tuple(piece for piece in field.pieces if not field.container or piece.low_in_number < field.widest)
+    return _locate_bits(layout, field.low, field.width, field.widest, pieces)
 
 
 def _locate_bits(
@@ -227,15 +227,15 @@ def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
 
 
 def _bits_at_end(layout: Layout, width: int) -> Bits:
-    """Return the last ``width`` bits of a frame. They are those of a CRC that only some order codes have."""
-    low = layout.bits - Expression(width) if layout.byte_order == "low_byte_first" else Expression(0)
+    """Return the last ``width`` bits, those of a CRC that only some order codes have, in bytes with their pieces."""
+    low_byte_first = layout.byte_order == "low_byte_first"
+    low = layout.bits - Expression(width) if low_byte_first else Expression(0)
     byte_count = layout.widest // 8
     pieces = []
-    # A frame of bits has no pieces. ``left`` is the position of the byte's lowest bit in the CRC.
-    for left in range(0, width, 8) if layout.in_bytes else ():
-        byte = byte_count - (width - left) // 8 if layout.byte_order == "low_byte_first" else byte_count - 1 - left // 8
-        mask = (1 << min(8, width - left)) - 1
-        pieces.append(Piece(byte=byte, right=0, mask=mask, left=left))
+    for low_in_crc in range(0, width, 8) if layout.in_bytes else ():
+        byte = byte_count - (width - low_in_crc) // 8 if low_byte_first else byte_count - 1 - low_in_crc // 8
+        low_bits = (1 << min(8, width - low_in_crc)) - 1
+        pieces.append(Piece(byte=byte, low_in_byte=0, mask=low_bits, low_in_number=low_in_crc))
     return _locate_bits(layout, low, Expression(width), width, tuple(pieces))
 
 
@@ -389,13 +389,13 @@ def characters(field: Field) -> tuple[tuple[int, int], ...]:
 
     If the characters do not fill whole bytes, or the field is not a text, return an empty tuple.
     """
-    fills_whole_bytes = all(piece.right == 0 and piece.mask == 0xFF for piece in field.pieces)
+    fills_whole_bytes = all(piece.low_in_byte == 0 and piece.mask == 0xFF for piece in field.pieces)
     if not isinstance(field.kind, Text) or not fills_whole_bytes:
         return ()
     indices = []
     last_index = field.widest // 8 - 1
     for piece in reversed(field.pieces):
-        bytes_after = piece.left // 8
+        bytes_after = piece.low_in_number // 8
         indices.append((last_index - bytes_after, piece.byte))
     return tuple(indices)
 
@@ -445,6 +445,6 @@ def _shifted_bits(reserved: Reserved, by_word: bool) -> Iterator[ShiftedBits]:
         return
     for piece in reserved.bits.pieces:
         # Position of the byte's lowest bit in ``unused``. A negative shift moves the bits up.
-        bit_in_unused = reserved.place + piece.left
+        bit_in_unused = reserved.place + piece.low_in_number
         mask = piece.mask << bit_in_unused
-        yield ShiftedBits(byte=piece.byte, shift=piece.right - bit_in_unused, mask=mask, value=value & mask)
+        yield ShiftedBits(byte=piece.byte, shift=piece.low_in_byte - bit_in_unused, mask=mask, value=value & mask)

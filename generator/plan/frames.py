@@ -197,7 +197,7 @@ def _contents_of_first_byte(layout: Layout) -> frozenset[_ContentOfBits]:
         for piece in field.pieces:
             if piece.byte == 0:
                 content_of_bits = _ContentOfBits(
-                    lowest_bit=piece.right, mask=piece.mask, bits_above=piece.left, content=content
+                    lowest_bit=piece.low_in_byte, mask=piece.mask, bits_above=piece.low_in_number, content=content
                 )
                 contents.append(content_of_bits)
     known_bits = sum(content_of_bits.mask.bit_count() for content_of_bits in contents)

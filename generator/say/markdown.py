@@ -137,7 +137,7 @@ def reference(ref: Ref) -> str:
 
 
 #: Style of statements on a Markdown page.
-MARKDOWN_STYLE = Style(
+MARKDOWN = Style(
     text=lambda part: _escape_markdown(one_line(part)),
     code=code,
     ref=reference,

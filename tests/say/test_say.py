@@ -16,7 +16,7 @@ from codewheel.order_codes.labels import find
 from codewheel.say import layout, order_code, register
 from codewheel.say import order_code as interface
 from codewheel.say import register as field
-from codewheel.say.markdown import MARKDOWN_STYLE as MARKDOWN
+from codewheel.say.markdown import MARKDOWN
 from codewheel.say.text import (
     DOCSTRING_STYLE,
     PLAIN_STYLE,

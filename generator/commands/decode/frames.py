@@ -219,9 +219,7 @@ def _possible_meanings(digits: str, bits: int) -> Iterator[str]:
 # -- decoding
 
 
-def decode_text(
-    device: Device, variant: Variant, sender: str, frame_text: str, layout: str | None = None
-) -> codec.Decoded:
+def decode_text(device: Device, variant: Variant, sender: str, text: str, layout: str | None = None) -> codec.Decoded:
     """Decode a frame given as text.
 
     Args:
@@ -236,7 +234,7 @@ def decode_text(
     Raises:
         FrameTextError: The text cannot be read as a frame, or there is no such layout.
     """
-    return text_decoder(device, variant, sender, layout)(frame_text)
+    return text_decoder(device, variant, sender, layout)(text)
 
 
 def text_decoder(device: Device, variant: Variant, sender: str, layout: str | None) -> Callable[[str], codec.Decoded]:

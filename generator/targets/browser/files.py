@@ -270,7 +270,7 @@ def _dispatch_data(interface: Interface, dispatch: Dispatch) -> Data:
     return without_empty(
         sender=dispatch.sender,
         selector=dispatch.selector.name,
-        pieces=[[piece.byte, piece.right, piece.mask, piece.left] for piece in dispatch.bits.pieces],
+        pieces=[[piece.byte, piece.low_in_byte, piece.mask, piece.low_in_number] for piece in dispatch.bits.pieces],
         needs=dispatch.needs,
         frames=[[indexes[branch.layout.name], *map(json_number, branch.values)] for branch in dispatch.branches],
     ) | {"fallback": indexes[dispatch.fallback.name] if dispatch.fallback is not None else -1}

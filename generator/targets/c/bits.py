@@ -47,15 +47,15 @@ def of_bytes(pieces: tuple[Piece, ...]) -> tuple[str, Expr]:
     shifted_type = "uint64_t" if width > 32 else "uint32_t"
     shifted_pieces: list[Expr] = []
     for piece in pieces:
-        shifted_pieces.append(shifted_left(Cast(shifted_type, _bits_of_piece(piece)), piece.left))
+        shifted_pieces.append(shifted_left(Cast(shifted_type, _bits_of_piece(piece)), piece.low_in_number))
     number = join_operands("|", tuple(shifted_pieces))
     return type_, number if type_ == shifted_type else Cast(type_, number)
 
 
 def _bits_of_piece(piece: Piece) -> Expr:
     """Return the bits of a byte that belong to a field, shifted to bit 0, such as ``(bytes[2] >> 3) & 0x07U``."""
-    shifted_byte = shifted_right(Name(f"bytes[{piece.byte}]"), piece.right)
-    reaches_top = piece.right + piece.mask.bit_length() == 8
+    shifted_byte = shifted_right(Name(f"bytes[{piece.byte}]"), piece.low_in_byte)
+    reaches_top = piece.low_in_byte + piece.mask.bit_length() == 8
     return shifted_byte if reaches_top else masked(shifted_byte, piece.mask)
 
 
@@ -117,7 +117,7 @@ class Reader:
         """Return the bit of a flag at its position: in the word, or in the byte ``flags``."""
         if not self.plan.by_word:
             (piece,) = bits.pieces
-            return masked(Name("flags"), piece.mask << piece.right)
+            return masked(Name("flags"), piece.mask << piece.low_in_byte)
         if not bits.are_fixed:
             return self.in_word(bits)
         return masked(self.lower(bits.low.constant + 1), 1 << bits.low.constant)
@@ -316,8 +316,8 @@ class Unused:
             yield moved.byte, self._moved_bits_to_send(moved)
         for reserved in self.single:
             for piece in reserved.bits.pieces:
-                bits = shifted_right(self._bits_to_send(reserved), piece.left)
-                yield piece.byte, _shift_bits(_masked_byte(bits, piece.mask), -piece.right)
+                bits = shifted_right(self._bits_to_send(reserved), piece.low_in_number)
+                yield piece.byte, _shift_bits(_masked_byte(bits, piece.mask), -piece.low_in_byte)
 
     def _moved_bits_to_send(self, moved: ShiftedBits) -> Expr:
         """Return bits of the member, shifted to their places in the frame and combined with the documented ones."""

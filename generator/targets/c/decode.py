@@ -176,8 +176,8 @@ class Decoder:
                 mask = constant.mask
                 expected_value = constant.value
         for piece, number in pieces:
-            mask |= piece.mask << piece.right
-            expected_value |= ((number >> piece.left) & piece.mask) << piece.right
+            mask |= piece.mask << piece.low_in_byte
+            expected_value |= ((number >> piece.low_in_number) & piece.mask) << piece.low_in_byte
         whole_byte = Name(f"bytes[{byte}]")
         compared_bits = masked(whole_byte, mask) if mask != 0xFF else whole_byte
         return Operation("!=", (compared_bits, Number(expected_value, hexadecimal=True)))
@@ -343,12 +343,12 @@ def _constant_bytes(checks: Iterable[Check]) -> list[ByteIs]:
                     constant_bytes[piece.byte] = ByteIs(piece.byte, mask=0xFF, value=0, reasons=(f"above {name}",))
             case AlwaysIs(bits=bits, value=constant):
                 for piece in bits.pieces:
-                    # Bit ``left`` of the number is bit ``right`` of the byte.
+                    # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
                     earlier = constant_bytes.get(piece.byte, ByteIs(piece.byte, mask=0, value=0, reasons=()))
-                    value_in_byte = ((constant >> piece.left) & piece.mask) << piece.right
+                    value_in_byte = ((constant >> piece.low_in_number) & piece.mask) << piece.low_in_byte
                     constant_bytes[piece.byte] = ByteIs(
                         piece.byte,
-                        mask=earlier.mask | (piece.mask << piece.right),
+                        mask=earlier.mask | (piece.mask << piece.low_in_byte),
                         value=earlier.value | value_in_byte,
                         reasons=tuple(dict.fromkeys((*earlier.reasons, name))),
                     )

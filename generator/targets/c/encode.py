@@ -239,9 +239,9 @@ class Encoder:
         for term in self.plan.terms:
             if isinstance(term.value, Fixed):
                 for piece in term.field.pieces:
-                    # Bit ``left`` of the number is bit ``right`` of the byte.
-                    bits_of_piece = (term.value.number >> piece.left) & piece.mask
-                    constants[piece.byte] |= bits_of_piece << piece.right
+                    # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
+                    bits_of_piece = (term.value.number >> piece.low_in_number) & piece.mask
+                    constants[piece.byte] |= bits_of_piece << piece.low_in_byte
         return constants
 
     def _variable_bits_by_byte(self) -> dict[int, list[Expr]]:
@@ -266,8 +266,8 @@ class Encoder:
                 yield from self._bits_in_bytes(term, field)
             case ParityOf():
                 for piece in term.field.pieces:
-                    parity = shifted_right(self._express_value(term), piece.left)
-                    yield piece.byte, shifted_left(parity, piece.right)
+                    parity = shifted_right(self._express_value(term), piece.low_in_number)
+                    yield piece.byte, shifted_left(parity, piece.low_in_byte)
             case _:
                 assert_never(term.value)
 
@@ -291,7 +291,7 @@ class Encoder:
                 is_split = len(field.pieces) > 1
                 for piece in field.pieces:
                     # Bits above the type of the member are 0.
-                    if piece.left < size_of(widest_value(field)):
+                    if piece.low_in_number < size_of(widest_value(field)):
                         yield (
                             piece.byte,
                             self._piece_in_byte(field, piece, self._express_value(term), may_be_wider=is_split),
@@ -304,18 +304,18 @@ class Encoder:
 
         ``may_be_wider`` is True if ``bits`` can have ones above the piece, which must be masked.
         """
-        bits_of_piece = shifted_right(bits, piece.left)
+        bits_of_piece = shifted_right(bits, piece.low_in_number)
         if may_be_wider and piece.mask != 0xFF:
             bits_of_piece = masked(bits_of_piece, piece.mask)
-        if piece.right:
-            return shifted_left(Cast("uint32_t", bits_of_piece), piece.right)
+        if piece.low_in_byte:
+            return shifted_left(Cast("uint32_t", bits_of_piece), piece.low_in_byte)
         is_wide_member = isinstance(bits_of_piece, Name) and self.struct.type_of(field) != unsigned(8)
         return Cast("uint32_t", bits_of_piece) if is_wide_member else bits_of_piece
 
 
 def _flag_in_byte(flag: Expr, piece: Piece, *, low_is_active: bool) -> Expr:
     """Return the bit of a flag at its place in its byte, such as ``in->error ? 0x80U : 0x00U``."""
-    bit = Number(piece.mask << piece.right, hexadecimal=True)
+    bit = Number(piece.mask << piece.low_in_byte, hexadecimal=True)
     zero = Number(0, hexadecimal=True)
     return Conditional(flag, zero, bit) if low_is_active else Conditional(flag, bit, zero)
 

@@ -327,7 +327,7 @@ class ProcedureCode:
             op=step,
             note=note,
             address=step.register.address_of(piece.byte),
-            mask=piece.mask << piece.right,
+            mask=piece.mask << piece.low_in_byte,
             value=value,
             more=step.register.is_accessed_whole and piece.byte > 0,
         )
@@ -357,14 +357,14 @@ class ProcedureCode:
         if isinstance(step, Reads) or not piece.mask:
             return _ZERO
         write = step.write if isinstance(step, Verifies) else step
-        # Bit ``left`` of the number is bit ``right`` of the byte.
+        # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
         value = FixedNumber(write.step.value) if isinstance(write, Polls) else write.value
         if isinstance(value, FixedNumber):
-            bits_of_piece = (value.number >> piece.left) & piece.mask
-            return Number(bits_of_piece << piece.right, hexadecimal=True)
-        bits = shifted_right(Name(self._names[value.argument.name]), piece.left)
+            bits_of_piece = (value.number >> piece.low_in_number) & piece.mask
+            return Number(bits_of_piece << piece.low_in_byte, hexadecimal=True)
+        bits = shifted_right(Name(self._names[value.argument.name]), piece.low_in_number)
         if piece.mask != 0xFF:
-            return Cast("uint8_t", shifted_left(masked(bits, piece.mask), piece.right))
+            return Cast("uint8_t", shifted_left(masked(bits, piece.mask), piece.low_in_byte))
         is_whole_byte = isinstance(value, AsNumber) and len(step.pieces) == 1
         return bits if is_whole_byte else Cast("uint8_t", bits)
 

@@ -144,7 +144,7 @@ def _alarm_mask(device: Device, alarm: Alarm) -> tuple[int, str]:
         (piece,) = frame_field.pieces
         group = member_named(device.field_groups, alarm.group, "field group")
         note = "in its byte" if group.bits > 8 else ""
-        return piece.mask << piece.right, note
+        return piece.mask << piece.low_in_byte, note
     if not alarm.register:
         return 0, ""
     layout = device.register(alarm.register).layout

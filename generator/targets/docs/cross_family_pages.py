@@ -13,7 +13,7 @@ from ...order_codes.reduction import for_interface
 from ...say import register as say_register
 from ...say.evidence import titled_in_lists
 from ...say.layout import crc_sent
-from ...say.markdown import MARKDOWN_STYLE, citation, code, escape, join_filled, link
+from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
 from ...say.names_and_places import TERMS, Term, Titled, addresses, title, words
 from ...say.order_code import parameter_value, settings
 from ...say.text import volts
@@ -134,7 +134,7 @@ def _documented_content(field: Field) -> str:
         case None:
             return ""
         case expression:
-            return MARKDOWN_STYLE.number(expression) + ", by order code"
+            return MARKDOWN.number(expression) + ", by order code"
 
 
 def _interface_fact_rows(device: Device) -> Iterator[Row]:
@@ -146,7 +146,7 @@ def _interface_fact_rows(device: Device) -> Iterator[Row]:
                     interface.title,
                     _family_link(device),
                     escape(setting.label),
-                    MARKDOWN_STYLE.phrase(setting),
+                    MARKDOWN.phrase(setting),
                     citation(setting.source),
                 )
 

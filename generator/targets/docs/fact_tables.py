@@ -33,7 +33,7 @@ from ...say import register as say_register
 from ...say.commands import read_back, step
 from ...say.errata import changed, errata
 from ...say.layout import crc_sent
-from ...say.markdown import MARKDOWN_STYLE, anchor, citation, code, escape, join_filled, link
+from ...say.markdown import MARKDOWN, anchor, citation, code, escape, join_filled, link
 from ...say.names_and_places import Titled, addresses, heading, hexadecimal, title
 from ...say.order_code import bounds_with_codes, settings
 from ...say.plain_text import counted, number, quantity
@@ -63,7 +63,7 @@ SEVERITIES = tuple(_SEVERITY_TEXTS)
 def interface_rows(device: Device, interface: Interface) -> Iterator[tuple[str, str, str]]:
     """Yield rows of fact, value, source."""
     for setting in settings(device, interface):
-        yield escape(setting.label), MARKDOWN_STYLE.phrase(setting), citation(setting.source)
+        yield escape(setting.label), MARKDOWN.phrase(setting), citation(setting.source)
 
 
 def step_rows(device: Device, procedure: Procedure) -> Iterator[tuple[str, ...]]:
@@ -72,7 +72,7 @@ def step_rows(device: Device, procedure: Procedure) -> Iterator[tuple[str, ...]]
     for operation in run_of(device, procedure).operations:
         if isinstance(operation, Verifies):
             field = operation.field.name if operation.field is not None else ""
-            instruction = MARKDOWN_STYLE.sentence(read_back(device, operation.register, field))
+            instruction = MARKDOWN.sentence(read_back(device, operation.register, field))
             reason = "Added to the given steps by generated code, because a corrupted write can look successful."
             yield "", instruction, reason, ""
             continue
@@ -81,7 +81,7 @@ def step_rows(device: Device, procedure: Procedure) -> Iterator[tuple[str, ...]]
         source = citation(spec_step.source) if spec_step.source != procedure.source else ""
         yield (
             f"{number_of_step}",
-            MARKDOWN_STYLE.sentence(step(device, spec_step)),
+            MARKDOWN.sentence(step(device, spec_step)),
             escape(spec_step.meaning),
             source,
         )
@@ -232,7 +232,7 @@ def control_rows(interface: Biss) -> Iterator[tuple[str, ...]]:
     """Yield the name, bits, meaning and source of each field of the BiSS control frame."""
     for control_field in interface.control_data:
         value_phrases = [
-            MARKDOWN_STYLE.phrase(value(named_value, control_field.bits)) for named_value in control_field.values
+            MARKDOWN.phrase(value(named_value, control_field.bits)) for named_value in control_field.values
         ]
         crc_link = link(code(control_field.crc), f"#crc-{control_field.crc}") if control_field.crc else ""
         yield (
@@ -264,7 +264,7 @@ def field_rows(device: Device, layout: Layout) -> Iterator[Row]:
 def _place_cell(device: Device, layout: Layout, field: Field) -> str:
     """Return the place of a field. If it has a container, the place includes padding, and the width follows."""
     place = field_place_cell(layout, field, device.alternatives_of(layout))
-    width = counted(MARKDOWN_STYLE.number(field.width), "bit") if field.container else ""
+    width = counted(MARKDOWN.number(field.width), "bit") if field.container else ""
     return join_filled([place, width])
 
 
@@ -317,7 +317,7 @@ def step_sentences(device: Device, procedure: Procedure) -> Iterator[str]:
     """Yield the steps as sentences, each with its reason."""
     for procedure_step in procedure.steps:
         reason = f" ({escape(procedure_step.meaning)})" if procedure_step.meaning else ""
-        yield MARKDOWN_STYLE.phrase(step(device, procedure_step)) + reason + "."
+        yield MARKDOWN.phrase(step(device, procedure_step)) + reason + "."
 
 
 def time_rows(timings: Iterable[Timing]) -> Iterator[Row]:
@@ -353,5 +353,5 @@ def led_rows(device: Device) -> Iterator[Row]:
 def setting_lines(device: Device, interface: Interface) -> Iterator[str]:
     """Yield the settings of the interface, each with its source."""
     for setting in settings(device, interface):
-        value = MARKDOWN_STYLE.phrase(statement(*setting.parts))
+        value = MARKDOWN.phrase(statement(*setting.parts))
         yield f"{escape(setting.label)}: {value} <small>{citation(setting.source)}</small>"

@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypedDict
 from ...model import Clocked, Device, Interface, Manual, Release, ReleasedChange, Revision, Table, TimesRead
 from ...order_codes.reduction import for_interface
 from ...say.evidence import basis, edition_test, grade, origin, other_editions
-from ...say.markdown import MARKDOWN_STYLE, citation, code, escape, join_filled, link, link_list
+from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, link_list
 from ...say.order_code import settings
 from ...say.plain_text import counted
 from ...say.text import Statement, language
@@ -149,7 +149,7 @@ def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
     return (
         link(interface.title, page_links.interface_page_path(device, interface)),
         order_codes(device, codes),
-        "; ".join(map(MARKDOWN_STYLE.phrase, first_settings)),
+        "; ".join(map(MARKDOWN.phrase, first_settings)),
         ", ".join(_subject_links(device, interface)),
     )
 
@@ -278,7 +278,7 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
         yield "Website", escape(device.manufacturer.website)
     yield "Transcribed", _second_reading_text(device.times_read)
     for evidence in (grade(device), *basis(device)):
-        yield evidence.label, MARKDOWN_STYLE.phrase(replace(evidence, label=""))
+        yield evidence.label, MARKDOWN.phrase(replace(evidence, label=""))
     yield "Manufacturer", escape(device.manufacturer.title)
     for edition in manual.editions:
         language_and_title = [escape(language(edition.language)), escape(edition.title)]

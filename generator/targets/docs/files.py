@@ -256,7 +256,7 @@ TEMPLATES = Templates(
         "titled": title,
         "heading": heading,
         "addresses": addresses,
-        "said": markdown.MARKDOWN_STYLE.sentence,
+        "said": markdown.MARKDOWN.sentence,
     },
     functions={"table": markdown.table, "timing_rows": fact_tables.timing_rows, "table_rows": family_pages.table_rows},
 )

@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypedDict
 from ...model import Device, Erratum
 from ...say.errata import errata
 from ...say.errata import erratum as erratum_statement
-from ...say.markdown import MARKDOWN_STYLE, anchor, citation, code, escape, escape_html, link, link_list
+from ...say.markdown import MARKDOWN, anchor, citation, code, escape, escape_html, link, link_list
 from ...say.text import sentence
 from . import fact_tables
 from .page_links import ERRATA, link_to_erratum
@@ -186,8 +186,8 @@ def erratum_line(listed_erratum: Erratum, page: str) -> str:
     name = listed_erratum.name
     title_link = f"{status_badge(listed_erratum)} {link(escape(listed_erratum.title), f'{page}#erratum-{name}')}"
     if listed_erratum.overlay:
-        reasons = map(MARKDOWN_STYLE.sentence, erratum_statement(listed_erratum).below)
-        return " ".join([f"{title_link} {MARKDOWN_STYLE.cited(listed_erratum.source)}:", *reasons])
+        reasons = map(MARKDOWN.sentence, erratum_statement(listed_erratum).below)
+        return " ".join([f"{title_link} {MARKDOWN.cited(listed_erratum.source)}:", *reasons])
     return f"{title_link}: {escape(_shorten_sentences(sentence(listed_erratum.used)))}"
 
 

@@ -36,7 +36,7 @@ from ...say import register as say_register
 from ...say import report
 from ...say.errata import needed_answers
 from ...say.evidence import document, origin, other_editions
-from ...say.markdown import MARKDOWN_STYLE, citation, code, escape, join_filled, link
+from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
 from ...say.names_and_places import Named, addresses, title, words
 from ...say.order_code import PURPOSES, initial
 from ...say.register import measurement, own_ranges, position_range
@@ -231,7 +231,7 @@ def _layout_section(device: Device, interface: Interface, layout: Layout) -> Sec
     return {
         "layout": layout,
         "head": say_layout.head(interface, layout, Code(layout.name), device.alternatives),
-        "size": MARKDOWN_STYLE.phrase(statement(*say_layout.size(layout, device.alternatives))),
+        "size": MARKDOWN.phrase(statement(*say_layout.size(layout, device.alternatives))),
         "facts": [*say_layout.facts(interface, layout), *needed_answers(device, layout)],
         "rows": list(layout_tables.field_rows(device, layout)),
         "placements": layout_tables.placement_table(device, layout, interface.name),
@@ -358,7 +358,7 @@ def _contents_by_subject(device: Device) -> dict[str, list[str]]:
 def subject_values(subject: str, page: InterfacePage) -> SubjectPage:
     """Return the values of the page about a subject. ``page`` has those of the page of its interface."""
     contents = _contents_by_subject(page["device"])[subject]
-    return {**page, "subject": subject, "contents": MARKDOWN_STYLE.phrase(statement(*list_parts(contents)))}
+    return {**page, "subject": subject, "contents": MARKDOWN.phrase(statement(*list_parts(contents)))}
 
 
 def interface_values(
@@ -400,17 +400,10 @@ def _overview_rows(device: Device, interface: Interface, variants: Sequence[Vari
     """Yield rows of fact, value, source: the position with its unit, each supply, and the facts of the interface."""
     position_measurement = device.measurement_of(interface.name)
     if position_measurement is not None:
-        yield (
-            "Position",
-            MARKDOWN_STYLE.phrase(measurement(position_measurement)),
-            citation(position_measurement.source),
-        )
+        yield "Position", MARKDOWN.phrase(measurement(position_measurement)), citation(position_measurement.source)
         for layout_name, own_range in own_ranges(device, interface.name):
-            yield (
-                f"Position in {code(layout_name)}",
-                MARKDOWN_STYLE.phrase(position_range(own_range)),
-                citation(own_range.source),
-            )
+            range_text = MARKDOWN.phrase(position_range(own_range))
+            yield f"Position in {code(layout_name)}", range_text, citation(own_range.source)
     for supply, codes in _codes_by_supply(device, variants).items():
         with_codes = f" ({order_codes(device, codes)})" if len(codes) < len(variants) else ""
         yield f"Supply{with_codes}", f"{volts(supply.min_mv)} to {volts(supply.max_mv)}", citation(supply.source)

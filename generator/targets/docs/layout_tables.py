@@ -23,7 +23,7 @@ from ...model import (
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...say.errata import answer_names
-from ...say.markdown import MARKDOWN_STYLE, citation, code, escape, join_filled, link, table
+from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, table
 from ...say.names_and_places import Named, bit_range, bits, field_place, frame_bytes, hexadecimal
 from ...say.register import rules, value
 from ...say.text import Code, Statement, join_groups, list_parts, spec_text, statement
@@ -85,7 +85,7 @@ def field_cell(device: Device, field: Field, in_register: bool = False) -> str:
         *rules(device, field),
         *spec_text(field.note),
     ]
-    return join_filled(map(MARKDOWN_STYLE.sentence, statements))
+    return join_filled(map(MARKDOWN.sentence, statements))
 
 
 def _value_statements(field: Field, in_register: bool) -> Iterator[Statement]:
@@ -132,7 +132,7 @@ def _group_row(device: Device, layout: Layout, field_group: FieldGroup) -> tuple
         [link(code(field_group.name), f"#group-{field_group.name}"), escape(field_group.printed_name)]
     )
     field_names = [Code(field.name) for field in layout.fields if field.group == field_group.name]
-    fields_sentence = MARKDOWN_STYLE.sentence(statement(*list_parts(field_names), label="Fields"))
+    fields_sentence = MARKDOWN.sentence(statement(*list_parts(field_names), label="Fields"))
     return group_cell, group_place(device, layout, field_group), f"{field_group.bits}", fields_sentence, ""
 
 
@@ -141,7 +141,7 @@ def _field_row(device: Device, layout: Layout, field: Field) -> tuple[str, ...]:
     return (
         name_cell(field),
         field_place_cell(layout, field, device.alternatives_of(layout)),
-        MARKDOWN_STYLE.number(field.width),
+        MARKDOWN.number(field.width),
         field_cell(device, field, in_register=not layout.sender),
         citation(field.source) if field.source != layout.source else "",
     )
@@ -167,7 +167,7 @@ def group_place(device: Device, layout: Layout, field_group: FieldGroup) -> str:
 
 
 def field_place_cell(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> str:
-    return MARKDOWN_STYLE.phrase(statement(*field_place(layout, field, alternatives)))
+    return MARKDOWN.phrase(statement(*field_place(layout, field, alternatives)))
 
 
 def _first_answers(device: Device) -> Mapping[str, int]:
@@ -218,7 +218,7 @@ def group_rows(device: Device, name: str) -> Iterator[tuple[str, ...]]:
 
 
 def _answers_in_words(answers: Sequence[Answer]) -> str:
-    return MARKDOWN_STYLE.phrase(statement(*answer_names(answers)))
+    return MARKDOWN.phrase(statement(*answer_names(answers)))
 
 
 def group_places(

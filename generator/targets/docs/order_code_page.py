@@ -30,7 +30,7 @@ from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.reduction import for_codes, with_quantities
 from ...say.evidence import grade
 from ...say.layout import size
-from ...say.markdown import MARKDOWN_STYLE, citation, code, escape, link
+from ...say.markdown import MARKDOWN, citation, code, escape, link
 from ...say.names_and_places import field_at, heading, hexadecimal, title
 from ...say.order_code import not_on_label, parameter_value
 from ...say.plain_text import counted, with_unit
@@ -252,12 +252,12 @@ def _position_text(device: Device, interface: Interface) -> str:
     if position_measurement is None:
         return ""
     ranges = [_range_in_frame(name, frame_range) for name, frame_range in own_ranges(device, interface.name)]
-    return ", ".join([MARKDOWN_STYLE.phrase(measurement(position_measurement)), *ranges])
+    return ", ".join([MARKDOWN.phrase(measurement(position_measurement)), *ranges])
 
 
 def _range_in_frame(name: str, frame_range: LayoutRange) -> str:
     frame_name = f"in {code(name)}:" if frame_range.wraps else code(name)
-    return f"{frame_name} {MARKDOWN_STYLE.phrase(position_range(frame_range))}"
+    return f"{frame_name} {MARKDOWN.phrase(position_range(frame_range))}"
 
 
 def page_values(code_group: CodeGroup, has_masters: bool, pictures: Pictures) -> CodePage:
@@ -344,7 +344,7 @@ def _frame_section(code_group: CodeGroup, layout: Layout, pictures: Pictures) ->
     return {
         "title": title(layout),
         "name": layout.name,
-        "size": MARKDOWN_STYLE.phrase(statement(*size(layout, code_group.device.alternatives))),
+        "size": MARKDOWN.phrase(statement(*size(layout, code_group.device.alternatives))),
         "wide": pictures[f"wide-{layout.name}"],
         "narrow": pictures[f"layout-{layout.name}"],
         # Widest screen that shows the narrow picture.

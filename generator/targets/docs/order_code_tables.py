@@ -28,7 +28,7 @@ from ...order_codes.parameters import parameters_of, run_time_names, with_answer
 from ...plan.values import Active, TwosComplement, meaning_of
 from ...plan.verdicts import Judgement, Match, VerdictCause
 from ...say.layout import crc_inverted, crc_reflected
-from ...say.markdown import MARKDOWN_STYLE, citation, code, escape, join_filled, link
+from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
 from ...say.names_and_places import bits, frame_bytes, heading
 from ...say.order_code import open_values, parameter_origin, parameter_value
 from ...say.plain_text import counted, number
@@ -46,14 +46,13 @@ def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
         name_cell, meaning_cell = code(part.name), escape(part.meaning)
         for value in part.values:
             assignments = [_assignment_text(parameters[name], number) for name, number in value.sets.items()]
-            value_meaning_cell = join_filled(
-                [escape(value.meaning), ", ".join(assignments), _only_with(value.only_with)]
-            )
+            meaning_parts = [escape(value.meaning), ", ".join(assignments), _only_with(value.only_with)]
+            value_meaning_cell = join_filled(meaning_parts)
             yield name_cell, meaning_cell, code(value.text), value_meaning_cell, citation(value.source or part.source)
             # Only the first row of a part names it.
             name_cell, meaning_cell = "", ""
         for open_value in open_values(part):
-            other_values_cell = join_filled([MARKDOWN_STYLE.sentence(open_value), _only_with(part.open_only_with)])
+            other_values_cell = join_filled([MARKDOWN.sentence(open_value), _only_with(part.open_only_with)])
             yield "", "", "", other_values_cell, citation(part.source)
 
 
@@ -91,7 +90,7 @@ def parameter_rows(device: Device, interface_name: str) -> Iterator[tuple[str, .
             code(parameter.name),
             escape(parameter.meaning),
             escape(parameter.unit),
-            MARKDOWN_STYLE.number(parameter.equals) if parameter.equals is not None else "",
+            MARKDOWN.number(parameter.equals) if parameter.equals is not None else "",
             citation(parameter.source),
         )
 
@@ -179,12 +178,8 @@ def _answer_row(device: Device, alternative: Alternative, answer: Answer) -> tup
         # The page of one interface lacks the parameters of others.
         if name in parameters:
             assignments.append(f"{_assignment_text(parameters[name], value)}: {escape(parameters[name].meaning)}")
-    return (
-        code(answer.name),
-        escape(answer.meaning),
-        join_filled(assignments),
-        citation(answer.source or alternative.source),
-    )
+    source = answer.source or alternative.source
+    return code(answer.name), escape(answer.meaning), join_filled(assignments), citation(source)
 
 
 def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
@@ -199,15 +194,12 @@ def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
         if interface_measurement is not None:
             for layout_name, frame_range in own_ranges(device, interface.name):
                 position_in_frame = f"{code(interface_measurement.of)} in {code(layout_name)}"
-                yield (
-                    position_in_frame,
-                    MARKDOWN_STYLE.phrase(position_range(frame_range)),
-                    citation(frame_range.source),
-                )
+                range_text = MARKDOWN.phrase(position_range(frame_range))
+                yield position_in_frame, range_text, citation(frame_range.source)
 
 
 def _measurement_row(position: Measurement, over_interface: str = "") -> tuple[str, ...]:
-    return code(position.of) + over_interface, MARKDOWN_STYLE.phrase(measurement(position)), citation(position.source)
+    return code(position.of) + over_interface, MARKDOWN.phrase(measurement(position)), citation(position.source)
 
 
 #: Lowest number of order codes that are shown as patterns. Fewer codes are listed one by one.
@@ -363,9 +355,8 @@ def _verdict_facts(
     if judgement is None:
         return
     yield "Position", verdict_line(judgement, variant, has_crc)
-    alternatives = [
-        alternative for alternative in family_device.verdict_alternatives(layout) if alternative.name in choices
-    ]
+    questions = family_device.verdict_alternatives(layout)
+    alternatives = [alternative for alternative in questions if alternative.name in choices]
     for alternative in alternatives:
         # The first answer is the default.
         for answer in alternative.answers[1:]:
@@ -416,7 +407,7 @@ def verdict_line(judgement: Judgement, variant: Variant, has_crc: bool) -> str:
     causes_by_verdict = applicable_causes(judgement, variant)
     conditional_verdicts = [_verdict_if(verdict, causes) for verdict, causes in causes_by_verdict.items()]
     if not conditional_verdicts:
-        return MARKDOWN_STYLE.phrase(statement(VERDICT_CLAUSES[judgement.otherwise]))
+        return MARKDOWN.phrase(statement(VERDICT_CLAUSES[judgement.otherwise]))
     correct = ", if the CRC is correct," if has_crc else ""
     return "; ".join([*conditional_verdicts, f"otherwise{correct} {EFFECTS[judgement.otherwise]}"])
 
@@ -447,7 +438,7 @@ def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
     yield from (f"{any_of(names)} is {level}" for level, names in names_by_level.items())
     for cause in causes:
         if isinstance(cause.by, Match):
-            yield MARKDOWN_STYLE.phrase(conditions((part.field, value) for part, value in cause.by.conditions))
+            yield MARKDOWN.phrase(conditions((part.field, value) for part, value in cause.by.conditions))
 
 
 def _cause_text(cause: VerdictCause) -> str:

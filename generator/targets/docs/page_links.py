@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from ...model import Alarm, Device, Erratum, Interface, Layout, Procedure, Register
-from ...say.markdown import MARKDOWN_STYLE, code, escape, link, reference
+from ...say.markdown import MARKDOWN, code, escape, link, reference
 from ...say.names_and_places import heading
 from ...say.text import Ref, Style
 
@@ -121,4 +121,4 @@ def style_in_folder(device: Device) -> Style:
                 return link(code(ref.name), f"{page_in_folder(register.interface, 'registers')}#{ref.anchor}")
         return reference(ref)
 
-    return replace(MARKDOWN_STYLE, ref=reference_text)
+    return replace(MARKDOWN, ref=reference_text)

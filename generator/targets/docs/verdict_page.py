@@ -10,7 +10,7 @@ from ...model.record import dataclass
 from ...plan.values import Active, meaning_of
 from ...plan.verdicts import Judgement, Only, Reporting, reportings, reports_of, sums_up, verdict_of
 from ...say.evidence import document
-from ...say.markdown import MARKDOWN_STYLE, citation, code, escape, join_filled, link, link_list
+from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, link_list
 from ...say.names_and_places import own_names
 from ...say.report import alarm_of, by_hand, conditions, deciding, meaning, remedy_text, source
 from ...say.text import Code, list_parts, statement
@@ -92,7 +92,7 @@ def _rows_of_frame(device: Device, interface: Interface, layout: Layout, judgeme
     yield name_of_other_cases, "", EFFECTS[judgement.otherwise], "", ""
     if judgement.may_be_unknown:
         judging_names = [Code(field.name) for field in layout.judging_fields]
-        missing_names = MARKDOWN_STYLE.phrase(statement(*list_parts(judging_names)))
+        missing_names = MARKDOWN.phrase(statement(*list_parts(judging_names)))
         yield f"order codes that lack {missing_names}", "", EFFECTS[Verdict.UNKNOWN], "", ""
 
 
@@ -177,7 +177,7 @@ def _answer_text(device: Device, question: Alternative, parameter_condition: Onl
 
 def _values_of_sign(layout: Layout, sign: Sign) -> str:
     """Return the values of fields that decide the verdict together."""
-    return MARKDOWN_STYLE.phrase(conditions((layout.field(name), value) for name, value in sign.conditions))
+    return MARKDOWN.phrase(conditions((layout.field(name), value) for name, value in sign.conditions))
 
 
 def _condition_on_lower_flags(field: Field, layout: Layout) -> str:
@@ -186,7 +186,7 @@ def _condition_on_lower_flags(field: Field, layout: Layout) -> str:
     lower_flags = [Code(name) for name in sums_up(field) if name in names_in_layout]
     if not lower_flags:
         return ""
-    return f", with {MARKDOWN_STYLE.phrase(statement(*list_parts(lower_flags)))} inactive"
+    return f", with {MARKDOWN.phrase(statement(*list_parts(lower_flags)))} inactive"
 
 
 def _frame_rows(device: Device, reporting_frames: Sequence[Reporting]) -> Iterator[Row]:

@@ -8,7 +8,7 @@ from ...model import Device, Field, Layout, PlacedLayout, Variant, Verdict
 from ...plan.values import Active, meaning_of
 from ...plan.verdicts import Judgement, Match, VerdictCause, reportings
 from ...say.layout import is_reserved
-from ...say.markdown import MARKDOWN_STYLE, code, escape, join_filled, link
+from ...say.markdown import MARKDOWN, code, escape, join_filled, link
 from ...say.names_and_places import bits, frame_bytes, heading
 from ...say.report import alarm_of, by_hand, conditions, deciding, remedy_text
 from ...say.text import sentence
@@ -139,7 +139,7 @@ def _names_of_field(field: Field) -> str:
 def _row_of_match(placed_layout: PlacedLayout, match: Match, effect: str) -> Row:
     """Return the row of values that lead to a verdict together."""
     places = ", ".join(_place_of_field(placed_layout, part.field.name) for part, _ in match.conditions)
-    phrase = MARKDOWN_STYLE.phrase(conditions((part.field, value) for part, value in match.conditions))
+    phrase = MARKDOWN.phrase(conditions((part.field, value) for part, value in match.conditions))
     return places, phrase, "", effect, ""
 
 

@@ -172,7 +172,7 @@ class Reader:
             # A single bit has one piece. Bit numbers are now those in its byte.
             piece = bits.pieces[0]
             source = self._byte_variable(piece.byte)
-            low = Expression(piece.right)
+            low = Expression(piece.low_in_byte)
         if low.is_constant:
             return Operation(source, "&", Atom(f"0x{1 << low.constant:02X}"))
         return Operation(shift_value(source, ">>", self.scope.expression_of(low)), "&", number(1))
@@ -249,7 +249,7 @@ def place_in_bytes(pieces: Sequence[Piece]) -> str:
     first = pieces[0]
     if len(pieces) > 1:
         return "low byte first" if first.byte < pieces[-1].byte else "high byte first"
-    return "" if first.mask == 0xFF else bit_numbers(first.right, first.mask.bit_length())
+    return "" if first.mask == 0xFF else bit_numbers(first.low_in_byte, first.mask.bit_length())
 
 
 def purpose(field: Field, place: str) -> str:
@@ -287,7 +287,7 @@ def others(scope: Scope, codec: Codec) -> Expr:
 
 def _is_whole_byte(piece: Piece) -> bool:
     """Return whether a piece is all eight bits of its byte."""
-    return not piece.right and piece.mask == 0xFF
+    return not piece.low_in_byte and piece.mask == 0xFF
 
 
 def _are_ascending(byte_indices: Sequence[int]) -> bool:
@@ -320,8 +320,8 @@ def _are_adjacent_whole_bytes(ascending: Sequence[Piece]) -> bool:
 
 def _from_piece(piece: Piece, byte: str) -> Expr:
     """Return the bits of one piece at their place in the number, such as ``(b1 & 0x3F) << 8``."""
-    bits = shift_value(Atom(byte.format(piece.byte)), ">>", number(piece.right))
-    reaches_top_of_byte = piece.mask == 0xFF >> piece.right
+    bits = shift_value(Atom(byte.format(piece.byte)), ">>", number(piece.low_in_byte))
+    reaches_top_of_byte = piece.mask == 0xFF >> piece.low_in_byte
     if not reaches_top_of_byte:
         bits = Operation(bits, "&", mask(piece.mask))
-    return shift_value(bits, "<<", number(piece.left))
+    return shift_value(bits, "<<", number(piece.low_in_number))

@@ -130,4 +130,4 @@ def _expected_parity(check: ParityIs, first_byte: int) -> int:
 
 def _bits_in_byte(pieces: Iterable[Piece], byte: int) -> int:
     """Return the number that these pieces of a byte form."""
-    return sum(((byte >> piece.right) & piece.mask) << piece.left for piece in pieces)
+    return sum(((byte >> piece.low_in_byte) & piece.mask) << piece.low_in_number for piece in pieces)

@@ -164,7 +164,7 @@ class Steps:
         """
         if op.field is not None:
             return self.mask(op.field)
-        mask_of_pieces = sum(piece.mask << piece.left for piece in op.pieces)
+        mask_of_pieces = sum(piece.mask << piece.low_in_number for piece in op.pieces)
         number_of_digits = 2 * op.register.length
         return Atom(f"0x{mask_of_pieces:0{number_of_digits}X}")
 
