@@ -153,34 +153,57 @@
    */
   function placeLayout(family, layout, parameters) {
     const evaluate = (expression) => Number(evaluateExpression(expression, parameters));
-    const withMeaning = (field) => (!field.only || parameters[field.only] ? field
-      : { ...field, on: TABLE.unexplained, off: "", meaning: "" });
-    const fields = (layout.fields ?? []).map((index) => withMeaning(family.shared[index]))
+    const sharedParts = (indexes = []) => indexes.map((index) => family.shared[index]);
+    const isSatisfied = (condition) => !condition
+      || Boolean(parameters[condition.parameter]) === Boolean(condition.holds);
+    const fields = sharedParts(layout.fields).map((field) => withMeaningForOrderCode(field, parameters))
       .map((field) => ({ field, name: field.name, low: evaluate(field.low), width: evaluate(field.width) }))
-      .filter((placedField) => placedField.width > 0);
-    const gray = layout.gray && (!layout.gray.when || parameters[layout.gray.when]) ? layout.gray : null;
-    const isSatisfied = (only) => !only || Boolean(parameters[only.parameter]) === Boolean(only.holds);
+      .filter(({ width }) => width > 0);
+    const crcFieldName = fields.find(({ field }) => field.crc)?.name;
     return {
       family, layout, parameters, fields, name: layout.name, bits: evaluate(layout.bits),
-      crc: layout.crcs ? layout.crcs[fields.find((placedField) => placedField.field.crc)?.name] : layout.crc,
-      gray: gray && {
-        low: evaluate(gray.low), width: evaluate(gray.width),
-        excess: evaluateExpression(gray.excess ?? 0, parameters) },
-      joins: (layout.joins ?? []).map((join) => ({
-        name: join.name,
-        parts: join.fields.map(([part, low]) => (
-          { placedField: fields.find((placedField) => placedField.name === part), low: evaluate(low) })),
-      })),
-      checks: (layout.checks ?? []).map((index) => family.shared[index])
-        .map((check) => ({ check, low: evaluate(check.low), width: evaluate(check.width),
-          limit: check.limit === undefined ? undefined : evaluateExpression(check.limit, parameters),
-          lowest: evaluateExpression(check.lowest ?? 0, parameters),
-          coveredPlaces: check.parity_of?.map(([coveredLow, coveredWidth]) => (
-            { low: evaluate(coveredLow), width: evaluate(coveredWidth) })) }))
-        .filter((placedCheck) => placedCheck.width > 0),
-      reportCauses: (layout.tells ?? []).map((index) => family.shared[index])
-        .filter((cause) => isSatisfied(cause.only)),
-      verdictCauses: (layout.speaks ?? []).filter((cause) => isSatisfied(cause.only) && isSatisfied(cause.chosen)),
+      crc: layout.crcs ? layout.crcs[crcFieldName] : layout.crc,
+      gray: placeGray(layout.gray, parameters),
+      joins: (layout.joins ?? []).map((join) => placeJoin(join, fields, parameters)),
+      checks: sharedParts(layout.checks).map((check) => placeCheck(check, parameters))
+        .filter(({ width }) => width > 0),
+      reportCauses: sharedParts(layout.tells).filter(({ only }) => isSatisfied(only)),
+      verdictCauses: (layout.speaks ?? []).filter(({ only, chosen }) => isSatisfied(only) && isSatisfied(chosen)),
+    };
+  }
+
+  /** Return a field, with the text of an unexplained one if its meaning is that of other order codes. */
+  function withMeaningForOrderCode(field, parameters) {
+    const isExplained = !field.only || parameters[field.only];
+    return isExplained ? field : { ...field, on: TABLE.unexplained, off: "", meaning: "" };
+  }
+
+  /** Return {low, width, excess} of the bits in Gray code, or null if the order code sends binary. */
+  function placeGray(gray, parameters) {
+    const isUsed = gray && (!gray.when || parameters[gray.when]);
+    if (!isUsed) return null;
+    const evaluate = (expression) => evaluateExpression(expression, parameters);
+    return { low: Number(evaluate(gray.low)), width: Number(evaluate(gray.width)), excess: evaluate(gray.excess ?? 0) };
+  }
+
+  /**
+   * Return {name, parts} of a number in several fields. A part is {placedField, low} with the lowest bit in the number.
+   * Its ``placedField`` is undefined if the field has 0 bits.
+   */
+  function placeJoin(join, fields, parameters) {
+    const parts = join.fields.map(([fieldName, low]) => ({
+      placedField: fields.find(({ name }) => name === fieldName), low: Number(evaluateExpression(low, parameters)) }));
+    return { name: join.name, parts };
+  }
+
+  /** Return a check with its place, its limits, and for a parity the {low, width} of the bits that it covers. */
+  function placeCheck(check, parameters) {
+    const evaluate = (expression) => Number(evaluateExpression(expression, parameters));
+    return {
+      check, low: evaluate(check.low), width: evaluate(check.width),
+      limit: check.limit === undefined ? undefined : evaluateExpression(check.limit, parameters),
+      lowest: evaluateExpression(check.lowest ?? 0, parameters),
+      coveredPlaces: check.parity_of?.map(([low, width]) => ({ low: evaluate(low), width: evaluate(width) })),
     };
   }
 
@@ -299,15 +322,13 @@
 
   /** Join the parts of a number that is sent in several fields. */
   function joinFields(join, number, binary) {
-    const parts = join.parts.filter((part) => part.placedField);
-    const joinedNumber = (source) => parts.reduce(
-      (whole, { placedField, low }) =>
-        whole | (extractBits(source, placedField.low, placedField.width) << BigInt(low)), 0n);
-    const names = parts.map((part) => part.placedField.name).reverse().join(" and ");
+    const parts = join.parts.filter(({ placedField }) => placedField);
+    const joinFrom = (source) => parts.reduce((sum, { placedField, low }) => (
+      sum | (extractBits(source, placedField.low, placedField.width) << BigInt(low))), 0n);
+    const names = parts.map(({ placedField }) => placedField.name).reverse().join(" and ");
     const meaning = join.parts.length > 1 ? messageFor("as_one_number", names) : "";
-    return {
-      name: join.name, raw: joinedNumber(number), value: joinedNumber(binary), unit: "", meaning, high: -1, low: -1,
-    };
+    // The place of several fields is left empty.
+    return { name: join.name, raw: joinFrom(number), value: joinFrom(binary), unit: "", meaning, high: -1, low: -1 };
   }
 
   /** Return the placed field with the CRC. */
@@ -333,23 +354,40 @@
   /** Return a list with the problem if the bits at the place of a check are wrong, otherwise an empty list. */
   function findProblems(placedCheck, number, binary) {
     const { check, low, width, limit, lowest, coveredPlaces } = placedCheck;
+    // A parity covers the bits as sent, before Gray code is converted.
     const checkedBits = extractBits(coveredPlaces ? number : binary, low, width);
     const checkedNumber = check.says === "outside" ? BigInt.asIntN(width, checkedBits) : checkedBits;
     const rightValues = coveredPlaces ? [computeParity(number, coveredPlaces, check)]
       : (check.values ?? []).map((listedValue) => toBigInt(listedValue) & ones(width));
-    const isInside = () => checkedNumber >= lowest && checkedNumber <= limit;
-    const isCorrect = limit === undefined ? rightValues.includes(checkedNumber) : isInside();
+    const hasLimit = limit !== undefined;
+    const isCorrect = hasLimit
+      ? checkedNumber >= lowest && checkedNumber <= limit : rightValues.includes(checkedNumber);
     if (isCorrect) return [];
-    const messages = {
-      constant: () => messageFor("constant", check.field, hex(checkedNumber), hex(rightValues[0])),
-      parity: () => messageFor("parity", check.field, checkedNumber, check.of_name, rightValues[0]),
-      no_value: () => messageFor("no_value", check.field, hex(checkedNumber)),
-      of_other_frame: () => messageFor("of_other_frame", check.field, checkedNumber.toString(16).toUpperCase()),
-      too_high: () => messageFor("too_high", check.field, checkedNumber, limit),
-      outside: () => messageFor("outside", `${check.field} ${checkedNumber}`, lowest, limit),
-      digits: () => messageFor("digits", check.field, checkedNumber, check.most),
-    };
-    return [{ fault: check.fault, field: check.field, message: messages[check.says]() }];
+    const message = describeProblem(placedCheck, checkedNumber, rightValues[0]);
+    return [{ fault: check.fault, field: check.field, message }];
+  }
+
+  /** Return the message about a wrong number. Its name in the table is that of the check. */
+  function describeProblem({ check, limit, lowest }, checkedNumber, rightValue) {
+    const { field, says: messageName } = check;
+    switch (messageName) {
+      case "constant":
+        return messageFor(messageName, field, hex(checkedNumber), hex(rightValue));
+      case "parity":
+        return messageFor(messageName, field, checkedNumber, check.of_name, rightValue);
+      case "no_value":
+        return messageFor(messageName, field, hex(checkedNumber));
+      case "of_other_frame":
+        return messageFor(messageName, field, checkedNumber.toString(16).toUpperCase());
+      case "too_high":
+        return messageFor(messageName, field, checkedNumber, limit);
+      case "outside":
+        return messageFor(messageName, `${field} ${checkedNumber}`, lowest, limit);
+      case "digits":
+        return messageFor(messageName, field, checkedNumber, check.most);
+      default:
+        throw new TypeError(`unknown check ${messageName}`);
+    }
   }
 
   /** Add the reports, the verdict and the differences from the manual to the result of a valid frame or register. */
@@ -414,10 +452,11 @@
 
   /** Return the messages about runs of digits outside their usual range. */
   function findStrangeRuns(decoded) {
-    return (decoded.placedLayout.layout.strange ?? []).flatMap(([run, low, high, template]) => {
-      const decodedField = decoded.fields.find((candidate) => candidate.name === run);
-      const isStrange = decodedField && (decodedField.raw < toBigInt(low) || decodedField.raw > toBigInt(high));
-      return isStrange ? [fillTemplate(template, decodedField.raw)] : [];
+    const strangeRanges = decoded.placedLayout.layout.strange ?? [];
+    return strangeRanges.flatMap(([runName, low, high, template]) => {
+      const run = decoded.fields.find(({ name }) => name === runName);
+      const isStrange = run && (run.raw < toBigInt(low) || run.raw > toBigInt(high));
+      return isStrange ? [fillTemplate(template, run.raw)] : [];
     });
   }
 
