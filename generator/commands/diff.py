@@ -365,11 +365,11 @@ def _findings_in_new_specs(changes: Sequence[Change], side: _Side) -> list[Findi
     for change in changes:
         document = documents.get(change.family, first_document)
         path = _place_in_spec(document, change.path) if change.family in documents else ()
-        findings.append(_finding_at(change, document, path, side.file_names))
+        findings.append(_review_finding(change, document, path, side.file_names))
     return findings
 
 
-def _finding_at(change: Change, document: Document, path: SpecPath, file_names: Mapping[str, str]) -> Finding:
+def _review_finding(change: Change, document: Document, path: SpecPath, file_names: Mapping[str, str]) -> Finding:
     """Return a change in the form for review tools, at its place in the new spec."""
     from ..changes.report import describe_effect
     from .review_formats import Finding
@@ -395,7 +395,7 @@ def _place_in_spec(document: Document, text: str) -> SpecPath:
 
     path: SpecPath = ()
     for step in _STEPS.findall(text):
-        paths_to_step = list(_paths_to(step, value_at(document.data, path)))
+        paths_to_step = list(_paths_to_step(step, value_at(document.data, path)))
         if not paths_to_step:
             break
         # The first is the nearest: directly in the node, not in one of its values.
@@ -403,7 +403,7 @@ def _place_in_spec(document: Document, text: str) -> SpecPath:
     return path
 
 
-def _paths_to(step: str, node: Any) -> Iterator[SpecPath]:
+def _paths_to_step(step: str, node: Any) -> Iterator[SpecPath]:
     """Yield the paths from ``node`` to a key or name in it: directly, or one level deeper if it is a map.
 
     Paths of changes leave out some keys, so ``position`` in ``{"fields": [{"name": "position"}]}`` is at

@@ -190,12 +190,12 @@ def _new_labels(place: str, removed_option: Any, old_data: Any, new_data: Any) -
     old_options = value_at(old_data, resolve(old_data, options_place))
     new_options = value_at(new_data, resolve(new_data, options_place))
     for label, new_option in new_options.items():
-        if label not in old_options and _selected_by(new_option) == _selected_by(removed_option):
+        if label not in old_options and _selection_of_option(new_option) == _selection_of_option(removed_option):
             yield f"{options_place}.{label}"
             return
 
 
-def _selected_by(option: Mapping[str, Any]) -> Mapping[str, Any]:
+def _selection_of_option(option: Mapping[str, Any]) -> Mapping[str, Any]:
     """Return the interface, parameters and supply that an option selects, or its meaning if it selects none of them."""
     selects = {key: option[key] for key in ("interface", "sets", "supply") if key in option}
     return selects or {"meaning": option.get("meaning")}

@@ -130,17 +130,17 @@ def _refuse_setting(target: Target, name: str, value: str) -> None:
         raise Stop(f"'{target.name}.{name}' cannot be '{value}'{suggestion(value, accepted_values, 'it can be')}", 2)
 
 
-def load_for(paths: Sequence[Path], targets: Iterable[Target]) -> tuple[tuple[Device, ...], Report]:
+def load_for_targets(paths: Sequence[Path], targets: Iterable[Target]) -> tuple[tuple[Device, ...], Report]:
     """Return the devices of the specs, and a report that includes the parts that these targets cannot express.
 
     Raises:
         Stop: A target fails. The exit code is 1.
     """
     families, report = load_families(paths)
-    return complete(families, targets, (), report), report
+    return complete_devices(families, targets, (), report), report
 
 
-def complete(
+def complete_devices(
     families: Sequence[Family],
     targets: Iterable[Target],
     editions: Iterable[str],
@@ -187,7 +187,7 @@ def report_unfit_parts(
             report.add(problem.rule, document, problem.place, message)
 
 
-def rendered(
+def render_targets(
     library: Library,
     targets: Sequence[Target],
     options: Mapping[str, Options],
@@ -218,7 +218,7 @@ def rendered(
     return files
 
 
-def listing() -> str:
+def targets_help() -> str:
     """Return the text about all targets and their options for ``--help``. A target that fails has its error instead."""
     known_names = target_names()
     indent = " " * (max(map(len, known_names)) + 4)

@@ -81,7 +81,7 @@ def run(arguments: argparse.Namespace) -> int:
     titles_by_page = _unnumbered_sections(family)
     touched_facts = TouchedFacts(facts)
     with Progress("codewheel: comparing the texts"):
-        changed_passages = [_with_facts(passage, touched_facts, old, titles_by_page) for passage in passages]
+        changed_passages = [_passage_with_facts(passage, touched_facts, old, titles_by_page) for passage in passages]
     if arguments.json:
         print_json(_as_data(family, changed_passages, compares_words=compares_words))
     else:
@@ -132,7 +132,7 @@ def _unnumbered_sections(family: Family) -> Mapping[int, str]:
     return {heading["page"]: title for title, heading in headings if "page" in heading}
 
 
-def _with_facts(
+def _passage_with_facts(
     passage: Passage, touched_facts: TouchedFacts, old: Manual, titles_by_page: Mapping[int, str]
 ) -> _ChangedPassage:
     """Return a changed passage with the facts of its section that it concerns, and the number of all of them.

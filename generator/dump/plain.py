@@ -49,7 +49,7 @@ from ..model.record import dataclass
 from ..order_codes.labels import Match
 from ..order_codes.reduction import for_interface, reduced_to_codes
 from ..order_codes.sent_layouts import with_sent_layouts
-from .schema import filled
+from .schema import fill_members
 
 VERSION = 1
 
@@ -238,7 +238,7 @@ class _Dump:
                 interface_data[f"{name}_source"] = fact_data["source"]
         interface_data["kind"] = interface.name
         interface_data["layouts"] = [layout.name for layout in interface.layouts]
-        return filled(interface_data, "interface")
+        return fill_members(interface_data, "interface")
 
     def _layout_data(self, layout: Layout, interface: str, inherited: Sources) -> Item:
         """Return a frame with its interface, the questions that it depends on, its joined numbers and its fields."""
@@ -274,7 +274,7 @@ class _Dump:
         else:
             field_data["equals_text"] = ""
         field_data["kind"], members_of_kind = self._kind_data(field.kind, field.source or inherited)
-        return filled(field_data | members_of_kind, "field")
+        return fill_members(field_data | members_of_kind, "field")
 
     def _kind_data(self, kind: Kind, inherited: Sources) -> tuple[str, Item]:
         """Return the name of a kind in the data, and its own members: ``("unused", {"unused": 0, …})``."""
@@ -313,7 +313,7 @@ class _Dump:
         register_data: Item = self.plain(register, ())
         default_bytes = register.default_bytes()
         register_data["default_bytes"] = default_bytes.hex(" ").upper() if default_bytes is not None else ""
-        register_data["opened_by"] = _opened_by(register) if register.opened_by else None
+        register_data["opened_by"] = _opening_condition_data(register) if register.opened_by else None
         register_data["other_bits"] = register.layout.gaps
         layout = register.layout
         citation = _sources_data(register.source)
@@ -322,11 +322,11 @@ class _Dump:
         return register_data
 
     def _step_data(self, step: Step, inherited: Sources) -> Item:
-        return filled(self.plain(step, inherited), "step")
+        return fill_members(self.plain(step, inherited), "step")
 
     def _example_data(self, example: Example) -> Item:
         # In the data, a layout that is not a frame has always had the encoder as its sender.
-        return filled({"from": "encoder"} | self.plain(example, ()), "example")
+        return fill_members({"from": "encoder"} | self.plain(example, ()), "example")
 
     def _timings_data(self) -> list[Item]:
         """Return the times of the device, whose ``interface`` is empty, and those of each interface."""
@@ -353,7 +353,7 @@ def _flag_members(flag: Flag) -> Item:
     }
 
 
-def _opened_by(register: Register) -> Item:
+def _opening_condition_data(register: Register) -> Item:
     return {"register": register.opened_by, "field": register.opened_by_field, "value": register.opened_by_value}
 
 

@@ -24,7 +24,7 @@ from typing import Any
 
 from lxml import etree
 
-from .schema import DataMember, Kind, Shape, is_hexadecimal, members, resolved, show_schema, types_of
+from .schema import DataMember, Kind, Shape, is_hexadecimal, json_types_of, members, resolve_reference, show_schema
 
 NAMESPACE = "urn:codewheel:device-description:1"
 XSD_NAME = "device-description.xsd"
@@ -39,7 +39,7 @@ def _tag_in_namespace(name: str) -> str:
     return f"{{{NAMESPACE}}}{name}"
 
 
-def clean(text: str) -> str:
+def without_invalid_characters(text: str) -> str:
     """Return ``text`` without characters that XML does not allow."""
     return _NOT_XML.sub("\ufffd", text)
 
@@ -48,7 +48,7 @@ def _scalar_text(value: object, *, as_hexadecimal: bool = False) -> str:
     """Return a number, Boolean or string as in XML. ``as_hexadecimal`` applies only to whole numbers: ``0x1F``."""
     if as_hexadecimal and isinstance(value, int):
         return f"0x{value:02X}"
-    return str(value).lower() if isinstance(value, bool) else clean(str(value))
+    return str(value).lower() if isinstance(value, bool) else without_invalid_characters(str(value))
 
 
 def to_xml(dump: Mapping[str, Any]) -> str:
@@ -133,10 +133,10 @@ def _write_content(
     so only the objects are written.
     """
     if member.kind is Kind.TEXT:
-        element.text = clean(value)
+        element.text = without_invalid_characters(value)
     elif member.kind is Kind.TEXTS:
         for text in value:
-            etree.SubElement(element, _tag_in_namespace("text")).text = clean(text)
+            etree.SubElement(element, _tag_in_namespace("text")).text = without_invalid_characters(text)
     elif member.kind is Kind.MAP:
         _write_map(element, value, member, hexadecimal_parameters)
     else:
@@ -154,8 +154,8 @@ def _write_map(
     It has the type of its value if the values may have several. Numbers are in hexadecimal if the key is a hexadecimal
     parameter.
     """
-    value_shape, _ = resolved(member.shape)
-    value_types = types_of(value_shape)
+    value_shape, _ = resolve_reference(member.shape)
+    value_types = json_types_of(value_shape)
     for key, value in map_values.items():
         entry_element = etree.SubElement(element, _tag_in_namespace("entry"), {"name": _scalar_text(key)})
         if isinstance(value, list):

@@ -148,7 +148,7 @@ def record(
     # Without the limit of a cable.
     unlimited = _build_record(frame, parts, numbers, cables, notes, needed_answers)
     unlimited = replace(unlimited, obstacle=obstacle, crc_obstacle=crc_obstacle)
-    return unlimited if cable_m is None else _with_cable(unlimited, cable_m)
+    return unlimited if cable_m is None else _limit_to_cable(unlimited, cable_m)
 
 
 def _position_frame(device: Device, variant: Variant, answers: Mapping[str, str]) -> _PositionFrame:
@@ -272,7 +272,7 @@ def _status_active(frame_parts: Sequence[Part]) -> str:
     return levels.pop() if len(levels) == 1 else "mixed"
 
 
-def _with_cable(unlimited: Record, metres: int) -> Record:
+def _limit_to_cable(unlimited: Record, metres: int) -> Record:
     """Return the record with the highest clock for this cable length, or with the clocks in use if that is not known.
 
     The row of the table is kept only if it limits the clock, and not the encoder.

@@ -33,7 +33,7 @@ _WIDEST_NAME, _WIDEST_VALUE = 40, 18
 _MARKS = {"documented": "", "inferred": " *", "tried": " +"}
 
 
-def facts(record: Record) -> Iterator[tuple[str, str]]:
+def record_facts(record: Record) -> Iterator[tuple[str, str]]:
     """Yield the record in words, one fact per row."""
     yield "Interface", INTERFACES[record.words["interface"]].title
     yield from _frame_facts(record)
@@ -163,7 +163,7 @@ def _crc_text(record: Record) -> str:
     return f"{numbers['crc_bits']} bits, polynomial {notations}, start value {numbers['crc_start']}, {form}"
 
 
-def legend(masters: Sequence[Master], sheets: Sequence[Sheet], with_places: bool) -> str:
+def legend_of_marks(masters: Sequence[Master], sheets: Sequence[Sheet], with_places: bool) -> str:
     """Return a sentence on each mark that ``standing_mark`` adds to a rule, and on tests on hardware.
 
     ``with_places`` is true if the places of settings are shown, which also have marks.
@@ -242,7 +242,7 @@ def sheet_text(device: Device, code_match: Match, record: Record, sheets: Sequen
     lines = _record_lines(device, code_match, record)
     if record.obstacle:
         return "\n".join(lines)
-    lines += ["", wrapped(legend([sheet.master for sheet in sheets], sheets, len(sheets) == 1), WIDTH)]
+    lines += ["", wrapped(legend_of_marks([sheet.master for sheet in sheets], sheets, len(sheets) == 1), WIDTH)]
     usable_sheets = [sheet for sheet in sheets if not sheet.refusals]
     for sheet in usable_sheets:
         lines += ["", *_sheet_lines(sheet, with_documents=len(sheets) == 1)]
@@ -276,7 +276,7 @@ def _record_lines(device: Device, code_match: Match, record: Record) -> list[str
     lines += [wrapped(PLAIN_STYLE.sentence(statement), WIDTH, "  ") for statement in statements]
     if code_match.special:
         lines.append(wrapped("A code that ends in /Sxxx may differ from the manual.", WIDTH, "  "))
-    lines += two_columns(facts(record), 2)
+    lines += two_columns(record_facts(record), 2)
     lines += [wrapped(note, WIDTH, "  ") for note in record.notes]
     return lines
 

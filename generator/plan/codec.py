@@ -11,7 +11,7 @@ from ..model import Alternative, Device, Fault, Field, Layout, Piece
 from ..model.expressions import Expression
 from ..model.kinds import Constant, CrcValue, Flag, Parity, Text, Unused
 from ..model.record import dataclass
-from .crcs import checks_whole_words, divides, fold_steps
+from .crcs import checks_whole_words, fold_steps, is_checked_by_division
 from .operations import (
     AlwaysIs,
     Bits,
@@ -221,7 +221,7 @@ def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
         covered=layout.bits - Expression(crc.width),
         low=crc.width,
         is_part=False,
-        divides=is_of_whole_words and divides(crc, layout),
+        divides=is_of_whole_words and is_checked_by_division(crc, layout),
         steps=fold_steps(crc, layout.widest) if is_of_whole_words else (),
     )
 

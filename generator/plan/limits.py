@@ -263,7 +263,7 @@ def outside(codec: Codec, limits: Limits) -> OutsideLimits | None:
     return OutsideLimits(limits.member, bounds) if bounds else None
 
 
-def depends(refusal: Refusal) -> bool:
+def depends_on_order_code(refusal: Refusal) -> bool:
     """Return whether a check depends on the order code."""
     match refusal:
         case NotSigned(field) | NotZeroFor(field):

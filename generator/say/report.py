@@ -101,7 +101,7 @@ def meaning(field: Field, alarm: Alarm | None) -> str:
     return when_active or field.meaning or alarm_meaning or "active"
 
 
-def deciding(field: Field) -> str:
+def deciding_bits(field: Field) -> str:
     """Return the bits that lead to the verdict: ``1`` of a flag, ``not 5h`` of unused bits, or "" for other fields.
 
     They are the active level of a flag, and anything but the documented value of an unused field.
@@ -141,7 +141,7 @@ def _condition_parts(field: Field, value: int) -> tuple[Part, ...]:
 
 def remedy(field: Field, alarm: Alarm | None) -> str:
     """Return the remedy with the titles of its manual steps, or an empty string."""
-    return with_steps(remedy_text(field, alarm), by_hand(field, alarm))
+    return with_steps(remedy_text(field, alarm), manual_steps(field, alarm))
 
 
 def remedy_text(field: Field, alarm: Alarm | None) -> str:
@@ -149,7 +149,7 @@ def remedy_text(field: Field, alarm: Alarm | None) -> str:
     return field.remedy or (alarm.remedy if alarm is not None else "")
 
 
-def by_hand(field: Field, alarm: Alarm | None) -> tuple[str, ...]:
+def manual_steps(field: Field, alarm: Alarm | None) -> tuple[str, ...]:
     """Return the names of the recommended manual steps."""
     return field.by_hand or (alarm.by_hand if alarm is not None else ())
 

@@ -19,7 +19,7 @@ from codewheel.commands.new import write_spec
 from codewheel.loading.library import load_library
 from codewheel.masters.frame_parts import cable_table
 from codewheel.masters.record import record
-from codewheel.masters.text import facts as record_facts
+from codewheel.masters.text import record_facts
 from codewheel.model import (
     Alarm,
     Biss,
@@ -516,8 +516,8 @@ case(
 )
 case(
     "unused_bits",
-    lambda: report.deciding(replace(a_field(Unused(3)), widest=2)),
-    lambda: report.deciding(a_field(ERROR)),
+    lambda: report.deciding_bits(replace(a_field(Unused(3)), widest=2)),
+    lambda: report.deciding_bits(a_field(ERROR)),
 )
 case(
     "crc_inverted",

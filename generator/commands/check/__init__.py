@@ -51,9 +51,9 @@ def add_arguments(parser: Parser) -> None:
 
 
 def _targets_help() -> str:
-    from ..outputs import listing
+    from ..outputs import targets_help
 
-    return listing()
+    return targets_help()
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -187,10 +187,10 @@ def _review_text(report: Report, form: str) -> str:
     """Return the problems in a form for review tools, ``github`` or ``sarif``."""
     from ..review_formats import as_review
 
-    return as_review([_finding_of(problem) for problem in report.shown], form)
+    return as_review([_review_finding(problem) for problem in report.shown], form)
 
 
-def _finding_of(problem: Problem) -> Finding:
+def _review_finding(problem: Problem) -> Finding:
     """Return a problem in the form for review tools."""
     from ..review_formats import Finding
 

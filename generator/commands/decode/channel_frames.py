@@ -134,12 +134,12 @@ def _summary_lines(frame: PlacedChannels, result: ChannelResult) -> Iterator[str
     for reading in result.readings:
         yield f"All CRCs are correct {reading}."
     if result.findings.agree is not None:
-        yield comparison(frame, result.channels, agree=result.findings.agree)
+        yield comparison_sentence(frame, result.channels, agree=result.findings.agree)
     if result.findings.verdict is not None:
         yield f"all channels together: {VERDICT_CLAUSES[result.findings.verdict]}"
 
 
-def comparison(frame: PlacedChannels, decoded_channels: Sequence[codec.Decoded], *, agree: bool) -> str:
+def comparison_sentence(frame: PlacedChannels, decoded_channels: Sequence[codec.Decoded], *, agree: bool) -> str:
     """Return a sentence with the compared bits of each channel, and whether they agree."""
     numbers = frame.compared_numbers([decoded.values for decoded in decoded_channels])
     compared = [

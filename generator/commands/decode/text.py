@@ -184,13 +184,13 @@ def _answer_lines(device: Device, answers: Mapping[str, str]) -> Iterator[str]:
             # The default of an alternative, if it has one, is its first answer.
             is_default = bool(alternative.default) and index == 0
             if is_default:
-                options = " or ".join(_other_options(alternative))
+                options = " or ".join(_options_for_other_answers(alternative))
                 yield wrapped(
                     f"this is the default; for another reading, add {options}", WIDTH, prefix="    ", first="  "
                 )
 
 
-def _other_options(alternative: Alternative) -> Iterator[str]:
+def _options_for_other_answers(alternative: Alternative) -> Iterator[str]:
     """Yield the options that choose another answer than the first."""
     return (f"--choose {alternative.name}={answer.name}" for answer in alternative.answers[1:])
 
@@ -224,14 +224,14 @@ def _report_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
             yield f"so {VERDICT_CLAUSES[findings.verdict]}"
         return
     statements = [_no_error_text(decoded, findings)]
-    if _is_frame(decoded) and decoded.crc is None:
+    if _is_known_frame(decoded) and decoded.crc is None:
         statements.append(_no_crc_text(decoded))
     if findings.verdict is not None:
         statements.append(VERDICT_CLAUSES[findings.verdict])
     yield wrapped("; ".join(statements), WIDTH, prefix="  ", first="")
 
 
-def _is_frame(decoded: codec.Decoded) -> bool:
+def _is_known_frame(decoded: codec.Decoded) -> bool:
     """Return whether a frame with a known layout was decoded, not a register."""
     return decoded.layout is not None and decoded.layout.layout.sender != ""
 
@@ -239,7 +239,7 @@ def _is_frame(decoded: codec.Decoded) -> bool:
 def _no_error_text(decoded: codec.Decoded, findings: Findings) -> str:
     if findings.differences:
         return "no other error"
-    return "no frame error" if _is_frame(decoded) else "the value is valid"
+    return "no frame error" if _is_known_frame(decoded) else "the value is valid"
 
 
 def _no_crc_text(decoded: codec.Decoded) -> str:

@@ -103,9 +103,9 @@ def _add_own_files(parser: argparse.ArgumentParser) -> None:
 
 
 def _targets_help() -> str:
-    from ..outputs import listing
+    from ..outputs import targets_help
 
-    return listing()
+    return targets_help()
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -130,7 +130,14 @@ def _render_and_write(arguments: argparse.Namespace, cache: Cache, selection: Se
     from ...loading.library import load_families
     from ...removable_outputs import owners
     from ...targets import Library
-    from ..outputs import accepted_devices, are_built_in, complete, devices_by_target, options_named, targets_named
+    from ..outputs import (
+        accepted_devices,
+        are_built_in,
+        complete_devices,
+        devices_by_target,
+        options_named,
+        targets_named,
+    )
     from ..read_specs import report_unknown_families
     from .files import result_to_store, write_or_compare
 
@@ -144,7 +151,7 @@ def _render_and_write(arguments: argparse.Namespace, cache: Cache, selection: Se
     options = options_named(selection.options_for([device.name for device in c_devices]), targets)
     _refuse_misused_options(arguments, targets)
     with Progress("codewheel: checking the specs"):
-        devices = complete(families, targets, arguments.edition, report, selection.only)
+        devices = complete_devices(families, targets, arguments.edition, report, selection.only)
     if report:
         raise problems(report)
     specs_line = _line_about_specs(devices, report, arguments.packaged, selection.packaged)
@@ -218,7 +225,7 @@ def _render_targets(
     """
     from ...family_parts import FamilyParts
     from ...targets.registry import files_of
-    from ..outputs import rendered
+    from ..outputs import render_targets
 
     render_target = FamilyParts(cache).files_of if cache else files_of
     with Progress("codewheel: rendering") as progress:
@@ -228,4 +235,4 @@ def _render_targets(
             accepted_library = replace(library, devices=accepted[target.name])
             return render_target(target, accepted_library, target_options)
 
-        return rendered(library, targets, options, render_with_progress)
+        return render_targets(library, targets, options, render_with_progress)

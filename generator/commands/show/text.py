@@ -372,17 +372,17 @@ def _input_and_procedure_lines(device: Device) -> list[str]:
     if device.inputs:
         input_rows = []
         for device_input in device.inputs:
-            input_rows.append((device_input.name, _with_source(device_input.meaning, device_input.source)))
+            input_rows.append((device_input.name, _append_source(device_input.meaning, device_input.source)))
         lines += ["", "Inputs", *two_columns(input_rows, indent=2)]
     if device.procedures:
         procedure_rows = []
         for procedure in device.procedures:
-            procedure_rows.append((procedure.name, _with_source(procedure.title, procedure.source)))
+            procedure_rows.append((procedure.name, _append_source(procedure.title, procedure.source)))
         lines += ["", "Procedures", *two_columns(procedure_rows, indent=2)]
     return lines
 
 
-def _with_source(text: str, source: Sources) -> str:
+def _append_source(text: str, source: Sources) -> str:
     return f"{text}  [{cite(source)}]"
 
 

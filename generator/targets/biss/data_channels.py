@@ -13,7 +13,7 @@ from functools import lru_cache
 
 from markupsafe import Markup, escape
 
-from ...dump.xml import clean
+from ...dump.xml import without_invalid_characters
 from ...model import Biss, Crc, Device, Field, Layout, Variant, assert_never
 from ...model.record import dataclass
 from ...order_codes.parameters import run_time_widths
@@ -75,7 +75,7 @@ def _wrapped_lines(paragraph: str, width: int) -> Sequence[str]:
 
 def ascii_text(text: object) -> Markup:
     """Return ``text`` for an element, in ASCII and with character references."""
-    return Markup(str(escape(clean(plain(text)))).encode("ascii", "xmlcharrefreplace").decode())
+    return Markup(str(escape(without_invalid_characters(plain(text)))).encode("ascii", "xmlcharrefreplace").decode())
 
 
 @dataclass(frozen=True)
@@ -195,7 +195,7 @@ def _length_line(length: DataLength) -> str:
     """Return a length, such as ``X-24: position 24 = 24 bits, with status bits 26, with CRC 32``."""
     widths = " + ".join(f"{name} {width}" for name, width in length.parts.items())
     return (
-        f"{_encoders_of(length)}: {widths} = {length.data_bits} bits, "
+        f"{_codes_and_answers_text(length)}: {widths} = {length.data_bits} bits, "
         f"with status bits {length.with_status}, with CRC {length.total}"
     )
 
@@ -205,7 +205,7 @@ def _own_crc_text(device: Device, length: DataLength) -> str:
     return f", CRC of {_crc_text(device, length.crc)}" if length.crc is not None else ", without a CRC"
 
 
-def _encoders_of(length: DataLength) -> str:
+def _codes_and_answers_text(length: DataLength) -> str:
     """Return the order codes with a length, and the answers on which it depends: ``X-24, X-25 with wide``."""
     order_codes = ", ".join(length.codes)
     return f"{order_codes} with {' and '.join(length.answers)}" if length.answers else order_codes
@@ -259,7 +259,7 @@ def _one_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
     line = f"  profile ID, registers 42h and 43h: {profile_id:04X}h"
     if _number_of_lengths(lengths) > 1:
         low_byte = profile_id & 0xFF
-        matching_encoders = [_encoders_of(length) for length in lengths if length.data_bits == low_byte]
+        matching_encoders = [_codes_and_answers_text(length) for length in lengths if length.data_bits == low_byte]
         line += ", for all lengths"
         if matching_encoders:
             line += f". Its low byte, {low_byte}, is the data length of {', '.join(matching_encoders)} only"

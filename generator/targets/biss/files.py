@@ -80,12 +80,12 @@ def _files_of_family(device: Device, library: Library, options: Options) -> Iter
     maker = device.manufacturer
     yield f"biss/{maker.name}-{device.name}.xml", lambda: to_xml(device_dump(device))
     if maker.biss_id is not None:
-        yield from _of_encoders(maker.biss_id, device, library)
+        yield from _single_encoder_files(maker.biss_id, device, library)
     if options.get(_BY_CODE.name, _BY_CODE.default) == _EACH:
-        yield from _by_code(f"biss/{maker.name}-{device.name}", device)
+        yield from _files_of_order_codes(f"biss/{maker.name}-{device.name}", device)
 
 
-def _by_code(folder: str, device: Device) -> Iterator[tuple[str, Callable[[], str]]]:
+def _files_of_order_codes(folder: str, device: Device) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield a description of each listed order code, with numbers instead of expressions."""
     names = names_of_codes(variant.code for variant in device.variants)
     for name, variant in zip(names, device.variants, strict=True):
@@ -118,7 +118,7 @@ def _identified_nodes(devices: Sequence[Device]) -> tuple[list[Node], str]:
     return nodes, f"Not listed, because the spec has no device ID: {', '.join(titles_without_id)}"
 
 
-def _of_encoders(biss_id: int, device: Device, library: Library) -> Iterator[tuple[str, Callable[[], str]]]:
+def _single_encoder_files(biss_id: int, device: Device, library: Library) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield a file for each order code, or for each answer where the manual leaves the length open.
 
     There are none if a master cannot identify the family, or if it has no single cycle data.

@@ -41,7 +41,7 @@ from ...plan.operations import (
     ReservedBits,
     ZerosAbove,
 )
-from ...plan.verdicts import ReportCause, Reporting, explained
+from ...plan.verdicts import ReportCause, Reporting, codes_with_explanation
 from ...say.layout import box_colour
 from ...say.names_and_places import register_at, title
 from ...say.register import facts
@@ -223,7 +223,7 @@ def _report_data(device: Device, described_cause: DescribedReportCause, cause: R
 
 def _alarm_report_data(field: Field, alarm: Alarm) -> Data:
     """Return the report of an alarm in a register with its texts."""
-    data: Data = plain_data(DescribedReportCause(report="", flag=Name(field.name), only=explained(field)))
+    data: Data = plain_data(DescribedReportCause(report="", flag=Name(field.name), only=codes_with_explanation(field)))
     return data | _report_texts(field, alarm)
 
 
@@ -279,7 +279,7 @@ def _field_data(codec: Codec, description: Description) -> Iterator[Data]:
     terms = {term.field.name: term.value for term in codec.terms}
     for column, field in zip(description.columns, codec.layout.fields, strict=True):
         when_active, when_inactive = states(field)
-        only = explained(field)
+        only = codes_with_explanation(field)
         texts = without_empty(
             printed=field.printed_name,
             meaning=field.meaning,

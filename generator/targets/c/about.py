@@ -47,7 +47,7 @@ _IN_CODE = ("Default", "Limits")
 _PLACE = 30
 
 
-def _with_heading(name: str, items: Iterable[Statement]) -> list[Paragraph]:
+def _paragraphs_with_heading(name: str, items: Iterable[Statement]) -> list[Paragraph]:
     """Return the statements, with the name before the first one. Without statements, it is the name alone."""
     lines = list(map(HEADER_STYLE.sentence, items))
     return [f"{name}: {lines[0]}", *lines[1:]] if lines else [f"{name}."]
@@ -84,7 +84,7 @@ def about_parameter(device: Device, prefix: str, parameter: Parameter) -> str:
 
 
 def about_alarm(device: Device, alarm: Alarm) -> list[Paragraph]:
-    return _with_heading(title(alarm), say_report.alarm(device, alarm))
+    return _paragraphs_with_heading(title(alarm), say_report.alarm(device, alarm))
 
 
 def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
@@ -169,7 +169,7 @@ def about_unused(struct: Struct) -> str:
     return f"Unused bits, each 1 if it differs from the manual: {HEADER_STYLE.phrase(statement(*fields))}."
 
 
-def place(frame_layout: Layout, placed_field: Field) -> str:
+def place_of_field(frame_layout: Layout, placed_field: Field) -> str:
     """Return the position of a field in words, such as ``bits 46:31`` or ``byte 1, bits 7:1``."""
     return HEADER_STYLE.phrase(statement(*field_place(frame_layout, placed_field)))
 
@@ -192,7 +192,7 @@ def _table_rows(struct: Struct) -> Iterator[tuple[str, str, str]]:
     for placed_field in struct.layout.fields:
         if struct.plan.by_word or not placed_field.padding_of:
             name = "-" if placed_field.fills_gap else placed_field.name
-            yield place(struct.layout, placed_field), name, _facts_without_member(struct, placed_field)
+            yield place_of_field(struct.layout, placed_field), name, _facts_without_member(struct, placed_field)
 
 
 def table(struct: Struct) -> Iterator[Paragraph]:

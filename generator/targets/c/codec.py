@@ -7,11 +7,11 @@ from functools import cached_property
 
 from ...model import Biss, ChannelFrame, Field, Spi, Ssi, channel_frame
 from ...model.expressions import Expression
-from ...plan.limits import OutsideLimits, depends
+from ...plan.limits import OutsideLimits, depends_on_order_code
 from ...plan.operations import FrameCrc
 from .about import about_bits_crc, about_member, about_unused, about_word_crc
 from .comments import Paragraph
-from .crc_functions import BitsCrc, WordCrc, folds
+from .crc_functions import BitsCrc, WordCrc, fold_operations
 from .decode import Decoder
 from .encode import Encoder
 from .enumerations import AlternativeCode, alternatives_in
@@ -181,7 +181,7 @@ class StructCodec:
         # The shift register of the function has 32 bits.
         if crc is None or not crc.divides or crc.crc.width > 32:
             return None
-        fold_steps = tuple(folds(crc.steps, bits, "word")) if crc.steps else ()
+        fold_steps = tuple(fold_operations(crc.steps, bits, "word")) if crc.steps else ()
         return WordCrc(
             name=f"{self.name}_crc",
             function=self.struct.crc_function(crc),
@@ -232,7 +232,7 @@ class StructCodec:
         gray = self.plan.gray
         gray_depends = gray is not None and gray.depends
         terms_depend = any(term.depends for term in self.plan.terms) or self.struct.unused.depends
-        limits_depend = any(depends(refusal) for refusal in self.encoder.refusals)
+        limits_depend = any(depends_on_order_code(refusal) for refusal in self.encoder.refusals)
         crcs_depend = any(map(self._crc_depends, self.plan.crcs))
         return gray_depends or terms_depend or limits_depend or crcs_depend
 

@@ -122,7 +122,7 @@ def end_comment(note: object) -> str:
     return f" /* {safe_note} */" if safe_note else ""
 
 
-def in_lines(parts: Sequence[str], indent: int) -> str:
+def call_in_lines(parts: Sequence[str], indent: int) -> str:
     """Return a call with its arguments on one line, or each on its own line if that is too long.
 
     The parts are the start of the call, such as ``f(``, and the arguments with their commas.
@@ -145,7 +145,7 @@ def literals(text: object, indent: int) -> str:
     return f"\n{' ' * indent}".join(literals_of_lines)
 
 
-def documented(text: str) -> str:
+def mark_for_doxygen(text: str) -> str:
     """Mark the comments of a header for Doxygen: those above a declaration, and those after one.
 
     A comment that becomes too long for the end of its line moves above it.

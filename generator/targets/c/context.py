@@ -93,7 +93,7 @@ class Function:
     uses_variant: bool
 
 
-def number_of(scope: Scope, name: str, expression: Expression, largest: int, about: str) -> Function:
+def number_function(scope: Scope, name: str, expression: Expression, largest: int, about: str) -> Function:
     """Build a function for numbers up to ``largest``, in 32 bits if they and all intermediate results fit.
 
     ``about`` is the comment on the function.
@@ -110,7 +110,7 @@ def number_of(scope: Scope, name: str, expression: Expression, largest: int, abo
     return Function(name, type=unsigned(bits), value=value, about=about, uses_variant=not expression.is_constant)
 
 
-def wide_number_of(scope: Scope, name: str, expression: Expression, about: str) -> Function:
+def wide_number_function(scope: Scope, name: str, expression: Expression, about: str) -> Function:
     """Build a function for numbers of 64 bits."""
     value = scope.expression_of(expression)
     # A power of two is computed in 64 bits, and so is what follows it.

@@ -49,7 +49,7 @@ class Narrow:
 FoldOperation = FoldWide | FoldHalves | Fold | Narrow
 
 
-def folds(steps: Sequence[FoldStep], bits: int, source: str) -> Iterator[FoldOperation]:
+def fold_operations(steps: Sequence[FoldStep], bits: int, source: str) -> Iterator[FoldOperation]:
     """Yield the steps over ``source``, a number of this many bits. They leave the remainder in ``v``.
 
     A step takes the bits from ``shift`` up, moves them lower and XORs them. It is done in 64 bits (``wide``) if more

@@ -88,7 +88,7 @@ class DeviceView:
         self.reports = context.reports
         self.alternatives = context.alternatives
         self.variants = VariantCode(context)
-        self.interface = _with_path(
+        self.interface = _with_path_in_errors(
             partial(InterfaceCode, context, context.interface), "interfaces", context.interface.name
         )
         #: The order code in all samples.
@@ -132,11 +132,11 @@ class DeviceView:
         return self.parameter(self.prefix, "variant")
 
     def _build_register(self, register: Register) -> RegisterCode:
-        return _with_path(partial(RegisterCode, self.context, register), "registers", register.name)
+        return _with_path_in_errors(partial(RegisterCode, self.context, register), "registers", register.name)
 
     def _build_procedure(self, procedure: Procedure, codes: Mapping[str, RegisterCode]) -> ProcedureCode:
         build = partial(ProcedureCode, self.context, codes, self.read_state, procedure)
-        return _with_path(build, "procedures", procedure.name)
+        return _with_path_in_errors(build, "procedures", procedure.name)
 
     @property
     def header(self) -> str:
@@ -222,7 +222,7 @@ class DeviceView:
 
     @property
     def manual(self) -> str:
-        return manual_of(self.device)
+        return manual_title(self.device)
 
     @property
     def errata_page(self) -> str:
@@ -333,7 +333,7 @@ def _is_range_of(functions: RangeFunctions, layout: Layout) -> bool:
     return any(candidate.name == layout.name for candidate in functions.layouts)
 
 
-def manual_of(device: Device) -> str:
+def manual_title(device: Device) -> str:
     """Return the title, revision, date and language of a manual, with the editions that it was compared with."""
     manual = device.manual
     editions = ", ".join(f"{edition.language} {edition.revision}" for edition in manual.editions)
@@ -375,7 +375,7 @@ def _with_known_register(parameter: Parameter, known_registers: Set[str]) -> Par
     return parameter if parameter.register in known_registers else replace(parameter, read_from="")
 
 
-def _with_path(build: Callable[[], _Built], *path: str) -> _Built:
+def _with_path_in_errors(build: Callable[[], _Built], *path: str) -> _Built:
     """Return the result of ``build``. An error from it gets this path in the spec, unless it has one already."""
     try:
         return build()

@@ -299,10 +299,10 @@ class FrameReports:
     def _conditions_of(self, flag_or_match: Part | Match) -> Iterator[Expr]:
         """Yield the conditions that a flag is active, or that fields have their values."""
         if isinstance(flag_or_match, Part):
-            yield Name(_member_of(flag_or_match))
+            yield Name(_struct_member(flag_or_match))
             return
         for part, value in flag_or_match.conditions:
-            member = _member_of(part)
+            member = _struct_member(part)
             if isinstance(part.meaning, Active):
                 yield Name(member if value else f"!{member}")
             else:
@@ -338,7 +338,7 @@ class FrameReports:
                 reserved_causes.append(cause.by)
             else:
                 is_for_encoder = [self._holds(only) for only in cause.conditions]
-                combining_flags_are_inactive = [Name(f"!{_member_of(flag)}") for flag in cause.unless]
+                combining_flags_are_inactive = [Name(f"!{_struct_member(flag)}") for flag in cause.unless]
                 conditions = (*is_for_encoder, *self._conditions_of(cause.by), *combining_flags_are_inactive)
                 yield join_operands("&&", conditions)
         if reserved_causes:
@@ -440,6 +440,6 @@ def _express_condition(scope: Scope, parameter_condition: Only) -> Expr:
     )
 
 
-def _member_of(part: Part) -> str:
+def _struct_member(part: Part) -> str:
     """Return the member of a flag or field in the struct of a frame."""
     return f"frame->{c_name(part.field.name)}"

@@ -24,7 +24,7 @@ from ...model import (
     number_to_bytes,
 )
 from ...model.record import dataclass
-from ...plan.frames import SSI_AROUND, FrameSize, received
+from ...plan.frames import SSI_AROUND, FrameSize, received_sizes
 from ...plan.operations import Part
 from ...plan.steps import Sends
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
@@ -163,7 +163,7 @@ class ExampleCode:
     def received(self) -> list[FrameSize]:
         """The lengths of the frame as received, one for each order code, with the first answers of alternatives."""
         first_answers = [question.alternative.answers[0] for question in self.alternatives]
-        received_frames = received(self.view.device, self.interface)
+        received_frames = received_sizes(self.view.device, self.interface)
         frames_of_layout = [frame for frame in received_frames if frame.layout is self.frame.layout]
         return [frame for frame in frames_of_layout if _has_only_answers(frame, first_answers)]
 

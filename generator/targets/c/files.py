@@ -29,9 +29,18 @@ from ...say.plain_text import plain
 from ...say.text import TITLE_STYLE
 from .. import NO_OPTIONS, Library, Option, OptionError, Options, Target, TargetError, TargetProblem
 from ..registry import licence_in
-from .about import place
+from .about import place_of_field
 from .bits import digits
-from .comments import break_lines, comment, comment_lines, documented, end_comment, in_comment, in_lines, literals
+from .comments import (
+    break_lines,
+    call_in_lines,
+    comment,
+    comment_lines,
+    end_comment,
+    in_comment,
+    literals,
+    mark_for_doxygen,
+)
 from .crc_functions import FoldOperation
 from .decode import ByteIs, FlagsIn, UnusedAre, UnusedIn
 from .device import DeviceView, Part, views_of
@@ -43,8 +52,8 @@ from .names import (
     FOLDER,
     Passing,
     c_name,
-    called,
     clashes,
+    describe_path,
     mask,
     number,
     runtime_headers,
@@ -98,7 +107,7 @@ def _digits_type(digit_run: Digits) -> str:
     return unsigned((digit_run.modulus - 1).bit_length())
 
 
-def _made_of(join: Join) -> str:
+def _fields_of_join(join: Join) -> str:
     """Describe which fields form a number."""
     return TITLE_STYLE.sentence(say_join(join))
 
@@ -118,15 +127,15 @@ FILTERS: dict[str, Callable[..., object]] = {
     "digits_of": digits,
     "digits_type": _digits_type,
     "hex": _format_hex,
-    "in_lines": in_lines,
+    "in_lines": call_in_lines,
     "in_words": words,
     "literals": literals,
     "mask": mask,
     "md": _format_markdown,
     "never": _refuse_operation,
     "number": number,
-    "made_of": _made_of,
-    "place": place,
+    "made_of": _fields_of_join,
+    "place": place_of_field,
     "string": string,
     "text": in_comment,
     "title": title,
@@ -203,7 +212,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     views = [view for device in devices for view in views_of(device, passing)]
     # The first clash ends the function.
     for device, clash in clashes((view.device, view.names) for view in views):
-        raise TargetError(f"{device.name}: {called(clash.path)}: {clash.message()}")
+        raise TargetError(f"{device.name}: {describe_path(clash.path)}: {clash.message()}")
     if views:
         runtime = needed_runtime(views) if options.get(ONLY.name) else runtime_headers()
         files |= {f"c/include/{FOLDER}/{name}": text for name, text in runtime.items()} | licence_in("c")
@@ -305,7 +314,7 @@ def _render_template(library: Library, template: str, template_values: Mapping[s
     """Render a template. C files get their long lines broken, and headers also the marks of Doxygen."""
     text = TEMPLATES.render(template, template_values, library.own_templates)
     if template.endswith((".h.jinja", ".hpp.jinja")):
-        return documented(break_lines(text))
+        return mark_for_doxygen(break_lines(text))
     return break_lines(text) if template.endswith((".c.jinja", ".ino.jinja")) else text
 
 

@@ -22,7 +22,7 @@ from ...model import (
 )
 from ...model.order_codes import repeated_names
 from ...model.record import dataclass
-from ...plan.frames import Branch, Dispatch, Exchanged, answer, dispatches, exchanges
+from ...plan.frames import Branch, Dispatch, Exchanged, dispatches, exchanges, reply_to_data_id
 from ...say.errata import errata, erratum
 from ...say.names_and_places import title
 from ...say.order_code import control_field, data_id, exchange, settings, timing
@@ -156,7 +156,7 @@ class InterfaceCode:
         if not isinstance(interface, Rs485):
             return ""
         for request in interface.data_ids:
-            if answer(interface, request.id) is reply:
+            if reply_to_data_id(interface, request.id) is reply:
                 return f"{self.upper}_CONTROL_{request.name}".upper()
         return ""
 

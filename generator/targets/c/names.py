@@ -91,10 +91,10 @@ class Clash:
         """Return the problem and its fix. ``where`` gives the place of the other part, as in `` on line 5``."""
         if not self.other:
             return f"its C name {self.name} is already used by the headers; rename it"
-        return f"its C name {self.name} is also that of {called(self.other)}{where}; rename one of the two"
+        return f"its C name {self.name} is also that of {describe_path(self.other)}{where}; rename one of the two"
 
 
-def called(path: Path) -> str:
+def describe_path(path: Path) -> str:
     """Describe a part of the spec in words: ``the register 'status'`` for ``("registers", "status")``.
 
     Its kind is the last step of the path that has a word here, or else the first step.

@@ -9,7 +9,7 @@ from typing import Annotated, TypedDict
 
 from ...model import Biss, Crc, Device, Layout, Manufacturer, Spi, Ssi, Verdict, channel_frame, choices, first_of
 from ...model.record import dataclass
-from ...plan.crcs import Residual, residual
+from ...plan.crcs import Residual, residual_of
 from ...plan.verdicts import reportings
 from ...say.names_and_places import words
 from .. import main_manufacturer, manufacturers
@@ -53,12 +53,12 @@ def assumptions_files(
         values: Assumptions = {
             "maker": maker,
             "frames": list(_yield_frames(devices)),
-            "silent": list(_without_verdict(devices)),
+            "silent": list(_frames_without_verdict(devices)),
             "unprotected": list(_yield_unprotected(devices)),
             "interfaces": frozenset(interface.name for interface in interfaces),
             "later": any(isinstance(interface, Spi) and interface.reply == "next_word" for interface in interfaces),
-            "parity": list(_with_parity(devices)),
-            "compared": list(_with_comparison(devices)),
+            "parity": list(_frames_with_parity(devices)),
+            "compared": list(_frames_with_comparison(devices)),
         }
         yield f"ASSUMPTIONS-{maker.name}.md", render(TEMPLATE, values)
 
@@ -75,7 +75,7 @@ def _yield_frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
     # The undetected errors depend only on width, polynomial and length, so any CRC with these stands for all.
     for (_, _, bits), crcs_by_name in sorted(crcs_by_width_poly_and_bits.items()):
         first_crc = next(iter(crcs_by_name.values()))
-        yield Frames(first_crc, tuple(crcs_by_name), residual(first_crc, bits))
+        yield Frames(first_crc, tuple(crcs_by_name), residual_of(first_crc, bits))
 
 
 def _crcs_and_lengths(device: Device, interface: str, layout: Layout) -> Iterator[tuple[Crc, int]]:
@@ -94,7 +94,7 @@ def _crcs_and_lengths(device: Device, interface: str, layout: Layout) -> Iterato
                 yield placed_crc, placed.bits
 
 
-def _without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
+def _frames_without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
     """Yield the frames with a position whose verdict is always unknown: no flag or unused bit affects it."""
     for device in devices:
         for reporting in reportings(device):
@@ -112,7 +112,7 @@ def _yield_unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
                 yield _frame_name(device, interface.title, layout) + _of_some_codes(layout)
 
 
-def _with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
+def _frames_with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
     """Yield the frames with a position that have a parity bit and, at least with some order codes, no CRC."""
     for device in devices:
         for interface, layout in device.layouts():
@@ -121,7 +121,7 @@ def _with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
                 yield _frame_name(device, interface.title, layout) + _of_some_codes(layout)
 
 
-def _with_comparison(devices: tuple[Device, ...]) -> Iterator[str]:
+def _frames_with_comparison(devices: tuple[Device, ...]) -> Iterator[str]:
     """Yield the frames with several data channels whose positions are compared."""
     for device in devices:
         for interface in device.interfaces:
@@ -235,7 +235,7 @@ def package_files(
         **names_of_package,
         "makers": maker_names,
         "others": [maker.name for maker in makers if maker is not main],
-        "guide": guide(examples),
+        "guide": choose_guide(examples),
         "families": list(dict.fromkeys(view.device.name for view in views)),
         "views": views,
         "with_tables": _makers_with_crc(views, lambda crc: not crc.by_bits and bool(crc.table)),
@@ -364,7 +364,7 @@ class Guide:
         return self.example.frame.values.get(self.number) if not self.example.data else None
 
 
-def guide(examples: Sequence[ExampleCode]) -> Guide | None:
+def choose_guide(examples: Sequence[ExampleCode]) -> Guide | None:
     """Choose the program for the README, or None without any: from the family with the most programs.
 
     Of these it is the one whose procedure has the most steps. The README also shows its register with the most members,

@@ -8,7 +8,7 @@ from ...model import Layout, Measurement, cite
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.values import PositionRange, position_ranges
-from .context import Context, Function, wide_number_of
+from .context import Context, Function, wide_number_function
 from .names import Cast, Declared, Expr, Number, Scope
 
 
@@ -108,7 +108,7 @@ def _angle_positions(context: Context, measurement: Measurement, counts_per_turn
     """Return the functions that convert counts to turns and degrees."""
     ranges = position_ranges(context.device, context.interface)
     where = f"[{cite(measurement.source)}]"
-    per_turn = wide_number_of(
+    per_turn = wide_number_function(
         context.scope,
         name=f"{context.prefix}_counts_per_turn",
         expression=counts_per_turn,
@@ -186,7 +186,7 @@ def _build_modulus(context: Context, position_range: PositionRange, name: str) -
         about += f" The highest position is {measurement.highest.render()}."
     elif measurement.highest is not None:
         about += f" An offset raises all positions, up to {measurement.highest.render()}."
-    return wide_number_of(context.scope, name=name, expression=measurement.modulus, about=about)
+    return wide_number_function(context.scope, name=name, expression=measurement.modulus, about=about)
 
 
 def _cast_to_signed(scope: Scope, expression: Expression) -> Expr:

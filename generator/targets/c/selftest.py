@@ -397,11 +397,11 @@ def selftest_files(
     files = {}
     makers = manufacturers(view.device for view in views)
     maker_names = [maker.name for maker in makers]
-    values: AllTests = {"makers": {name: _tests_of(name, tests) for name in maker_names}}
+    values: AllTests = {"makers": {name: _tests_of_manufacturer(name, tests) for name in maker_names}}
     for name, template in (("selftest.h", "selftest.h.jinja"), ("selftest.c", "selftest_all.c.jinja")):
         files[f"selftest/{name}"] = render(template, values)
     return files | {f"selftest/{name}": text for name, text in runtime_tests().items()}
 
 
-def _tests_of(maker: str, tests: Sequence[SelfTest]) -> list[SelfTest]:
+def _tests_of_manufacturer(maker: str, tests: Sequence[SelfTest]) -> list[SelfTest]:
     return [test for test in tests if test.view.maker.name == maker]

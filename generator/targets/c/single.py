@@ -20,7 +20,7 @@ from .. import TargetError
 from .codec import StructCodec
 from .comments import COLUMNS, break_lines
 from .context import timing_macros
-from .declarations import Declaration, declarations_in, names_of, needed_by, without_settings
+from .declarations import Declaration, declarations_in, declarations_needed_by, names_of, without_settings
 from .device import DeviceView, views_of
 from .names import Passing, runtime_headers, runtime_version
 
@@ -71,7 +71,7 @@ class SingleCode:
         headers = [runtime_headers()[name].replace("\nCW_INLINE\n", "\n") for name in _RECEIVING]
         runtime_declarations = list(chain.from_iterable(map(declarations_in, headers)))
         declarations = [*runtime_declarations, *declarations_in(without_settings(header, settings))]
-        needed = needed_by(self._yield_roots(names_of(declarations)), declarations)
+        needed = declarations_needed_by(self._yield_roots(names_of(declarations)), declarations)
         self.declarations = [declaration for declaration in needed if not declaration.is_title]
         kept_names = names_of(self.declarations)
         self._runtime_names = names_of(runtime_declarations) & kept_names

@@ -10,7 +10,7 @@ from itertools import chain
 from ...language.problems import listed
 from ...model import Biss, Clock, Device, Interface, Layout, Parameter, Variant, assert_never, first_of
 from ...model.record import dataclass
-from ...plan.frames import BISS_ACKNOWLEDGE, FrameSize, HeldParameter, HoldingRegister, received
+from ...plan.frames import BISS_ACKNOWLEDGE, FrameSize, HeldParameter, HoldingRegister, received_sizes
 from ...plan.values import Raw, ZeroMeans, parameters_in_measurement, widest_value
 from ...say.names_and_places import title
 from ...say.order_code import initial, timeouts_with_codes
@@ -18,7 +18,7 @@ from ...say.text import hertz, nanoseconds
 from .. import TargetError
 from .about import about_order_codes, about_parameter
 from .bits import of_bytes
-from .context import Context, Function, Macro, number_of
+from .context import Context, Function, Macro, number_function
 from .names import Cast, Conditional, Declared, Expr, Name, Number, Operation, c_name, join_operands, number, unsigned
 from .order_codes import OpenCode, open_codes, unknown_parts
 from .registers import Access
@@ -104,12 +104,12 @@ def _yield_switches(held_values: Sequence[HeldValue]) -> Iterator[CodeSwitch]:
         if value.is_coded:
             values_by_field.setdefault(value.held_parameter.parameter.read_from, []).append(value)
     for field_values in values_by_field.values():
-        common_codes = set.intersection(*map(_codes_of, field_values))
+        common_codes = set.intersection(*map(_codes_of_held_value, field_values))
         cases = tuple(_switch_case(code, field_values) for code in sorted(common_codes))
         yield CodeSwitch(field_values[0].code, cases)
 
 
-def _codes_of(held_value: HeldValue) -> set[int]:
+def _codes_of_held_value(held_value: HeldValue) -> set[int]:
     return {row.code for row in held_value.held_parameter.parameter.by_code}
 
 
@@ -224,7 +224,7 @@ class VariantCode:
         """Return the function that computes a derived parameter."""
         assert parameter.equals is not None
         name = f"{self.context.prefix}_{parameter.name}"
-        return number_of(
+        return number_function(
             self.context.scope,
             name=name,
             expression=parameter.equals,
@@ -268,7 +268,7 @@ class LengthCode:
         self, context: Context, interface: Interface, code_rows: Sequence[CodeRow], sample_row: CodeRow
     ) -> None:
         self.interface = interface
-        received_frames = list(received(context.device, interface))
+        received_frames = list(received_sizes(context.device, interface))
         #: Names of the frames whose lengths these are.
         self.layouts = tuple(dict.fromkeys(frame.layout.name for frame in received_frames))
         answers = chain.from_iterable(frame.answers for frame in received_frames)

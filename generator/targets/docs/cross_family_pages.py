@@ -381,9 +381,9 @@ def _anchors_by_name(device: Device, interface: Interface) -> Iterator[tuple[str
     Names with their own section are first. A name can occur several times.
     """
     for register in device.registers:
-        yield from _names_of(register, f"register-{register.name}")
+        yield from _names_with_anchor(register, f"register-{register.name}")
     for group in device.field_groups:
-        yield from _names_of(group, f"group-{group.name}")
+        yield from _names_with_anchor(group, f"group-{group.name}")
     for crc in device.crcs:
         yield "crc", f"crc-{crc.name}"
     if isinstance(interface, Ssi) and interface.output_code is not None and interface.output_code.code != "binary":
@@ -393,14 +393,14 @@ def _anchors_by_name(device: Device, interface: Interface) -> Iterator[tuple[str
         yield timing.symbol.casefold(), "timings"
     for layout in interface.layouts:
         for field in layout.fields:
-            yield from _names_of(field, f"group-{field.group}" if field.group else f"layout-{layout.name}")
+            yield from _names_with_anchor(field, f"group-{field.group}" if field.group else f"layout-{layout.name}")
         yield from ((join.name, f"layout-{layout.name}") for join in layout.joins)
     for register in device.registers:
         for field in register.layout.fields:
-            yield from _names_of(field, f"register-{register.name}")
+            yield from _names_with_anchor(field, f"register-{register.name}")
 
 
-def _names_of(titled: Titled, anchor: str) -> Iterator[tuple[str, str]]:
+def _names_with_anchor(titled: Titled, anchor: str) -> Iterator[tuple[str, str]]:
     """Yield our name in words and the printed name in lowercase, each with the anchor."""
     yield titled.name.replace("_", " "), anchor
     yield titled.printed_name.casefold(), anchor

@@ -47,7 +47,7 @@ class ErrataLines:
 
         Errata about wording are one item, and so are the differences in other editions.
         """
-        manual_errata, edition_errata = _by_origin(self._device, *paths, exactly=exactly)
+        manual_errata, edition_errata = _errata_by_origin(self._device, *paths, exactly=exactly)
         list_items = [self._erratum_line(erratum) for erratum in manual_errata if erratum.severity != "wording"]
         wording_errata = [erratum for erratum in manual_errata if erratum.severity == "wording"]
         if wording_errata:
@@ -96,13 +96,13 @@ class ErrataLinks:
 
         Several links are folded under their number.
         """
-        manual_errata, differences = _by_origin(self._device, *paths, exactly=exactly)
+        manual_errata, differences = _errata_by_origin(self._device, *paths, exactly=exactly)
         self._differences |= {difference.name: difference for difference in differences}
         return self._links_by_status([erratum for erratum in manual_errata if erratum.severity != "wording"])
 
     def links_about_bytes(self, *paths: str, exactly: Collection[str] = ()) -> str:
         """Return links to those errata about these paths that change bytes on the wire."""
-        manual_errata, _ = _by_origin(self._device, *paths, exactly=exactly)
+        manual_errata, _ = _errata_by_origin(self._device, *paths, exactly=exactly)
         return self._links_by_status([erratum for erratum in manual_errata if erratum.severity == "wrong_data"])
 
     def _links_by_status(self, linked_errata: Sequence[Erratum]) -> str:
@@ -161,7 +161,7 @@ def _numbered_links(label: str, pages: Sequence[str]) -> str:
 _MARKS = {"open": "⚠", "settled": "✓"}
 
 
-def _by_origin(device: Device, *paths: str, exactly: Collection[str]) -> tuple[list[Erratum], list[Erratum]]:
+def _errata_by_origin(device: Device, *paths: str, exactly: Collection[str]) -> tuple[list[Erratum], list[Erratum]]:
     """Return the errata of the manual about these paths, and the differences in other editions.
 
     If the device itself is one of the other editions, all errata are in the first list.
@@ -251,13 +251,13 @@ def _links_by_status_and_impact(listed_errata: Sequence[Erratum]) -> Iterator[tu
     """Yield each status and impact with links to its errata, open ones first and wrong bytes before wording."""
     for status in ("open", "settled"):
         for severity in fact_tables.SEVERITIES:
-            of_kind = [erratum for erratum in listed_errata if _is_of(erratum, status, severity)]
+            of_kind = [erratum for erratum in listed_errata if _has_status_and_severity(erratum, status, severity)]
             if of_kind:
                 label = escape(f"{status}, {fact_tables.severity_text(severity)}")
                 yield label, [link(escape(erratum.title), f"#erratum-{erratum.name}") for erratum in of_kind]
 
 
-def _is_of(erratum: Erratum, status: str, severity: str) -> bool:
+def _has_status_and_severity(erratum: Erratum, status: str, severity: str) -> bool:
     return erratum.status == status and erratum.severity == severity
 
 
@@ -280,7 +280,7 @@ def _rows_of_all_families(devices: Sequence[Device], status: str) -> Iterator[tu
     for severity in fact_tables.SEVERITIES:
         for device in devices:
             for erratum in _errata_of_manual(device):
-                if _is_of(erratum, status, severity):
+                if _has_status_and_severity(erratum, status, severity):
                     yield (
                         escape(fact_tables.severity_text(severity)),
                         link(escape(device.name.upper()), f"{device.name}.md"),

@@ -47,7 +47,7 @@ class Placement:
     placed_layout: PlacedLayout
 
 
-def placements(
+def distinct_placements(
     device: Device, layout: Layout, interface_name: str, parameters: Mapping[str, int] = _NO_PARAMETERS
 ) -> tuple[Placement, ...]:
     """Return the different shapes that the layout has for the order codes of an interface, shortest first.
@@ -264,7 +264,7 @@ def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
     questions = [question for question in device.alternatives_of(layout) if _decides_length(layout, question)]
     answers_and_placements: list[tuple[tuple[Answer, ...], Placement]] = []
     for answers, parameters in choices(questions):
-        for placement in placements(device, layout, interface_name, parameters):
+        for placement in distinct_placements(device, layout, interface_name, parameters):
             answers_and_placements.append((answers, placement))
     if len(answers_and_placements) < 2:
         return ""
@@ -337,7 +337,7 @@ def layout_stacks(device: Device, interface: Interface, layout: Layout) -> list[
     """
     stacks_by_rows: dict[tuple[ByteRow, ...], Stack] = {}
     for answers, parameters in choices(device.alternatives_of(layout)):
-        for stack in _stacks_of_shapes(layout, placements(device, layout, interface.name, parameters)):
+        for stack in _stacks_of_shapes(layout, distinct_placements(device, layout, interface.name, parameters)):
             captioned_stack = replace(stack, caption=_caption_with_answers(answers, stack.caption))
             stacks_by_rows.setdefault(stack.rows, captioned_stack)
     stacks = list(stacks_by_rows.values())
@@ -363,7 +363,7 @@ def captioned_shapes(device: Device, interface: Interface, layout: Layout) -> li
     """
     shapes: dict[_Shape, tuple[str, PlacedLayout]] = {}
     for answers, parameters in choices(device.alternatives_of(layout)):
-        for placement in placements(device, layout, interface.name, parameters):
+        for placement in distinct_placements(device, layout, interface.name, parameters):
             caption = _caption_with_answers(answers, f"{placement.placed_layout.bits} bits")
             shapes.setdefault(_shape_of(placement.placed_layout), (caption, placement.placed_layout))
     if len(shapes) > 1:
@@ -395,7 +395,7 @@ def has_picture(register: Register) -> bool:
 def register_stacks(device: Device, register: Register) -> list[Stack]:
     """Return the bytes of each shape of a register."""
     low_byte_first = register.byte_order == "low_byte_first"
-    shapes = placements(device, register.layout, register.interface)
+    shapes = distinct_placements(device, register.layout, register.interface)
     stacks = []
     for shape in shapes:
         caption = _codes_caption(shape) if len(shapes) > 1 else ""

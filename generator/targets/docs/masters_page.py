@@ -13,8 +13,8 @@ from ...masters.text import (
     cited,
     condition_text,
     condition_texts,
-    facts,
-    legend,
+    legend_of_marks,
+    record_facts,
     refusal_text,
     standing_mark,
 )
@@ -77,7 +77,7 @@ def page_values(device: Device, interface_name: str, masters: Sequence[Master]) 
         "device": device,
         "example": group_sheets.groups[0].codes[0],
         "evidence": list(grade_below_manual(device)),
-        "legend": escape(legend(masters, sheets, with_places=False)),
+        "legend": escape(legend_of_marks(masters, sheets, with_places=False)),
         "part": _interface_section(device, group_sheets),
     }
 
@@ -117,7 +117,7 @@ def _links_to_errata(device: Device, names: Collection[str]) -> str:
 
 
 def _fact_rows(group: Group) -> dict[Any, Row]:
-    return {name: (name, escape(value)) for name, value in facts(group.record)}
+    return {name: (name, escape(value)) for name, value in record_facts(group.record)}
 
 
 def _common_rows_and_tables(columns: Columns) -> tuple[list[Row], list[Table]]:

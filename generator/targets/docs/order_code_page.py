@@ -197,7 +197,7 @@ class OrderCodes:
         variants_by_facts: dict[Hashable, list[Variant]] = {}
         for variant in self.device.variants:
             quantities = tuple(sorted(variant.parameters.items()))
-            limits = _limits_of(self.device.interface(variant.interface), variant.code)
+            limits = _clock_limits_of(self.device.interface(variant.interface), variant.code)
             variants_by_facts.setdefault((variant.interface, quantities, limits), []).append(variant)
         groups = variants_by_facts.values()
         page_names = names_of_codes((variants[0].code for variants in groups), RESERVED_NAMES)
@@ -238,7 +238,7 @@ class OrderCodes:
         return links
 
 
-def _limits_of(interface: Interface, order_code: str) -> Hashable:
+def _clock_limits_of(interface: Interface, order_code: str) -> Hashable:
     """Return the clock, the time-out and the clocks by cable length of an order code."""
     clock = interface.clock_of(order_code) if isinstance(interface, Clocked) else None
     timeout = interface.timeout_of(order_code) if isinstance(interface, Biss) else None
@@ -275,7 +275,7 @@ def page_values(code_group: CodeGroup, has_masters: bool, pictures: Pictures) ->
         "position": _position_text(device, interface),
         "evidence": grade(device),
         "made_up": tuple(not_on_label(device)),
-        "wiring": wiring_tables.wiring(device, code_group.codes),
+        "wiring": wiring_tables.wiring_table(device, code_group.codes),
         "supply": wiring_tables.supply_lines(device, code_group.variants),
         "speed": wiring_tables.speed_section(code_group.family, device, interface, frame),
         "frame": _frame_section(code_group, frame, {**pictures, **code_group.pictures}) if frame is not None else None,

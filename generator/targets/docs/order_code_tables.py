@@ -33,10 +33,10 @@ from ...say.names_and_places import bits, frame_bytes, heading
 from ...say.order_code import open_values, parameter_origin, parameter_value
 from ...say.plain_text import counted, number
 from ...say.register import measurement, own_ranges, position_range
-from ...say.report import conditions, deciding
+from ...say.report import conditions, deciding_bits
 from ...say.text import VERDICT_CLAUSES, statement
 from .page_links import style_in_folder
-from .verdict_table import EFFECTS, any_of, applicable_causes, judgement_of
+from .verdict_table import EFFECTS, applicable_causes, join_as_any_of, judgement_of
 
 
 def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
@@ -46,13 +46,13 @@ def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
         name_cell, meaning_cell = code(part.name), escape(part.meaning)
         for value in part.values:
             assignments = [_assignment_text(parameters[name], number) for name, number in value.sets.items()]
-            meaning_parts = [escape(value.meaning), ", ".join(assignments), _only_with(value.only_with)]
+            meaning_parts = [escape(value.meaning), ", ".join(assignments), _combinable_parts(value.only_with)]
             value_meaning_cell = join_filled(meaning_parts)
             yield name_cell, meaning_cell, code(value.text), value_meaning_cell, citation(value.source or part.source)
             # Only the first row of a part names it.
             name_cell, meaning_cell = "", ""
         for open_value in open_values(part):
-            other_values_cell = join_filled([MARKDOWN.sentence(open_value), _only_with(part.open_only_with)])
+            other_values_cell = join_filled([MARKDOWN.sentence(open_value), _combinable_parts(part.open_only_with)])
             yield "", "", "", other_values_cell, citation(part.source)
 
 
@@ -75,7 +75,7 @@ def spelling_rows(device: Device) -> Iterator[tuple[str, ...]]:
         )
 
 
-def _only_with(texts_by_part: Mapping[str, Sequence[str]]) -> str:
+def _combinable_parts(texts_by_part: Mapping[str, Sequence[str]]) -> str:
     """Return the parts of an order code with which a value can be combined."""
     conditions = []
     for part_name, texts in texts_by_part.items():
@@ -212,10 +212,11 @@ PartTexts = tuple[str, ...]
 
 def order_codes(device: Device, codes: Sequence[str]) -> str:
     """Return fewer than ``_FEWEST_FOR_PATTERNS`` order codes one by one, and more of them as patterns."""
-    return ", ".join(map(code, codes)) if len(codes) < _FEWEST_FOR_PATTERNS else join_filled(patterns(device, codes))
+    are_few = len(codes) < _FEWEST_FOR_PATTERNS
+    return ", ".join(map(code, codes)) if are_few else join_filled(code_patterns(device, codes))
 
 
-def patterns(device: Device, codes: Collection[str]) -> list[str]:
+def code_patterns(device: Device, codes: Collection[str]) -> list[str]:
     """Return patterns that together match exactly these order codes, such as `A-x/y` with x = 1 or 2, y = B or C."""
     part_names = [part.name for part in device.order_code.parts]
     variants = [variant for variant in device.variants if variant.code in codes]
@@ -232,7 +233,7 @@ def _code_pattern(order_code: OrderCode, part_names: Sequence[str], texts_of_par
     """Return the codes with these texts for each part, in order, such as ```` `A-x/B` with x = 1 or 2````."""
     # A letter that the pattern or a text contains would be ambiguous.
     fixed_letters = set(re.sub(r"\{\w+\}", "", order_code.pattern)).union(*map("".join, texts_of_parts))
-    letters = _letters_without(fixed_letters)
+    letters = _unused_letters(fixed_letters)
     text_or_letter_by_part: dict[str, str] = {}
     letter_meanings: list[str] = []
     for part_name, texts in zip(part_names, texts_of_parts, strict=True):
@@ -246,7 +247,7 @@ def _code_pattern(order_code: OrderCode, part_names: Sequence[str], texts_of_par
     return f"{pattern} with {', '.join(letter_meanings)}" if letter_meanings else pattern
 
 
-def _letters_without(fixed_letters: Collection[str]) -> Iterator[str]:
+def _unused_letters(fixed_letters: Collection[str]) -> Iterator[str]:
     """Yield letters that are not in an order code, and numbered ones when these are used up."""
     yield from (letter for letter in _LETTERS if letter not in fixed_letters)
     yield from (f"x{number}" for number in count(1))
@@ -339,12 +340,12 @@ def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
             frame_bytes(layout, placed_layout.bits, placed_field.high, placed_field.low) if layout.in_bytes else ""
         )
         flag = (code(placed_field.name), byte_place or bits(placed_field.high, placed_field.low))
-        level = deciding(placed_field.field)
+        level = deciding_bits(placed_field.field)
         if isinstance(meaning_of(placed_field.field), Active):
             flags_by_label.setdefault(f"Active at {level}", []).append(flag)
         elif not byte_place and placed_field.field.printed_name and level in {"0", "1"}:
             flags_by_label.setdefault("Not used by this encoder", []).append(flag)
-    yield from ((label, ", ".join(_with_places(flags))) for label, flags in flags_by_label.items())
+    yield from ((label, ", ".join(_flags_with_places(flags))) for label, flags in flags_by_label.items())
 
 
 def _verdict_facts(
@@ -373,7 +374,7 @@ def _range_of_signed_number(family_device: Device, placed_field: PlacedField, pl
     return f"{code(placed_field.name)}, in two's complement, {number(lowest)} to {number(highest)}"
 
 
-def _with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
+def _flags_with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
     """Yield flags with their places: ``error (byte 1, bit 0)``, then ``warning (bit 1)`` in the same byte."""
     previous_byte = ""
     for flag_name, place in flags:
@@ -434,8 +435,8 @@ def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
     for cause in causes:
         if not isinstance(cause.by, Match):
             # deciding() gives the level at which the flag is active, such as "1".
-            names_by_level.setdefault(deciding(cause.by.field), []).append(_cause_text(cause))
-    yield from (f"{any_of(names)} is {level}" for level, names in names_by_level.items())
+            names_by_level.setdefault(deciding_bits(cause.by.field), []).append(_cause_text(cause))
+    yield from (f"{join_as_any_of(names)} is {level}" for level, names in names_by_level.items())
     for cause in causes:
         if isinstance(cause.by, Match):
             yield MARKDOWN.phrase(conditions((part.field, value) for part, value in cause.by.conditions))

@@ -8,11 +8,11 @@ from typing import Annotated, TypedDict
 from ...model import Alarm, Alternative, Device, Field, Interface, Layout, Sign, Verdict, first_of
 from ...model.record import dataclass
 from ...plan.values import Active, meaning_of
-from ...plan.verdicts import Judgement, Only, Reporting, reportings, reports_of, sums_up, verdict_of
+from ...plan.verdicts import Judgement, Only, Reporting, combined_flag_names, reportings, reports_of, verdict_of
 from ...say.evidence import document
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, link_list
 from ...say.names_and_places import own_names
-from ...say.report import alarm_of, by_hand, conditions, deciding, meaning, remedy_text, source
+from ...say.report import alarm_of, conditions, deciding_bits, manual_steps, meaning, remedy_text, source
 from ...say.text import Code, list_parts, statement
 from .page_links import link_to_erratum, link_to_layout, links_to_steps, path_to_anchor
 from .verdict_table import EFFECTS
@@ -145,7 +145,7 @@ def _decider_row(device: Device, interface: Interface, layout: Layout, decider: 
 def _active_value(device: Device, field: Field, conditions_on_codes: Sequence[Only]) -> str:
     """Return the value of a field that decides the verdict, such as ``1 with X-24``, or with the answer it needs."""
     texts_of_conditions = [_condition_text(device, only) for only in conditions_on_codes]
-    return " ".join([deciding(field), *texts_of_conditions])
+    return " ".join([deciding_bits(field), *texts_of_conditions])
 
 
 def _condition_text(device: Device, parameter_condition: Only) -> str:
@@ -183,7 +183,7 @@ def _values_of_sign(layout: Layout, sign: Sign) -> str:
 def _condition_on_lower_flags(field: Field, layout: Layout) -> str:
     """Return the flags of the frame that must be inactive if a flag that combines them is to decide."""
     names_in_layout = {field.name for field in layout.fields}
-    lower_flags = [Code(name) for name in sums_up(field) if name in names_in_layout]
+    lower_flags = [Code(name) for name in combined_flag_names(field) if name in names_in_layout]
     if not lower_flags:
         return ""
     return f", with {MARKDOWN.phrase(statement(*list_parts(lower_flags)))} inactive"
@@ -209,7 +209,7 @@ def _report_rows(device: Device) -> Iterator[Row]:
     for report in reports_of(device):
         alarm = alarm_of(device, report.field)
         name_cell = join_filled([code(report.name), escape(own_names(report.field))])
-        steps = links_to_steps(f"{device.name}/", by_hand(report.field, alarm))
+        steps = links_to_steps(f"{device.name}/", manual_steps(report.field, alarm))
         remedy_and_steps = join_filled([escape(remedy_text(report.field, alarm)), *steps])
         remedy = remedy_and_steps or _clearing_procedures(device, alarm) or f"The {document(device)} gives no remedy"
         yield name_cell, escape(meaning(report.field, alarm)), remedy, citation(source(report.field, alarm))

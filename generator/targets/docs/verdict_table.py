@@ -10,7 +10,7 @@ from ...plan.verdicts import Judgement, Match, VerdictCause, reportings
 from ...say.layout import is_reserved
 from ...say.markdown import MARKDOWN, code, escape, join_filled, link
 from ...say.names_and_places import bits, frame_bytes, heading
-from ...say.report import alarm_of, by_hand, conditions, deciding, remedy_text
+from ...say.report import alarm_of, conditions, deciding_bits, manual_steps, remedy_text
 from ...say.text import sentence
 
 Row = tuple[str, ...]
@@ -70,7 +70,7 @@ def _cause_rows(
                 yield _row_of_match(placed_layout, cause.by, EFFECTS[verdict])
             else:
                 field = cause.by.field
-                active_level = deciding(field) + _while_inactive(cause)
+                active_level = deciding_bits(field) + _while_inactive(cause)
                 yield _build_row(device, placed_layout, field, active_level, EFFECTS[verdict])
 
 
@@ -99,7 +99,7 @@ def _rows_of_other_flags(
     for placed_field in placed_layout.fields:
         field = placed_field.field
         if isinstance(meaning_of(field), Active) and field.name not in names_of_causes:
-            yield _build_row(device, placed_layout, field, deciding(field), effect)
+            yield _build_row(device, placed_layout, field, deciding_bits(field), effect)
 
 
 def _build_row(device: Device, placed_layout: PlacedLayout, field: Field, level: str, effect: str) -> Row:
@@ -119,7 +119,7 @@ def _remedy_cell(device: Device, field: Field) -> str:
     remedy = remedy_text(field, alarm)
     sentences = [escape(sentence(remedy) if remedy else "")]
     described_names = {characteristic.name for characteristic in device.characteristics}
-    for name in by_hand(field, alarm):
+    for name in manual_steps(field, alarm):
         if name in described_names:
             steps_link = link("Step by step", f"hardware.md#by-hand-{name}")
             sentences.append(f"{steps_link}.")
@@ -174,6 +174,6 @@ def _holds_for_variant(cause: VerdictCause, variant: Variant) -> bool:
     return all(bool(variant.parameters.get(only.parameter, 0)) == only.holds for only in cause.conditions)
 
 
-def any_of(names: Sequence[str]) -> str:
+def join_as_any_of(names: Sequence[str]) -> str:
     """Return names as ``a or b``, and more than three as ``any of a, b, c, d``."""
     return f"any of {', '.join(names)}" if len(names) > _MOST_ALTERNATIVES else " or ".join(names)

@@ -47,7 +47,7 @@ class Wiring:
     errata: tuple[str, ...]
 
 
-def wiring(device: Device, order_codes: Sequence[str]) -> Wiring:
+def wiring_table(device: Device, order_codes: Sequence[str]) -> Wiring:
     """Return one table with a row for each signal, and a column for each connector or group of similar ones.
 
     Connectors whose contacts are mostly the same share a column.

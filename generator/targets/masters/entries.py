@@ -106,7 +106,7 @@ class Content:
         return self.channels[0].entries if self.channels else ()
 
 
-def content(sheet: Sheet, rule: Raw, device: str) -> Content:
+def content_of_file(sheet: Sheet, rule: Raw, device: str) -> Content:
     """Return the content of a file for a device. ``rule`` is the entry of ``files`` in the description of the master.
 
     A setting that the file leaves out gets a sentence with the reason. So does a value without a place in the format.

@@ -25,7 +25,7 @@ from ...say.plain_text import plain, wrapped
 from ...say.text import PLAIN_STYLE
 from .. import NO_OPTIONS, Library, Option, Options, Target
 from ..registry import licence_in, names_of_codes
-from .entries import Channel, Content, Raw, content
+from .entries import Channel, Content, Raw, content_of_file
 
 _WIDTH = 120
 _ONE_FILE_EACH = "each"
@@ -72,7 +72,7 @@ def file_text(
         file_content: The content of the file, if it is known already.
     """
     if file_content is None:
-        file_content = content(sheet, rule, master_device)
+        file_content = content_of_file(sheet, rule, master_device)
     written_keys = {file_value.key for file_value in file_content.entries}
     head = list(_paragraphs_on_content(file_content, is_short))
     if not is_short:
@@ -158,7 +158,7 @@ def note(text: object) -> str:
     return plain(text).replace("--", "- -").replace("*/", "* /")
 
 
-def filled(pattern: str, file_content: Content) -> str:
+def fill_pattern(pattern: str, file_content: Content) -> str:
     """Return the pattern with each key in braces replaced by its value: ``-b {bits}`` becomes ``-b 24``."""
     for file_value in file_content.entries:
         pattern = pattern.replace(f"{{{file_value.key}}}", file_value.word)
@@ -285,7 +285,7 @@ def _bulk_text(device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master
     codes_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], list[str]] = {}
     sheet_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], Sheet] = {}
     for sheet, record, codes in sheets:
-        content_and_answers = (content(sheet, rule, master_device), tuple(record.answers.items()))
+        content_and_answers = (content_of_file(sheet, rule, master_device), tuple(record.answers.items()))
         codes_by_content.setdefault(content_and_answers, []).extend(codes)
         sheet_by_content.setdefault(content_and_answers, sheet)
     blocks = []
@@ -336,7 +336,7 @@ def _without_declaration(text: str) -> str:
 TEMPLATES = Templates(
     our_templates("masters"),
     values={"README.md.jinja": Index, **{f"{name}.jinja": MasterFile for name in FILE_FORMATS}},
-    filters={"comment": comment, "filled": filled, "note": note},
+    filters={"comment": comment, "filled": fill_pattern, "note": note},
 )
 TARGET = Target(
     name="masters",

@@ -197,7 +197,7 @@ class Reader:
             all_bits = f'int.from_bytes(data, "{byte_order(self.codec.layout)}")'
         else:
             all_bits = "data[0]"
-        return Operation(Atom(all_bits), "&", others(self.scope, self.codec))
+        return Operation(Atom(all_bits), "&", mask_without_field(self.scope, self.codec))
 
     def _unused_at_fixed_place(self, bits: ShiftedBits) -> Expr:
         """Return the differing bits among those of the word, or of a byte, that are shifted by the same distance."""
@@ -252,7 +252,7 @@ def place_in_bytes(pieces: Sequence[Piece]) -> str:
     return "" if first.mask == 0xFF else bit_numbers(first.low_in_byte, first.mask.bit_length())
 
 
-def purpose(field: Field, place: str) -> str:
+def purpose_of_constant(field: Field, place: str) -> str:
     """Return the place of a constant with the first sentence of its meaning, such as ``bits 1:0: always set``.
 
     Return only the place if both are too long for a comment at the end of a line.
@@ -267,7 +267,7 @@ def bit_numbers(low: int, width: int) -> str:
     return f"bit {low}" if width == 1 else f"bits {low + width - 1}:{low}"
 
 
-def others(scope: Scope, codec: Codec) -> Expr:
+def mask_without_field(scope: Scope, codec: Codec) -> Expr:
     """Return a mask of the bits without a field, such as ``0xF0 & ~(variant.mask << 4)``.
 
     Fields whose place is fixed are cleared in the first mask, and the others are masked at run time.

@@ -31,7 +31,7 @@ from ...say.names_and_places import words
 from ...say.text import sentence
 from . import docstrings
 from .bits import BitsEncoder
-from .decode import Decoder, assigned
+from .decode import Decoder, attribute_values
 from .limits import LimitsFunction, limit_expressions, limits_depend
 from .literals import Atom, Expr, Scope, coded, quoted
 from .named_values import NamedValues
@@ -172,7 +172,7 @@ class Coder:
         attributes: list[Attribute] = []
         for field in fields:
             attributes += self._field_attributes(field)
-        return _with_defaults(attributes + self._unused_attributes)
+        return _with_trailing_defaults(attributes + self._unused_attributes)
 
     def _field_attributes(self, field: Field) -> Iterator[Attribute]:
         """Yield the attribute of a field, or one for each run of digits. The value in the manual is its default."""
@@ -244,7 +244,7 @@ class Coder:
     def assigned(self, field: Field, bits: Expr) -> Iterator[tuple[str, Expr]]:
         """Yield the attributes of a field of a joined number, with their values."""
         enum = self.enum(field) if is_named(meaning_of(field)) else ""
-        return assigned(self.context.scope, self.names, enum, field, bits)
+        return attribute_values(self.context.scope, self.names, enum, field, bits)
 
     def join_attributes(self, joined_number: JoinedNumber) -> Expr:
         """Return a joined number as an expression of local variables named like the attributes."""
@@ -285,7 +285,7 @@ class Coder:
     @property
     def expected_in_words(self) -> str:
         """The values for which a frame is as documented, such as ``status = 0x1B, no unused bit differs``."""
-        conditions = [f"{field.name} = {_in_words(field.equals)}" for field in self.expected]
+        conditions = [f"{field.name} = {_value_in_words(field.equals)}" for field in self.expected]
         if self.is_strict:
             conditions.append("no unused bit differs")
         return ", ".join(conditions)
@@ -436,13 +436,13 @@ def _has_run_of_its_name(field: Field) -> bool:
     return any(run.name == field.name for run in field.runs)
 
 
-def _in_words(value: Expression | int | str | None) -> str:
+def _value_in_words(value: Expression | int | str | None) -> str:
     if isinstance(value, Expression):
         return value.render()
     return repr(value) if isinstance(value, str) else coded(value or 0)
 
 
-def _with_defaults(attributes: Sequence[Attribute]) -> list[Attribute]:
+def _with_trailing_defaults(attributes: Sequence[Attribute]) -> list[Attribute]:
     """Return the attributes. An attribute keeps its default only if all attributes after it also have one."""
     indices_without_default = [index for index, attribute in enumerate(attributes) if not attribute.default]
     last_required = max(indices_without_default, default=0)

@@ -238,7 +238,7 @@ class Decoder:
             case Named():
                 return [Atom(self.local(field))]
             case DigitRuns(runs):
-                return [run_value for _, run_value in digits(bits, runs)]
+                return [run_value for _, run_value in digit_values(bits, runs)]
             case Characters():
                 return [self._decode_text(part)]
             case meaning:
@@ -330,7 +330,9 @@ class DecodedValues:
         return [(code, name) for code, name in self.values if name]
 
 
-def assigned(scope: Scope, class_names: ClassNames, enum: str, field: Field, bits: Expr) -> Iterator[tuple[str, Expr]]:
+def attribute_values(
+    scope: Scope, class_names: ClassNames, enum: str, field: Field, bits: Expr
+) -> Iterator[tuple[str, Expr]]:
     """Yield the attributes of a field of a joined number, with their values. ``enum`` is the name of its IntEnum."""
     attribute = class_names.attribute(field.name)
     match meaning_of(field):
@@ -345,7 +347,7 @@ def assigned(scope: Scope, class_names: ClassNames, enum: str, field: Field, bit
         case Named():
             yield attribute, call("as_member", enum, f'"{field.name}"', bits)
         case DigitRuns(runs):
-            for run, run_value in digits(bits, runs):
+            for run, run_value in digit_values(bits, runs):
                 yield class_names.attribute(run.name), run_value
         case Characters():
             yield attribute, _text_of_number(field, bits)
@@ -353,7 +355,7 @@ def assigned(scope: Scope, class_names: ClassNames, enum: str, field: Field, bit
             assert_never(meaning)
 
 
-def digits(number_of_runs: Expr, runs: Sequence[Digits]) -> Iterator[tuple[Digits, Expr]]:
+def digit_values(number_of_runs: Expr, runs: Sequence[Digits]) -> Iterator[tuple[Digits, Expr]]:
     """Yield the runs of decimal digits in a number, each with its value, such as ``number // 100 % 10``."""
     for run in runs:
         run_value = number_of_runs

@@ -116,11 +116,11 @@ def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> Call | None
 
 def tables(device: Device) -> list[Table]:
     """Return the tables at the end of a module: those with rows, and those that every module has."""
-    filled_tables = [_with_rows(table, device) for table in _TABLES]
+    filled_tables = [_with_register_rows(table, device) for table in _TABLES]
     return [table for table in filled_tables if table.rows or table.name in _ALWAYS]
 
 
-def _with_rows(table: Table, device: Device) -> Table:
+def _with_register_rows(table: Table, device: Device) -> Table:
     return replace(table, rows=records_of(table.kind, getattr(device, table.section)))
 
 

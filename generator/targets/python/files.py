@@ -21,11 +21,11 @@ from ...render import Templates, our_templates, tests_for
 from ...say.plain_text import plain
 from ...say.text import sentence
 from .. import NO_OPTIONS, Library, Options, Target, has_biss, main_manufacturer
-from ..registry import copied, licence_in, our_runtime
-from .bits import place_in_bytes, purpose
+from ..registry import copied_files, licence_in, our_runtime
+from .bits import place_in_bytes, purpose_of_constant
 from .docstrings import docstring, of_answer, of_crc, of_value
-from .line_breaks import broken
-from .literals import Expr, coded, constant, grouped, literal, mask, quoted, table
+from .line_breaks import break_lines
+from .literals import Expr, coded, constant, grouped, literal, mask, quoted, table_statement
 from .module import Enumeration, Module
 from .names import (
     BISS,
@@ -41,16 +41,16 @@ from .names import (
     interface_name,
     names_of,
 )
-from .readme import ReadmeExample, start, virtual_examples
+from .readme import ReadmeExample, first_example, virtual_examples
 
 
-def operand(value: Expr) -> str:
+def in_parentheses(value: Expr) -> str:
     """Return an operand, in parentheses unless it is a name, a number or a call."""
     return value.operand
 
 
 FILTERS: Mapping[str, Callable[..., object]] = {
-    "broken": broken,
+    "broken": break_lines,
     "byte_order": byte_order,
     "coded": coded,
     "encoder": encoder_name,
@@ -58,9 +58,9 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "interface": interface_name,
     "mask": mask,
     "names_of": names_of,
-    "operand": operand,
+    "operand": in_parentheses,
     "place_in_bytes": place_in_bytes,
-    "purpose": purpose,
+    "purpose": purpose_of_constant,
     "sentence": sentence,
 }
 FUNCTIONS: Mapping[str, Callable[..., object]] = {
@@ -71,7 +71,7 @@ FUNCTIONS: Mapping[str, Callable[..., object]] = {
     "of_answer": of_answer,
     "of_value": of_value,
     "quoted": quoted,
-    "table": table,
+    "table": table_statement,
 }
 TESTS = tests_for(
     operations.Check,
@@ -144,7 +144,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     files = _runtime_files(_RUNTIME)
     makers = library.by_manufacturer()
     main = main_manufacturer([maker for maker, _ in makers])
-    folders = {maker.name: _folder_of(maker, is_main=maker is main) for maker, _ in makers}
+    folders = {maker.name: _folder_of_package(maker, is_main=maker is main) for maker, _ in makers}
     for maker, devices in makers:
         folder = folders[maker.name]
         files |= licence_in(folder)
@@ -153,13 +153,13 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     return files
 
 
-def _folder_of(maker: Manufacturer, is_main: bool) -> str:
+def _folder_of_package(maker: Manufacturer, is_main: bool) -> str:
     return "python" if is_main else f"python/{maker.python_package}"
 
 
 def _runtime_files(folder: str) -> dict[str, str]:
     files = {f"{folder}/{name}": (RUNTIME / name).read_text(encoding="utf-8") for name in _PROJECT_FILES}
-    return files | licence_in(folder) | copied(RUNTIME / "codewheel_runtime", f"{folder}/codewheel_runtime")
+    return files | licence_in(folder) | copied_files(RUNTIME / "codewheel_runtime", f"{folder}/codewheel_runtime")
 
 
 def runtime_version() -> str:
@@ -181,7 +181,7 @@ def _package_files(
     for name in _PACKAGE_FILES:
         files[f"{package}/{name}.py"] = TEMPLATES.render(f"{name}.py.jinja", values, user_templates)
     files["setup.py"] = (_PROJECT / "setup.py").read_text(encoding="utf-8")
-    files |= copied(_PROJECT / "package", package)
+    files |= copied_files(_PROJECT / "package", package)
     # The copied folder has the module for BiSS.
     if not biss:
         del files[f"{package}/{BISS}.py"]
@@ -199,7 +199,7 @@ def _package_values(
     path_prefix = "./" if folder == "python" else ""
     other_folders = (other_folder for name, other_folder in folders.items() if name != maker.name)
     modules = [Module(device) for device in devices]
-    shown_example = start([module.readme for module in modules])
+    shown_example = first_example([module.readme for module in modules])
     shown_family = _family_of(shown_example.code, modules)
     shown_family_first = sorted(modules, key=lambda module: module is not shown_family)
     rs485 = any(device.find_interface(Rs485) for device in devices)

@@ -15,7 +15,7 @@ _LOOSEST_FIRST = tuple(re.compile(rf" (?=(?:{words}) )") for words in (r"or", r"
 _TEXT = re.compile(r'(\s*)(\w+=|"(?:\\.|[^"\\])*": )?("(?:\\.|[^"\\])*"),')
 
 
-def broken(text: str) -> str:
+def break_lines(text: str) -> str:
     """Return the code with long lines broken into one line for each item, or each operand, in the first brackets."""
     return "\n".join(piece for line in text.split("\n") for piece in _broken_lines(line))
 
@@ -73,7 +73,7 @@ def _split_operands(expression: str) -> list[str]:
     for operator in _LOOSEST_FIRST:
         operands = [""]
         for token, depth in _tokens_with_depth(expression):
-            first_part, *further_parts = operator.split(token) if _is_outer(token, depth) else [token]
+            first_part, *further_parts = operator.split(token) if _is_outside_brackets(token, depth) else [token]
             operands[-1] += first_part
             operands += further_parts
         if len(operands) > 1:
@@ -83,10 +83,10 @@ def _split_operands(expression: str) -> list[str]:
 
 def _outer_text(expression: str) -> str:
     """Return the text outside brackets and quoted texts."""
-    return "".join(token for token, depth in _tokens_with_depth(expression) if _is_outer(token, depth))
+    return "".join(token for token, depth in _tokens_with_depth(expression) if _is_outside_brackets(token, depth))
 
 
-def _is_outer(token: str, depth: int) -> bool:
+def _is_outside_brackets(token: str, depth: int) -> bool:
     return depth == 0 and not token.startswith('"')
 
 

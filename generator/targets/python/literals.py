@@ -9,7 +9,7 @@ from ...model.expressions import Expression, Factor, Term
 from ...model.lookup import assert_never
 from ...model.record import dataclass
 from ...plan.values import Active, Characters, DigitRuns, Meaning, Named, Raw, TwosComplement, ZeroMeans
-from .line_breaks import broken
+from .line_breaks import break_lines
 
 #: Operators by precedence, lowest first. Arithmetic gets parentheses next to bit operators.
 _LOOSEST_FIRST = (("or",), ("and",), ("not",), ("|",), ("^",), ("&",), ("<<", ">>"), ("+", "-"), ("*", "//", "%"))
@@ -285,15 +285,15 @@ def is_empty(value: Literal) -> bool:
 
 def constant(name: str, value: Call) -> str:
     """Return the statement that assigns a value to ``name``."""
-    return broken(f"{name}: Final = {value.flat}")
+    return break_lines(f"{name}: Final = {value.flat}")
 
 
-def table(name: str, kind: str, rows: Sequence[Call]) -> str:
+def table_statement(name: str, kind: str, rows: Sequence[Call]) -> str:
     """Return the statement that assigns a tuple of records to ``name``, one per line."""
     start = f"{name}: Final[tuple[{kind}, ...]] = "
     if not rows:
         return f"{start}()"
-    row_lines = [broken(f"    {row.flat},") for row in rows]
+    row_lines = [break_lines(f"    {row.flat},") for row in rows]
     return "\n".join([f"{start}(", *row_lines, ")"])
 
 

@@ -26,7 +26,7 @@ from ...plan.steps import (
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from . import docstrings
 from .codec import Coder
-from .decode import digits
+from .decode import digit_values
 from .docstrings import Block
 from .limits import limit_expressions, limits_depend
 from .literals import Atom, Expr, shift_value
@@ -186,7 +186,7 @@ class Steps:
         # A join of several fields is a number.
         match meaning_of(fields_of_member[0]) if fields_of_member else Raw():
             case DigitRuns(runs):
-                return [(attribute_of(run.name), value_of_run) for run, value_of_run in digits(argument, runs)]
+                return [(attribute_of(run.name), value_of_run) for run, value_of_run in digit_values(argument, runs)]
             case Raw() | TwosComplement() | ZeroMeans() | Active() | Named() | Characters():
                 return [(attribute_of(member_value.member), argument)]
             case meaning:

@@ -23,7 +23,7 @@ from ...model import (
 from ...model.order_codes import facts_for_code
 from ...model.record import dataclass
 from ...plan.values import (
-    counts,
+    count_factors,
     is_number,
     meaning_of,
 )
@@ -90,7 +90,7 @@ class ReadmeExample:
         return "if frame.verdict is not Verdict.NOT_USABLE:", f"    print({self.shown})"
 
 
-def start(readmes: Sequence[Readme]) -> ReadmeExample:
+def first_example(readmes: Sequence[Readme]) -> ReadmeExample:
     """Return the first example, or one with only an order code if no module has a frame.
 
     An example without open questions is preferred, then one that can report an error, then a frame of bits.
@@ -169,7 +169,7 @@ class Readme:
         """
         layout = coder.layout
         placed_layout = layout.place(variant.parameters)
-        numbers = _numbers_of(coder, sample)
+        numbers = _numbers_by_name(coder, sample)
         return ReadmeExample(
             code=variant.code,
             text=_frame_literal(placed_layout, sample.frame),
@@ -202,7 +202,7 @@ class Readme:
             flag_attribute=coder.names.attribute(spoiling_flag.name),
         )
         crc_field = placed_layout.crc_field
-        numbers = _numbers_of(coder, sample)
+        numbers = _numbers_by_name(coder, sample)
         if crc_field is None or coder.layout.in_bytes or coder.position_attribute not in numbers:
             return example
         position = str(numbers[coder.position_attribute])
@@ -352,7 +352,7 @@ class Readme:
         measurement = self.device.measurement_of(variant.interface)
         if measurement is None:
             return []
-        factors = [factor.value(variant.parameters) for factor in counts(measurement)]
+        factors = [factor.value(variant.parameters) for factor in count_factors(measurement)]
         modulus = prod(factors) if factors else 0
         # The example unwraps from modulus - 2 to 3, by 5 counts. In a small range, the way back is as short.
         if modulus <= 10:
@@ -404,7 +404,7 @@ def _damaged_crc(crc_field: PlacedField, number: int) -> str:
     return f"expected CRC {received ^ 1:#04x}, got {received:#04x}"
 
 
-def _numbers_of(coder: Coder, sample: Sample) -> dict[str, object]:
+def _numbers_by_name(coder: Coder, sample: Sample) -> dict[str, object]:
     """Return the numbers in a frame by the names of their fields, without the selector."""
     return {name: value for name, value in sample.values.items() if _is_number_of(coder, name)}
 

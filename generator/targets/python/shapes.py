@@ -15,7 +15,7 @@ from ...plan.description import Answered, Column, Name, describe
 from ...plan.operations import FrameCrc
 from ...plan.values import is_named, meaning_of, position_ranges
 from ...plan.verdicts import Only, Reporting
-from .bits import others
+from .bits import mask_without_field
 from .codec import Coder
 from .literals import Call, Code, ConditionalItem, Hex, Literal, Member, join_operands, literal, literal_call, record
 from .names import byte_order
@@ -69,7 +69,7 @@ class Shape:
         yield "fixed", self._constant_bits()
         yield "position", coder.position_attribute
         if self.plan.keeps_others:
-            yield "kept_mask", Code(str(others(coder.context.scope, self.plan)))
+            yield "kept_mask", Code(str(mask_without_field(coder.context.scope, self.plan)))
         if coder.register is not None and coder.limited_attribute:
             yield "limited", (coder.register.limits_of, coder.limited_attribute)
         yield "default_verdict", self._default_verdict()

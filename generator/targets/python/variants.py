@@ -15,7 +15,7 @@ from ...plan.values import (
     Cases,
     PositionRange,
     by_interface,
-    counts,
+    count_factors,
     meaning_of,
     parameters_in_measurement,
     position_ranges,
@@ -193,7 +193,7 @@ class Variants:
         return by_interface(self.device, self.modulus_of)
 
     def _modulus_expression(self, measurement: Measurement) -> Expr | None:
-        factors = [*map(self._scope.expression_of, counts(measurement))]
+        factors = [*map(self._scope.expression_of, count_factors(measurement))]
         return join_operands("*", factors) if factors else None
 
     def _only_range(self, interface: Interface) -> PositionRange | None:
