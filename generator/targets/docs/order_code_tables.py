@@ -356,8 +356,7 @@ def _verdict_facts(
     if judgement is None:
         return
     yield "Position", verdict_line(judgement, variant, has_crc)
-    questions = family_device.verdict_alternatives(layout)
-    alternatives = [alternative for alternative in questions if alternative.name in choices]
+    alternatives = [question for question in family_device.verdict_alternatives(layout) if question.name in choices]
     for alternative in alternatives:
         # The first answer is the default.
         for answer in alternative.answers[1:]:
