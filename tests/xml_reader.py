@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from codewheel.dump.schema import DataMember, Kind, Shape, members, resolved, show_schema, types_of
+from codewheel.dump.schema import DataMember, Kind, Shape, json_types_of, members, resolve_reference, show_schema
 from codewheel.dump.xml import NAMESPACE
 from lxml import etree
 
@@ -76,11 +76,11 @@ def _read_member(node: Any, member: DataMember, sources: list[dict[str, Any]]) -
 
 
 def _read_entry(node: Any, member: DataMember) -> Any:
-    shape = resolved(member.shape)[0]
+    shape = resolve_reference(member.shape)[0]
     if shape.get("type") == "array":
         return (node.text or "").split()
     stated = node.get("type")
-    return _value(node.text or "", (stated,) if stated else types_of(resolved(member.shape)[0]))
+    return _value(node.text or "", (stated,) if stated else json_types_of(resolve_reference(member.shape)[0]))
 
 
 def _value(text: str, types: tuple[str, ...]) -> Any:

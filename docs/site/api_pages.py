@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from codewheel.say.markdown import code, text
+from codewheel.say.markdown import code, escape
 
 HEADERS = "generated/c/include"
 MODULES = "generated/python"
@@ -88,12 +88,12 @@ def _family_pages(path: Path) -> Iterator[tuple[str, str]]:
 
 
 def _page(title: str, language: str, entries: Iterable[Entry]) -> str:
-    return f"# {text(title)}\n\n" + "\n".join(_section(language, entry) for entry in entries)
+    return f"# {escape(title)}\n\n" + "\n".join(_section(language, entry) for entry in entries)
 
 
 def _section(language: str, entry: Entry) -> str:
     """Return the section about an entry: its declaration, its comment, and its folded members."""
-    section = f"## {text(entry.name)}\n\n"
+    section = f"## {escape(entry.name)}\n\n"
     # The heading of a class without parameters says all that its declaration does.
     if entry.declaration != f"class {entry.name}":
         section += f"```{language}\n{entry.declaration}\n```\n\n"

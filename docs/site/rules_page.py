@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from codewheel.changes.rules import RULES, TITLES
-from codewheel.say.markdown import code, table, text
+from codewheel.say.markdown import code, escape, table
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE, DATA = ROOT / "docs/transcribe/rules.md", ROOT / "generator" / "language" / "rules.json"
@@ -82,7 +82,7 @@ def rules_page() -> str:
 def _example_section(example: Example) -> str:
     yaml_lines = "\n".join(example.lines)
     path = example.spec.relative_to(ROOT).as_posix()
-    head = f"### {text(example.rule)}\n\n{text(example.message)}"
+    head = f"### {escape(example.rule)}\n\n{escape(example.message)}"
     return f"{head}\n\n[`{example.spec.name}`](../../{path}):\n\n```yaml\n{yaml_lines}\n```"
 
 
@@ -90,7 +90,7 @@ def _diff_rules() -> str:
     rows = []
     for rule in RULES.values():
         impacts = [impact.word for impact in rule.impacts]
-        rows.append((code(rule.name), text(rule.when), *impacts, text(rule.why)))
+        rows.append((code(rule.name), escape(rule.when), *impacts, escape(rule.why)))
     return table(["Rule", "When", *TITLES.values(), "Why"], rows)
 
 

@@ -13,7 +13,7 @@ from typing import Any, TypedDict
 
 from codewheel.language.master_items import FILE_FORMATS
 from codewheel.loading.library import load_library
-from codewheel.masters.groups import groups_of, records_of
+from codewheel.masters.groups import order_code_groups, records_of
 from codewheel.masters.record import Record
 from codewheel.masters.sheet import Master, Sheet, sheet, shipped_masters
 from codewheel.masters.text import sheet_text
@@ -91,7 +91,7 @@ def _records_with_sheets(
 ) -> Iterator[tuple[Record, list[Sheet]]]:
     """Yield the record of each order code with the sheets of all masters, which a group of order codes shares."""
     sheets_by_code: dict[tuple[str, tuple[str, ...]], list[Sheet]] = {}
-    for group in groups_of(device, interface):
+    for group in order_code_groups(device, interface):
         sheets = [sheet(master, group.record) for master in masters]
         answers = tuple(group.record.answers.values())
         sheets_by_code |= {(code, answers): sheets for code in group.codes}

@@ -9,27 +9,27 @@
   const ONE = 1n;
 
   /** Merge values into one object by names of a spec, which can also be names that every JavaScript object has. */
-  const named = (...pairs) => Object.assign(Object.create(null), ...pairs);
+  const mergeByName = (...pairs) => Object.assign(Object.create(null), ...pairs);
 
   /** Return a limit or count of the table as BigInt: there it is a number, or text if it is too large for a number. */
-  const big = (tableNumber) => BigInt(tableNumber ?? 0);
+  const toBigInt = (tableNumber) => BigInt(tableNumber ?? 0);
   /** Return the number with ``width`` bits that are all 1. */
   const ones = (width) => (ONE << BigInt(width)) - ONE;
   /** Return ``width`` bits of a number, from bit ``low`` on. */
-  const bits = (number, low, width) => (number >> BigInt(low)) & ones(width);
+  const extractBits = (number, low, width) => (number >> BigInt(low)) & ones(width);
   /** Return a number in hex, with 0x and leading zeros up to ``digits``. */
   const hex = (number, digits = 1) => "0x" + number.toString(16).padStart(digits, "0");
   /** Return a count with its noun in the singular or plural. */
-  const counted = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
+  const countWithNoun = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
   /** Fill the values into a template, at {0}, {1} and so on. */
   const fillTemplate = (template, ...values) => template.replace(/\{(\d)\}/g, (_, valueIndex) => values[valueIndex]);
   /** Return the message with this name of the table, filled with values. */
-  const said = (name, ...values) => fillTemplate(TABLE.said[name], ...values);
+  const messageFor = (name, ...values) => fillTemplate(TABLE.said[name], ...values);
   /** Count the bits of a number from its highest 1 on. */
   const bitLength = (number) => (number ? number.toString(2).length : 0);
 
   /** Return a fraction with all its decimals, or with six of them after ≈ if they are endless. */
-  function decimal(numerator, denominator) {
+  function formatFraction(numerator, denominator) {
     const [magnitude, denominatorBits] = [numerator < 0n ? -numerator : numerator, denominator.toString(2).length];
     let exactPlaces = 0;
     while (exactPlaces <= denominatorBits && (magnitude * 10n ** BigInt(exactPlaces)) % denominator) exactPlaces += 1;
@@ -45,8 +45,8 @@
    * Return the quantity that a number stands for, with a fixed number of decimals, and whether these are exact.
    * The scale is [numerator, denominator, offset, unit, decimals].
    */
-  function scaled([numerator, denominator, offset, , decimalCount = 0], number) {
-    const [scaledNumerator, divisor] = [number * big(numerator) + big(offset), big(denominator)];
+  function scaleNumber([numerator, denominator, offset, , decimalCount = 0], number) {
+    const [scaledNumerator, divisor] = [number * toBigInt(numerator) + toBigInt(offset), toBigInt(denominator)];
     const power = 10n ** BigInt(decimalCount);
     const roundedMagnitude = (2n * (scaledNumerator < 0n ? -scaledNumerator : scaledNumerator) * power + divisor)
       / (2n * divisor);
@@ -59,15 +59,15 @@
 
   /** Return a quantity with its unit. It begins with ≈ if its decimals are rounded. */
   function quantityOf(scale, number) {
-    const { decimal: decimalText, exact } = scaled(scale, number);
+    const { decimal: decimalText, exact } = scaleNumber(scale, number);
     return `${exact ? "" : "≈ "}${decimalText} ${scale[3]}`;
   }
 
   /** Evaluate an expression, which is a number, or a list of a number and terms. Each term is a multiple and factors. */
-  function value(expression, parameters) {
-    if (!Array.isArray(expression)) return big(expression);
+  function evaluateExpression(expression, parameters) {
+    if (!Array.isArray(expression)) return toBigInt(expression);
     return expression.slice(1).reduce((sum, [multiple, ...factors]) => sum + factors.reduce(
-      (product, name) => product * evaluateFactor(name, parameters), big(multiple)), big(expression[0]));
+      (product, name) => product * evaluateFactor(name, parameters), toBigInt(multiple)), toBigInt(expression[0]));
   }
 
   /** Return the parameter of a factor, or 2 to the power of the parameter if the factor begins with ^. */
@@ -80,7 +80,7 @@
 
   /** Return the parameters of an order code and those derived from them. */
   function resolveParameters(family, given) {
-    const parameters = named(given);
+    const parameters = mergeByName(given);
     let unsettled = family.derived ?? [];
     for (let countBefore = -1; unsettled.length !== countBefore;) {
       countBefore = unsettled.length;
@@ -94,7 +94,7 @@
     const names = Array.isArray(expression) ? expression.slice(1).flatMap((term) => term.slice(1)) : [];
     if (!names.every((nameOrPower) => nameOrPower.replace("^", "") in parameters)) return false;
     try {
-      parameters[name] = value(expression, parameters);
+      parameters[name] = evaluateExpression(expression, parameters);
     } catch (error) {
       parameters[name] = 0n;
     }
@@ -102,27 +102,29 @@
   }
 
   /** Return the lowest ``width`` bits of a number in reverse order. */
-  function reflected(number, width) {
+  function reverseBits(number, width) {
     let reversed = 0n;
-    for (let bitIndex = 0; bitIndex < width; bitIndex += 1) reversed = (reversed << ONE) | bits(number, bitIndex, 1);
+    for (let bitIndex = 0; bitIndex < width; bitIndex += 1) {
+      reversed = (reversed << ONE) | extractBits(number, bitIndex, 1);
+    }
     return reversed;
   }
 
   /** Compute a CRC over the lowest ``bitCount`` bits of a number, most significant first. */
   function crcOfBits(crc, number, bitCount) {
-    const [mask, poly, top] = [ones(crc.width), big(crc.poly), BigInt(crc.width - 1)];
-    let register = big(crc.init);
+    const [mask, poly, top] = [ones(crc.width), toBigInt(crc.poly), BigInt(crc.width - 1)];
+    let register = toBigInt(crc.init);
     for (let bitIndex = BigInt(bitCount) - ONE; bitIndex >= 0n; bitIndex -= ONE) {
       const feedback = ((register >> top) ^ (number >> bitIndex)) & ONE;
       register = (register << ONE) & mask;
       if (feedback) register ^= poly;
     }
-    return (crc.refout ? reflected(register, crc.width) : register) ^ big(crc.xorout);
+    return (crc.refout ? reverseBits(register, crc.width) : register) ^ toBigInt(crc.xorout);
   }
 
   /** Compute a CRC over bytes, each reflected if the CRC is. */
   function crcOfBytes(crc, bytes) {
-    const bytesInOrder = bytes.map((byte) => (crc.refin ? reflected(BigInt(byte), 8) : byte));
+    const bytesInOrder = bytes.map((byte) => (crc.refin ? reverseBits(BigInt(byte), 8) : byte));
     return crcOfBits(crc, numberOf("big", bytesInOrder), 8 * bytes.length);
   }
 
@@ -134,14 +136,14 @@
 
   /** Return the ``byteCount`` bytes of a number, in this order. */
   function bytesOf(order, number, byteCount) {
-    const lowFirst = Array.from({ length: byteCount }, (_, byteIndex) => Number(bits(number, 8 * byteIndex, 8)));
+    const lowFirst = Array.from({ length: byteCount }, (_, byteIndex) => Number(extractBits(number, 8 * byteIndex, 8)));
     return order === "little" ? lowFirst : lowFirst.reverse();
   }
 
   /** Return the parity of the bits of a number at these places, or of those bits at each place that are in the mask. */
-  function parityOf(number, places, { odd, mask }) {
-    const countedBits = mask ? big(mask) : -1n;
-    const digits = places.map(({ low, width }) => (bits(number, low, width) & countedBits).toString(2)).join("");
+  function computeParity(number, places, { odd, mask }) {
+    const countedBits = mask ? toBigInt(mask) : -1n;
+    const digits = places.map(({ low, width }) => (extractBits(number, low, width) & countedBits).toString(2)).join("");
     return BigInt((digits.split("1").length - 1 + (odd ?? 0)) % 2);
   }
 
@@ -150,50 +152,75 @@
    * and a placed field is {field, name, low, width} with the ``field`` of the table.
    */
   function placeLayout(family, layout, parameters) {
-    const evaluate = (expression) => Number(value(expression, parameters));
-    const withMeaning = (field) => (!field.only || parameters[field.only] ? field
-      : { ...field, on: TABLE.unexplained, off: "", meaning: "" });
-    const fields = (layout.fields ?? []).map((index) => withMeaning(family.shared[index]))
+    const evaluate = (expression) => Number(evaluateExpression(expression, parameters));
+    const sharedParts = (indexes = []) => indexes.map((index) => family.shared[index]);
+    const isSatisfied = (condition) => !condition
+      || Boolean(parameters[condition.parameter]) === Boolean(condition.holds);
+    const fields = sharedParts(layout.fields).map((field) => withMeaningForOrderCode(field, parameters))
       .map((field) => ({ field, name: field.name, low: evaluate(field.low), width: evaluate(field.width) }))
-      .filter((placedField) => placedField.width > 0);
-    const gray = layout.gray && (!layout.gray.when || parameters[layout.gray.when]) ? layout.gray : null;
-    const isSatisfied = (only) => !only || Boolean(parameters[only.parameter]) === Boolean(only.holds);
+      .filter(({ width }) => width > 0);
+    const crcFieldName = fields.find(({ field }) => field.crc)?.name;
     return {
       family, layout, parameters, fields, name: layout.name, bits: evaluate(layout.bits),
-      crc: layout.crcs ? layout.crcs[fields.find((placedField) => placedField.field.crc)?.name] : layout.crc,
-      gray: gray
-        && { low: evaluate(gray.low), width: evaluate(gray.width), excess: value(gray.excess ?? 0, parameters) },
-      joins: (layout.joins ?? []).map((join) => ({
-        name: join.name,
-        parts: join.fields.map(([part, low]) => (
-          { item: fields.find((placedField) => placedField.name === part), low: evaluate(low) })),
-      })),
-      checks: (layout.checks ?? []).map((index) => family.shared[index])
-        .map((check) => ({ check, low: evaluate(check.low), width: evaluate(check.width),
-          limit: check.limit === undefined ? undefined : value(check.limit, parameters),
-          lowest: value(check.lowest ?? 0, parameters),
-          of: check.parity_of?.map(([coveredLow, coveredWidth]) => (
-            { low: evaluate(coveredLow), width: evaluate(coveredWidth) })) }))
-        .filter((placedCheck) => placedCheck.width > 0),
-      tells: (layout.tells ?? []).map((index) => family.shared[index]).filter((cause) => isSatisfied(cause.only)),
-      speaks: (layout.speaks ?? []).filter((cause) => isSatisfied(cause.only) && isSatisfied(cause.chosen)),
+      crc: layout.crcs ? layout.crcs[crcFieldName] : layout.crc,
+      gray: placeGray(layout.gray, parameters),
+      joins: (layout.joins ?? []).map((join) => placeJoin(join, fields, parameters)),
+      checks: sharedParts(layout.checks).map((check) => placeCheck(check, parameters))
+        .filter(({ width }) => width > 0),
+      reportCauses: sharedParts(layout.tells).filter(({ only }) => isSatisfied(only)),
+      verdictCauses: (layout.speaks ?? []).filter(({ only, chosen }) => isSatisfied(only) && isSatisfied(chosen)),
+    };
+  }
+
+  /** Return a field, with the text of an unexplained one if its meaning is that of other order codes. */
+  function withMeaningForOrderCode(field, parameters) {
+    const isExplained = !field.only || parameters[field.only];
+    return isExplained ? field : { ...field, on: TABLE.unexplained, off: "", meaning: "" };
+  }
+
+  /** Return {low, width, excess} of the bits in Gray code, or null if the order code sends binary. */
+  function placeGray(gray, parameters) {
+    const isUsed = gray && (!gray.when || parameters[gray.when]);
+    if (!isUsed) return null;
+    const evaluate = (expression) => evaluateExpression(expression, parameters);
+    return { low: Number(evaluate(gray.low)), width: Number(evaluate(gray.width)), excess: evaluate(gray.excess ?? 0) };
+  }
+
+  /**
+   * Return {name, parts} of a number in several fields. A part is {placedField, low} with the lowest bit in the number.
+   * Its ``placedField`` is undefined if the field has 0 bits.
+   */
+  function placeJoin(join, fields, parameters) {
+    const parts = join.fields.map(([fieldName, low]) => ({
+      placedField: fields.find(({ name }) => name === fieldName), low: Number(evaluateExpression(low, parameters)) }));
+    return { name: join.name, parts };
+  }
+
+  /** Return a check with its place, its limits, and for a parity the {low, width} of the bits that it covers. */
+  function placeCheck(check, parameters) {
+    const evaluate = (expression) => Number(evaluateExpression(expression, parameters));
+    return {
+      check, low: evaluate(check.low), width: evaluate(check.width),
+      limit: check.limit === undefined ? undefined : evaluateExpression(check.limit, parameters),
+      lowest: evaluateExpression(check.lowest ?? 0, parameters),
+      coveredPlaces: check.parity_of?.map(([low, width]) => ({ low: evaluate(low), width: evaluate(width) })),
     };
   }
 
   /** Return the decoded number: fields, CRC, errors, reports and verdict. */
   function decode(placedLayout, number) {
     if (number >> BigInt(placedLayout.bits)) {
-      return otherLength(placedLayout, `${placedLayout.bits} bits`, bitLength(number));
+      return createLengthError(placedLayout, `${placedLayout.bits} bits`, bitLength(number));
     }
     const decoded = createEmptyResult(placedLayout, number);
-    const binary = fromGray(placedLayout, number);
+    const binary = convertFromGray(placedLayout, number);
     decoded.fields = placedLayout.fields.flatMap((placedField) => decodeFieldAndRuns(placedField, number, binary));
     decoded.crc = checkCrc(placedLayout, number);
     if (decoded.crc && decoded.crc.received !== decoded.crc.computed) {
-      const message = said("crc", hex(decoded.crc.received, 2), hex(decoded.crc.computed, 2));
+      const message = messageFor("crc", hex(decoded.crc.received, 2), hex(decoded.crc.computed, 2));
       decoded.problems.push({ fault: "crc", field: decoded.crc.field, message: message });
     }
-    decoded.problems.push(...placedLayout.checks.flatMap((placedCheck) => problemOf(placedCheck, number, binary)));
+    decoded.problems.push(...placedLayout.checks.flatMap((placedCheck) => findProblems(placedCheck, number, binary)));
     const rankOf = (problem) => TABLE.faults.indexOf(problem.fault);
     decoded.problems.sort((problem, otherProblem) => rankOf(problem) - rankOf(otherProblem));
     decoded.fields.push(...placedLayout.joins.map((join) => joinFields(join, number, binary)));
@@ -203,29 +230,30 @@
 
   /** Create the result of decoding, with its lists still empty. */
   const createEmptyResult = (placedLayout, number) => ({
-    at: placedLayout, number, fields: [], crc: null, problems: [], reports: [], differences: [], verdict: null,
+    placedLayout, number, fields: [], crc: null, problems: [], reports: [], differences: [], verdict: null,
   });
 
   /** Return the result of a frame of another length than the layout needs. */
-  function otherLength(placedLayout, neededText, receivedCount) {
+  function createLengthError(placedLayout, neededText, receivedCount) {
     const decoded = createEmptyResult(placedLayout, 0n);
     decoded.problems.push(
-      { fault: "length", field: "", message: said("length", placedLayout.name, neededText, receivedCount) });
+      { fault: "length", field: "", message: messageFor("length", placedLayout.name, neededText, receivedCount) });
     return decoded;
   }
 
   /** Decode a frame or register of bytes. */
   function decodeBytes(placedLayout, bytes) {
     if (8 * bytes.length !== placedLayout.bits) {
-      return otherLength(placedLayout, counted(placedLayout.bits / 8, "byte"), bytes.length);
+      return createLengthError(placedLayout, countWithNoun(placedLayout.bits / 8, "byte"), bytes.length);
     }
     return decode(placedLayout, numberOf(placedLayout.layout.order, bytes));
   }
 
   /** Return the number of a frame with the bits in Gray code converted to binary, less the Gray excess. */
-  function fromGray(placedLayout, number) {
+  function convertFromGray(placedLayout, number) {
     if (!placedLayout.gray) return number;
-    const binary = plainOf(bits(number, placedLayout.gray.low, placedLayout.gray.width)) - placedLayout.gray.excess;
+    const { low, width, excess } = placedLayout.gray;
+    const binary = grayToBinary(extractBits(number, low, width)) - excess;
     return replaceGrayBits(placedLayout, number, binary);
   }
 
@@ -236,31 +264,31 @@
   }
 
   /** Return the number that a number in Gray code stands for. */
-  function plainOf(gray) {
+  function grayToBinary(gray) {
     let binary = gray;
     for (let shifted = gray >> ONE; shifted; shifted >>= ONE) binary ^= shifted;
     return binary;
   }
 
   /** Return the number of a frame with the position converted to Gray code, with the Gray excess added. */
-  function toGray(placedLayout, number) {
+  function convertToGray(placedLayout, number) {
     if (!placedLayout.gray) return number;
     const { low, width, excess } = placedLayout.gray;
-    const sumWithExcess = BigInt.asUintN(width, bits(number, low, width) + excess);
+    const sumWithExcess = BigInt.asUintN(width, extractBits(number, low, width) + excess);
     return replaceGrayBits(placedLayout, number, sumWithExcess ^ (sumWithExcess >> ONE));
   }
 
   /** Return a field in readable form, with its runs of digits. ``raw`` is transmitted, ``value`` is decoded. */
   function decodeFieldAndRuns(placedField, number, binary) {
     const { field, low, width } = placedField;
-    const fieldBits = bits(binary, low, width);
+    const fieldBits = extractBits(binary, low, width);
     const decodedField = {
-      name: field.name, raw: bits(number, low, width), value: fieldBits, unit: field.unit ?? "",
+      name: field.name, raw: extractBits(number, low, width), value: fieldBits, unit: field.unit ?? "",
       scale: field.scale, meaning: field.meaning ?? "", high: low + width - 1, low, colour: field.colour,
       ...interpretRaw(field, fieldBits, width),
     };
     const runs = (field.runs ?? []).map(([name, divisor, modulus, meaning = ""]) => {
-      const runNumber = (fieldBits / big(divisor)) % big(modulus);
+      const runNumber = (fieldBits / toBigInt(divisor)) % toBigInt(modulus);
       return { ...decodedField, name, raw: runNumber, value: runNumber, unit: "", scale: undefined, meaning };
     });
     return [decodedField, ...runs];
@@ -275,7 +303,7 @@
         return { value: isActive, meaning: (isActive ? field.on : field.off) || field.meaning || "" };
       }
       case "choice": {
-        const listedChoice = field.values.find((choice) => big(choice[0]) === raw);
+        const listedChoice = field.values.find((choice) => toBigInt(choice[0]) === raw);
         return listedChoice ? { value: listedChoice[1], meaning: listedChoice[2] || field.meaning || "" } : {};
       }
       case "signed":
@@ -286,7 +314,7 @@
       }
       case "digits":
       case undefined:
-        return { value: raw || big(field.zero_means) };
+        return { value: raw || toBigInt(field.zero_means) };
       default:
         throw new TypeError(`unknown kind ${field.kind}`);
     }
@@ -294,70 +322,86 @@
 
   /** Join the parts of a number that is sent in several fields. */
   function joinFields(join, number, binary) {
-    const parts = join.parts.filter((part) => part.item);
-    const joinedNumber = (source) => parts.reduce(
-      (whole, { item: placedField, low }) =>
-        whole | (bits(source, placedField.low, placedField.width) << BigInt(low)), 0n);
-    const names = parts.map((part) => part.item.name).reverse().join(" and ");
-    const meaning = join.parts.length > 1 ? said("as_one_number", names) : "";
-    return {
-      name: join.name, raw: joinedNumber(number), value: joinedNumber(binary), unit: "", meaning, high: -1, low: -1,
-    };
+    const parts = join.parts.filter(({ placedField }) => placedField);
+    const joinFrom = (source) => parts.reduce((sum, { placedField, low }) => (
+      sum | (extractBits(source, placedField.low, placedField.width) << BigInt(low))), 0n);
+    const names = parts.map(({ placedField }) => placedField.name).reverse().join(" and ");
+    const meaning = join.parts.length > 1 ? messageFor("as_one_number", names) : "";
+    // The place of several fields is left empty.
+    return { name: join.name, raw: joinFrom(number), value: joinFrom(binary), unit: "", meaning, high: -1, low: -1 };
   }
 
   /** Return the placed field with the CRC. */
-  const crcField = (placedLayout) => placedLayout.fields.find((placedField) => placedField.field.crc);
+  const findCrcField = (placedLayout) => placedLayout.fields.find((placedField) => placedField.field.crc);
 
   /** Return the received CRC and the computed one, or null if the layout lacks a CRC. */
   function checkCrc(placedLayout, number) {
     if (!placedLayout.crc) return null;
     const crc = placedLayout.family.crcs[placedLayout.crc];
-    const field = crcField(placedLayout);
-    const received = bits(number, field.low, field.width);
-    return { crc, field: field.name, received, computed: computedBy(crc, placedLayout, number) };
+    const field = findCrcField(placedLayout);
+    const received = extractBits(number, field.low, field.width);
+    return { crc, field: field.name, received, computed: computeCrc(crc, placedLayout, number) };
   }
 
   /** Compute the CRC with these parameters over the bits of a frame that its CRC covers. */
-  function computedBy(crc, placedLayout, number) {
-    const { width } = crcField(placedLayout);
+  function computeCrc(crc, placedLayout, number) {
+    const { width } = findCrcField(placedLayout);
     const [low, bitCount] = placedLayout.layout.crc_of ?? [width, placedLayout.bits - width];
     if (!placedLayout.layout.order || width % 8) return crcOfBits(crc, number >> BigInt(low), bitCount);
     return crcOfBytes(crc, bytesOf(placedLayout.layout.order, number, placedLayout.bits / 8).slice(0, -width / 8));
   }
 
   /** Return a list with the problem if the bits at the place of a check are wrong, otherwise an empty list. */
-  function problemOf(placedCheck, number, binary) {
-    const { check, low, width, limit, lowest, of: coveredPlaces } = placedCheck;
-    const checkedBits = bits(coveredPlaces ? number : binary, low, width);
+  function findProblems(placedCheck, number, binary) {
+    const { check, low, width, limit, lowest, coveredPlaces } = placedCheck;
+    // A parity covers the bits as sent, before Gray code is converted.
+    const checkedBits = extractBits(coveredPlaces ? number : binary, low, width);
     const checkedNumber = check.says === "outside" ? BigInt.asIntN(width, checkedBits) : checkedBits;
-    const rightValues = coveredPlaces ? [parityOf(number, coveredPlaces, check)]
-      : (check.values ?? []).map((listedValue) => big(listedValue) & ones(width));
-    const isInside = () => checkedNumber >= lowest && checkedNumber <= limit;
-    const isCorrect = limit === undefined ? rightValues.includes(checkedNumber) : isInside();
+    const rightValues = coveredPlaces ? [computeParity(number, coveredPlaces, check)]
+      : (check.values ?? []).map((listedValue) => toBigInt(listedValue) & ones(width));
+    const hasLimit = limit !== undefined;
+    const isCorrect = hasLimit
+      ? checkedNumber >= lowest && checkedNumber <= limit : rightValues.includes(checkedNumber);
     if (isCorrect) return [];
-    const messages = {
-      constant: () => said("constant", check.field, hex(checkedNumber), hex(rightValues[0])),
-      parity: () => said("parity", check.field, checkedNumber, check.of_name, rightValues[0]),
-      no_value: () => said("no_value", check.field, hex(checkedNumber)),
-      of_other_frame: () => said("of_other_frame", check.field, checkedNumber.toString(16).toUpperCase()),
-      too_high: () => said("too_high", check.field, checkedNumber, limit),
-      outside: () => said("outside", `${check.field} ${checkedNumber}`, lowest, limit),
-      digits: () => said("digits", check.field, checkedNumber, check.most),
-    };
-    return [{ fault: check.fault, field: check.field, message: messages[check.says]() }];
+    const message = describeProblem(placedCheck, checkedNumber, rightValues[0]);
+    return [{ fault: check.fault, field: check.field, message }];
+  }
+
+  /** Return the message about a wrong number. Its name in the table is that of the check. */
+  function describeProblem({ check, limit, lowest }, checkedNumber, rightValue) {
+    const { field, says: messageName } = check;
+    switch (messageName) {
+      case "constant":
+        return messageFor(messageName, field, hex(checkedNumber), hex(rightValue));
+      case "parity":
+        return messageFor(messageName, field, checkedNumber, check.of_name, rightValue);
+      case "no_value":
+        return messageFor(messageName, field, hex(checkedNumber));
+      case "of_other_frame":
+        return messageFor(messageName, field, checkedNumber.toString(16).toUpperCase());
+      case "too_high":
+        return messageFor(messageName, field, checkedNumber, limit);
+      case "outside":
+        return messageFor(messageName, `${field} ${checkedNumber}`, lowest, limit);
+      case "digits":
+        return messageFor(messageName, field, checkedNumber, check.most);
+      default:
+        throw new TypeError(`unknown check ${messageName}`);
+    }
   }
 
   /** Add the reports, the verdict and the differences from the manual to the result of a valid frame or register. */
   function judgeFrame(decoded) {
-    const { at: placedLayout, number } = decoded;
-    const binary = fromGray(placedLayout, number);
-    const isActive = (placedField) => isActiveOrDiffers(placedField, bits(binary, placedField.low, placedField.width));
+    const { placedLayout, number } = decoded;
+    const binary = convertFromGray(placedLayout, number);
+    const isActive = (placedField) => (
+      isActiveOrDiffers(placedField, extractBits(binary, placedField.low, placedField.width)));
     const activeNames = new Set(placedLayout.fields.filter(isActive).map((placedField) => placedField.name));
     const applies = ({ flag, when }) =>
       (when ? when.every((pair) => hasFieldValue(decoded, pair)) : activeNames.has(flag));
-    decoded.reports = placedLayout.tells.filter(applies);
+    decoded.reports = placedLayout.reportCauses.filter(applies);
     if (placedLayout.layout.otherwise) {
-      const decidingCause = placedLayout.speaks.find((cause) =>
+      const decidingCause = placedLayout.verdictCauses.find((cause) =>
         applies(cause) && !(cause.unless ?? []).some((name) => activeNames.has(name)));
       decoded.verdict = decidingCause ? decidingCause.verdict : placedLayout.layout.otherwise;
       if (!hasJudgingBits(placedLayout) && decoded.verdict !== "not_usable") decoded.verdict = "unknown";
@@ -369,22 +413,22 @@
 
   /** Return whether frames of the order code have bits that say whether the position is usable, if others have. */
   function hasJudgingBits({ layout, parameters }) {
-    return layout.judging_bits === undefined || value(layout.judging_bits, parameters) > 0;
+    return layout.judging_bits === undefined || evaluateExpression(layout.judging_bits, parameters) > 0;
   }
 
   /** Return whether a flag is active, or unused bits differ from the manual. */
   function isActiveOrDiffers({ field, width }, raw) {
-    if ("unused" in field) return raw !== (big(field.unused) & ones(width));
+    if ("unused" in field) return raw !== (toBigInt(field.unused) & ones(width));
     return field.kind === "flag" ? raw !== 0n : field.kind === "not_flag" && raw === 0n;
   }
 
   /** Return whether a flag is active (1) or inactive (0), or another field has this value. */
-  function hasFieldValue({ at: placedLayout, number }, [name, wantedNumber]) {
+  function hasFieldValue({ placedLayout, number }, [name, wantedNumber]) {
     const placedField = placedLayout.fields.find((candidate) => candidate.name === name);
-    const raw = placedField && bits(fromGray(placedLayout, number), placedField.low, placedField.width);
+    const raw = placedField && extractBits(convertFromGray(placedLayout, number), placedField.low, placedField.width);
     if (!placedField) return false;
     return isFlag(placedField.field)
-      ? isActiveOrDiffers(placedField, raw) === (wantedNumber === 1) : raw === big(wantedNumber);
+      ? isActiveOrDiffers(placedField, raw) === (wantedNumber === 1) : raw === toBigInt(wantedNumber);
   }
 
   /** Return whether a field is a flag, active high or active low. */
@@ -392,35 +436,36 @@
 
   /** Return a list with the message about a field that differs from its documented value, otherwise an empty list. */
   function findDifference(decoded, { field }) {
-    if (field.equals === undefined || decoded.at.layout.sender === "master") return [];
+    if (field.equals === undefined || decoded.placedLayout.layout.sender === "master") return [];
     const decodedField = decoded.fields.find((candidate) => candidate.name === field.name);
     const isText = typeof field.equals === "string";
     const actual = isText ? decodedField.value : decodedField.raw;
-    const documented = isText ? field.equals : value(field.equals[0], decoded.at.parameters);
+    const documented = isText ? field.equals : evaluateExpression(field.equals[0], decoded.placedLayout.parameters);
     if (actual === documented) return [];
     const [actualText, documentedText] = [actual, documented].map(
       (content) => (isText ? `"${content}"` : hex(content, 2)));
     const name = field.printed || field.name;
-    return [decoded.at.layout.sender
-      ? said("other_value", name, actualText, documentedText)
-      : said("other_content", name, actualText, decoded.at.code, documentedText)];
+    return [decoded.placedLayout.layout.sender
+      ? messageFor("other_value", name, actualText, documentedText)
+      : messageFor("other_content", name, actualText, decoded.placedLayout.code, documentedText)];
   }
 
   /** Return the messages about runs of digits outside their usual range. */
   function findStrangeRuns(decoded) {
-    return (decoded.at.layout.strange ?? []).flatMap(([run, low, high, template]) => {
-      const decodedField = decoded.fields.find((candidate) => candidate.name === run);
-      const isStrange = decodedField && (decodedField.raw < big(low) || decodedField.raw > big(high));
-      return isStrange ? [fillTemplate(template, decodedField.raw)] : [];
+    const strangeRanges = decoded.placedLayout.layout.strange ?? [];
+    return strangeRanges.flatMap(([runName, low, high, template]) => {
+      const run = decoded.fields.find(({ name }) => name === runName);
+      const isStrange = run && (run.raw < toBigInt(low) || run.raw > toBigInt(high));
+      return isStrange ? [fillTemplate(template, run.raw)] : [];
     });
   }
 
   /** Return the names and values of the fields that together hold a number. Excess bits go to the highest field. */
   function splitNumber(parts, number) {
-    const highestBit = Math.max(...parts.map((part) => part.low + (part.item?.width ?? 0)));
-    return parts.filter((part) => part.item).map(({ item: placedField, low }) => {
+    const highestBit = Math.max(...parts.map((part) => part.low + (part.placedField?.width ?? 0)));
+    return parts.filter((part) => part.placedField).map(({ placedField, low }) => {
       const isOpen = low + placedField.width === highestBit || number < 0n;
-      return [placedField.name, isOpen ? number >> BigInt(low) : bits(number, low, placedField.width)];
+      return [placedField.name, isOpen ? number >> BigInt(low) : extractBits(number, low, placedField.width)];
     });
   }
 
@@ -432,38 +477,38 @@
     const parities = placedLayout.fields.filter((placedField) => placedField.field.parity);
     let number = placedLayout.fields.reduce(
       (sum, placedField) => sum | (encodeField(placedField, values) << BigInt(placedField.low)), 0n);
-    number = toGray(placedLayout, number);
+    number = convertToGray(placedLayout, number);
     parities.forEach((placedField) => {
       const coveredFields = placedLayout.fields.filter((candidate) => placedField.field.parity.includes(candidate.name));
-      number |= parityOf(number, coveredFields, placedField.field) << BigInt(placedField.low);
+      number |= computeParity(number, coveredFields, placedField.field) << BigInt(placedField.low);
     });
     if (placedLayout.crc) {
       const crc = placedLayout.family.crcs[placedLayout.crc];
-      number |= computedBy(crc, placedLayout, number) << BigInt(crcField(placedLayout).low);
+      number |= computeCrc(crc, placedLayout, number) << BigInt(findCrcField(placedLayout).low);
     }
     for (const problem of decode(placedLayout, number).problems) throw new Refusal(problem.message);
     return number;
   }
 
   /** Return whether the user provides the value of a field. All others are derived. */
-  const isGiven = ({ field }) => !["crc", "parity", "fixed", "unused"].some((name) => name in field);
+  const isEnteredByUser = ({ field }) => !["crc", "parity", "fixed", "unused"].some((name) => name in field);
 
   /** Return the bits of a field for a value: a number, a boolean or a text. */
   function encodeField(placedField, values) {
     const { field, width } = placedField;
-    if ("fixed" in field) return big(field.fixed) & ones(width);
-    if (!isGiven(placedField)) return big(field.unused) & ones(width);
+    if ("fixed" in field) return toBigInt(field.fixed) & ones(width);
+    if (!isEnteredByUser(placedField)) return toBigInt(field.unused) & ones(width);
     const wantedValue = values[field.name];
     if (field.kind === "flag" || field.kind === "not_flag") return BigInt(wantedValue === (field.kind === "flag"));
     if (field.kind === "text") return encodeText(placedField, wantedValue);
-    const raw = field.zero_means && wantedValue === big(field.zero_means) ? 0n : BigInt.asUintN(width, wantedValue);
+    const raw = field.zero_means && wantedValue === toBigInt(field.zero_means) ? 0n : BigInt.asUintN(width, wantedValue);
     if (interpretRaw({
       ...field, kind: field.kind === "signed" ? "signed" : undefined,
     }, raw, width).value !== wantedValue) {
-      throw new Refusal(said("too_wide", field.name, wantedValue, width));
+      throw new Refusal(messageFor("too_wide", field.name, wantedValue, width));
     }
     if (field.power_of_two && wantedValue & (wantedValue - ONE)) throw new Refusal(
-      said("no_power_of_two", field.name, wantedValue));
+      messageFor("no_power_of_two", field.name, wantedValue));
     return raw;
   }
 
@@ -471,7 +516,7 @@
   function encodeText({ field, width }, text) {
     const characterCodes = [...text].map((character) => character.codePointAt(0));
     if (characterCodes.length !== width / 8 || characterCodes.some((code) => code > 255)) {
-      throw new Refusal(said("too_wide", field.name, `"${text}"`, width));
+      throw new Refusal(messageFor("too_wide", field.name, `"${text}"`, width));
     }
     return numberOf("big", characterCodes);
   }
@@ -481,30 +526,32 @@
     if (!limits || (limits.low === null && limits.high === null)) return;
     const decodedFields = decode(placedLayout, number).fields;
     const limitedNumber = limits.of ? decodedFields.find((candidate) => candidate.name === limits.of).value : number;
-    const boundOf = (limit) => (limit === null ? null : value(limit, placedLayout.parameters));
+    const boundOf = (limit) => (limit === null ? null : evaluateExpression(limit, placedLayout.parameters));
     const [low, high] = [boundOf(limits.low), boundOf(limits.high)];
     if ((low !== null && limitedNumber < low) || (high !== null && limitedNumber > high)) {
-      throw new Refusal(said("outside", limitedNumber, low ?? "the lowest value", high ?? "the highest value"));
+      throw new Refusal(messageFor("outside", limitedNumber, low ?? "the lowest value", high ?? "the highest value"));
     }
   }
 
   /** Return the fields that together hold the one number of a register, such as a position. */
-  function partsOfNumber(placedLayout) {
+  function listPartsOfNumber(placedLayout) {
     const [join] = placedLayout.joins;
-    return join ? join.parts : placedLayout.fields.filter(isGiven).map((placedField) => ({ item: placedField, low: 0 }));
+    if (join) return join.parts;
+    return placedLayout.fields.filter(isEnteredByUser).map((placedField) => ({ placedField, low: 0 }));
   }
 
   /** Return the bytes of a register that holds one number, such as a position, in hex. */
   function bytesOfNumber(placedLayout, number, limits) {
-    return bytesFor(placedLayout, named(Object.fromEntries(splitNumber(partsOfNumber(placedLayout), number))), limits);
+    const namesAndValues = splitNumber(listPartsOfNumber(placedLayout), number);
+    return bytesFor(placedLayout, mergeByName(Object.fromEntries(namesAndValues)), limits);
   }
 
   /** Return the highest number that a register can hold within its limits. */
   function highestNumber(placedLayout, limits) {
-    const partWidths = partsOfNumber(placedLayout).filter((part) => part.item)
-      .map(({ item: placedField, low }) => low + placedField.width - (placedField.field.kind === "signed" ? 1 : 0));
+    const partWidths = listPartsOfNumber(placedLayout).filter((part) => part.placedField)
+      .map(({ placedField, low }) => low + placedField.width - (placedField.field.kind === "signed" ? 1 : 0));
     const [highestInBits, limit] = [ones(Math.max(...partWidths)), limits?.high ?? null];
-    const allowed = limit === null ? highestInBits : value(limit, placedLayout.parameters);
+    const allowed = limit === null ? highestInBits : evaluateExpression(limit, placedLayout.parameters);
     return allowed < highestInBits ? allowed : highestInBits;
   }
 
@@ -512,11 +559,11 @@
   function bytesFor(placedLayout, values, limits) {
     const number = encode(placedLayout, values);
     refuseOutsideLimits(placedLayout, number, limits);
-    return shownBytes(bytesOf(placedLayout.layout.order, number, placedLayout.layout.length));
+    return formatBytes(bytesOf(placedLayout.layout.order, number, placedLayout.layout.length));
   }
 
   /** Return bytes as text: two hex digits each, with spaces. */
-  const shownBytes = (bytes) => bytes.map((byte) => byte.toString(16).toUpperCase().padStart(2, "0")).join(" ");
+  const formatBytes = (bytes) => bytes.map((byte) => byte.toString(16).toUpperCase().padStart(2, "0")).join(" ");
 
   /** Decode the frame in a text with all data channels. Return null if the text is not longer than a single channel. */
   function decodeChannels(orderCode, text, registerContents, answers) {
@@ -532,7 +579,8 @@
     const receivedBits = typedFrame.exact ? typedFrame.bits : Math.max(bits, typedFrame.bits);
     if (receivedBits !== bits) {
       const names = placedChannels.map((placedLayout) => placedLayout.name).join(", ");
-      return { ...otherLength({ ...positionChannel, name: names }, `${bits} bits`, receivedBits), channels: [], bits };
+      const lengthError = createLengthError({ ...positionChannel, name: names }, `${bits} bits`, receivedBits);
+      return { ...lengthError, channels: [], bits };
     }
     return { ...mergeChannels(channels, decodeEachChannel(placedChannels, typedFrame.number, bits)), bits };
   }
@@ -551,10 +599,10 @@
   /** Merge the decoded channels into a whole frame: the errors, reports and fields of all, and their worst verdict. */
   function mergeChannels(channels, decodedChannels) {
     const positionChannel = decodedChannels[channels.position];
-    const nameInFrame = ({ at: placedLayout }, fieldName) => (
-      placedLayout === positionChannel.at ? fieldName : `${placedLayout.name}.${fieldName}`);
+    const nameInFrame = ({ placedLayout }, fieldName) => (
+      placedLayout === positionChannel.placedLayout ? fieldName : `${placedLayout.name}.${fieldName}`);
     const problems = decodedChannels.flatMap((channel) => (
-      channel.problems.map((problem) => ({ ...problem, message: `${channel.at.name}: ${problem.message}` }))));
+      channel.problems.map((problem) => ({ ...problem, message: `${channel.placedLayout.name}: ${problem.message}` }))));
     const comparison = problems.length ? null : compareChannels(channels, decodedChannels);
     const verdicts = decodedChannels.filter((channel) => channel === positionChannel || channel.verdict !== "unknown")
       .map((channel) => channel.verdict);
@@ -576,20 +624,21 @@
   /** Return whether the compared fields agree, and the sentence about them, or null if nothing is compared. */
   function compareChannels(channels, decodedChannels) {
     if (!channels.compared) return null;
-    const bitCount = Number(value(channels.compared_bits, decodedChannels[channels.position].at.parameters));
+    const { parameters } = decodedChannels[channels.position].placedLayout;
+    const bitCount = Number(evaluateExpression(channels.compared_bits, parameters));
     const namedNumbers = channels.compared.map(([channelIndex, fieldName]) => {
-      const { at: placedLayout, fields } = decodedChannels[channelIndex];
+      const { placedLayout, fields } = decodedChannels[channelIndex];
       const field = fields.find((decodedField) => decodedField.name === fieldName);
       return {
         name: `${fieldName} of ${placedLayout.name}`,
         number: field.value >> BigInt(field.high - field.low + 1 - bitCount),
       };
     });
-    const differs = (number, otherNumber) => BigInt.asUintN(bitCount, number - otherNumber) > big(channels.tolerance)
-      && BigInt.asUintN(bitCount, otherNumber - number) > big(channels.tolerance);
+    const differs = (number, otherNumber) => BigInt.asUintN(bitCount, number - otherNumber) > toBigInt(channels.tolerance)
+      && BigInt.asUintN(bitCount, otherNumber - number) > toBigInt(channels.tolerance);
     const agree = !namedNumbers.some(({ number }) => differs(number, namedNumbers[0].number));
     const numbersText = namedNumbers.map(({ name, number }) => `${name} ${hex(number)}`).join(" and ");
-    return { agree, words: said(agree ? "compared" : "compared_not", bitCount, numbersText) };
+    return { agree, words: messageFor(agree ? "compared" : "compared_not", bitCount, numbersText) };
   }
 
   /** A text that is not an order code; the message names the wrong part. ``isClose`` is as in the Python code. */
@@ -647,7 +696,7 @@
   /** Return the order code on a label if it is one of this family. Throws ``UnknownCode`` with help. */
   function readLabelOfFamily(family, label) {
     if (label.length > LONGEST_LABEL) {
-      throw new UnknownCode(said("too_long", label.slice(0, 20), label.length, LONGEST_LABEL), true);
+      throw new UnknownCode(messageFor("too_long", label.slice(0, 20), label.length, LONGEST_LABEL), true);
     }
     const code = removeBlanks(label).toUpperCase();
     for (const spelling of family.labels.written) {
@@ -660,18 +709,19 @@
   /** Return the order code of a label whose parts a spelling of the family has matched, with notes about its tail. */
   function resolveOrderCode(family, spelling, groups, code) {
     const { parts, pattern } = family.labels;
-    const texts = named(Object.fromEntries(parts.map(({ name }) => {
+    const texts = mergeByName(Object.fromEntries(parts.map(({ name }) => {
       const spelledText = spelling.values?.[name]?.[groups[name].toUpperCase()];
       return [name, spelledText ?? groups[name]];
     })));
-    const values = named(Object.fromEntries(parts.map((part) => [part.name, findListedValue(part, texts[part.name])])));
+    const namesAndValues = parts.map((part) => [part.name, findListedValue(part, texts[part.name])]);
+    const values = mergeByName(Object.fromEntries(namesAndValues));
     const row = findFittingRow(family, values);
     if (!row) throw new UnknownCode(describeClash(family, code, texts, values), true);
     const unlisted = parts.map((part) => part.name).filter((name) => values[name] === undefined);
     const listedCode = orderCodeOfRow(family, row);
     return {
       ...listedCode,
-      code: unlisted.length ? fillPattern(pattern, named(texts, omitUndefined(values))) : listedCode.code,
+      code: unlisted.length ? fillPattern(pattern, mergeByName(texts, omitUndefined(values))) : listedCode.code,
       unlisted,
       tail: groups.tail_ ?? "",
       isSpecial: groups.special_ !== undefined,
@@ -703,7 +753,7 @@
     if (!partsByRow.has(row)) {
       const { groups } = compileRegex(family.labels.written[0].label).exec(removeBlanks(row[0]));
       const listed = family.labels.parts.map((part) => [part.name, findListedValue(part, groups[part.name])]);
-      partsByRow.set(row, named(Object.fromEntries(listed)));
+      partsByRow.set(row, mergeByName(Object.fromEntries(listed)));
     }
     return partsByRow.get(row);
   }
@@ -711,9 +761,9 @@
   /** Return the message about an order code whose parts are listed but exclude each other. */
   function describeClash(family, code, texts, values) {
     const names = family.labels.parts.filter((part) => part.values.some(
-      (candidate) => findFittingRow(family, named(values, { [part.name]: candidate })))).map((part) => part.name);
+      (candidate) => findFittingRow(family, mergeByName(values, { [part.name]: candidate })))).map((part) => part.name);
     const namedParts = names.map((name) => `${name} '${values[name] ?? texts[name]}'`).join(" and ") || "its parts";
-    return said("cannot_be_combined", code, namedParts, listNearestCodes([family], code));
+    return messageFor("cannot_be_combined", code, namedParts, listNearestCodes([family], code));
   }
 
   /** Return the error about a text with one part left out or unlisted, or about a text that is far from every code. */
@@ -724,17 +774,17 @@
       if (!groups || !hasOtherText(groups, part, code)) return [];
       const unlisted = parts.filter(
         (other) => other !== part && findListedValue(other, groups[other.name]) === undefined);
-      return [{ part, given: groups[part.name], rank: 2 * unlisted.length + (groups[part.name] ? 1 : 0) }];
+      return [{ part, partText: groups[part.name], rank: 2 * unlisted.length + (groups[part.name] ? 1 : 0) }];
     });
     if (!candidates.length) {
       return new UnknownCode(
-        said("not_of_family", code, family.name.toUpperCase(), listNearestCodes([family], code)), false);
+        messageFor("not_of_family", code, family.name.toUpperCase(), listNearestCodes([family], code)), false);
     }
-    const { part, given: partText } = candidates.reduce(
+    const { part, partText } = candidates.reduce(
       (best, candidate) => (candidate.rank < best.rank ? candidate : best));
-    const partProblem = partText ? said("has_part", part.name, partText) : said("has_no_part", part.name);
+    const partProblem = partText ? messageFor("has_part", part.name, partText) : messageFor("has_no_part", part.name);
     return new UnknownCode(
-      said("wrong_part", code, partProblem, part.values.join(", "), listNearestCodes([family], code)), true);
+      messageFor("wrong_part", code, partProblem, part.values.join(", "), listNearestCodes([family], code)), true);
   }
 
   /** Return whether a label has letters or digits of the family, apart from a wrong part and the tail. */
@@ -747,9 +797,9 @@
   /** Return the message about a text that is far from the codes of every family, with the nearest codes. */
   function describeUnknownLabel(text) {
     const family = TABLE.families.find((candidate) => candidate.name === text.trim().toLowerCase());
-    if (family) return said("family", text, family.codes[0][0]);
+    if (family) return messageFor("family", text, family.codes[0][0]);
     const nearestCodes = listNearestCodes(TABLE.families, text, TABLE.limits.likeness);
-    return said("unknown", text) + (nearestCodes ? said("nearest", nearestCodes) : "");
+    return messageFor("unknown", text) + (nearestCodes ? messageFor("nearest", nearestCodes) : "");
   }
 
   /** List the three most similar codes, with commas. ``leastLikeness`` is from 0 to 1. */
@@ -786,8 +836,9 @@
 
   /** Return the order code of a row of the table, which is [code, index of its interface, values of the parameters]. */
   function orderCodeOfRow(family, [code, interfaceIndex, ...values]) {
-    const parameters = named(Object.fromEntries((family.given ?? []).map((name, index) => [name, big(values[index])])));
-    return { code, family, interface: family.interfaces[interfaceIndex], given: parameters };
+    const namesAndValues = (family.given ?? []).map((name, index) => [name, toBigInt(values[index])]);
+    const parameters = mergeByName(Object.fromEntries(namesAndValues));
+    return { code, family, interface: family.interfaces[interfaceIndex], parameters };
   }
 
   /** Interfaces that a line can begin with. */
@@ -800,13 +851,13 @@
     spi: ["position_word", "Position word"], rs485: ["reply", "Reply"],
   };
   /** Verdict of an active flag, by its effect. */
-  const LINE_EFFECT_VERDICTS = named({ error: "not_usable", warning: "usable_with_warning", status: "usable" });
+  const LINE_EFFECT_VERDICTS = mergeByName({ error: "not_usable", warning: "usable_with_warning", status: "usable" });
   /** Meaning of an active flag, by its verdict. */
   const LINE_VERDICT_MEANINGS = {
     not_usable: "an error is active", usable_with_warning: "a warning is active", usable: "the bit is active",
   };
   /** Unit and meaning of the fields with a number that the measured position consists of, by name. */
-  const LINE_NUMBER_UNITS = named({
+  const LINE_NUMBER_UNITS = mergeByName({
     position: ["counts", "Position"], singleturn: ["counts", "Position within one revolution"],
     multiturn: ["revolutions", "Number of revolutions"],
   });
@@ -959,13 +1010,13 @@
   }
 
   /** Options that are a word, by that word: their interfaces, their member in the options of a line, and its value. */
-  const LINE_KEYWORDS = named({
+  const LINE_KEYWORDS = mergeByName({
     gray: [["biss", "ssi", "spi"], "isGray", true], binary: [LINE_INTERFACES, "isGray", false],
     left: [["ssi"], "alignment", "msb_left"], right: [["ssi"], "alignment", "lsb_right"],
     low_byte_first: [["spi", "rs485"], "order", "little"], high_byte_first: [["spi", "rs485"], "order", "big"],
   });
   /** Options with a value, by name: their interfaces, the function that parses the value or returns null, an example. */
-  const LINE_SETTINGS = named({
+  const LINE_SETTINGS = mergeByName({
     clock: [["biss", "ssi", "spi"], parseHertz, "clock=1MHz"],
     mode: [["spi"], (text) => (/^[0-3]$/.test(text) ? Number(text) : null), "mode=1"],
     baud: [["rs485"], parsePositive, "baud=2500000"], request: [["rs485"], parseRequest, "request=1A"],
@@ -1322,13 +1373,13 @@
   /** Return whether a field has the same bits in every frame. */
   const isConstant = (field) => field.kind === "zero" || field.kind === "constant";
   /** Count the ones in a number. */
-  const onesIn = (number) => number.toString(2).replaceAll("0", "").length;
+  const countOnes = (number) => number.toString(2).replaceAll("0", "").length;
 
   /** Return the other fields of a parity bit that change, and whether their number of ones must be odd with it. */
   function findParityCoverage(field, sentFields) {
     const otherFields = sentFields.filter((other) => !["parity", "crc"].includes(other.kind));
     const constantOnes = otherFields.filter((other) => other.kind === "constant")
-      .reduce((sum, constant) => sum + onesIn(constant.value), 0);
+      .reduce((sum, constant) => sum + countOnes(constant.value), 0);
     return {
       covered: otherFields.filter((other) => !isConstant(other)), isOdd: (Number(field.isOdd) + constantOnes) % 2,
     };
@@ -1414,7 +1465,8 @@
         "start_value", `the start value of the CRC is ${hex(startValue)}`, parametersWith({ init: startValue })]),
       ...(isOverBytes ? buildOtherBytePolynomials(parametersWith)
         : [buildReversedPolynomial(width, poly, parametersWith)])];
-    const powers = Array.from({ length: width }, (_, index) => width - 1 - index).filter((power) => bits(poly, power, 1));
+    const powers = Array.from({ length: width }, (_, index) => width - 1 - index)
+      .filter((power) => extractBits(poly, power, 1));
     const polynomialText = [width, ...powers].map((power) => ["1", "x"][power] ?? `x^${power}`).join(" + ");
     const isDifferent = ([, , crc]) => JSON.stringify(crc) !== JSON.stringify(ownParameters);
     return {
@@ -1425,7 +1477,7 @@
 
   /** List all zeros, all ones, and the start values of known CRCs with the polynomial, except that of the CRC itself. */
   function listOtherStartValues(width, poly, init) {
-    const hasPolynomial = ([knownPolynomial]) => big(knownPolynomial) === (poly | (ONE << BigInt(width)));
+    const hasPolynomial = ([knownPolynomial]) => toBigInt(knownPolynomial) === (poly | (ONE << BigInt(width)));
     const startValues = new Set([
       0n, ones(width), ...TABLE.known_crcs.filter(hasPolynomial).map(([, knownInit]) => BigInt(knownInit))]);
     return [...startValues].filter((startValue) => startValue !== init)
@@ -1443,8 +1495,8 @@
   /** Build the similar CRCs over bytes with the usual polynomials, in both bit orders. */
   function buildOtherBytePolynomials(parametersWith) {
     return TABLE.byte_polynomials.flatMap((polynomial) => {
-      const poly = big(polynomial) & 0xFFn;
-      const text = `the polynomial is ${hex(big(polynomial))}`;
+      const poly = toBigInt(polynomial) & 0xFFn;
+      const text = `the polynomial is ${hex(toBigInt(polynomial))}`;
       return [["other_polynomial", `${text}, most significant bit first`, parametersWith({ poly })],
         ["other_polynomial", `${text}, least significant bit first`, parametersWith({ poly, refin: ONE, refout: ONE })]];
     });
@@ -1544,7 +1596,7 @@
   }
 
   /** A line to begin with, by interface. */
-  const FIRST_LINES = named({
+  const FIRST_LINES = mergeByName({
     biss: "biss:position=32,error,warning,crc=6:0x43", ssi: "ssi,gray:multiturn=12,singleturn=13",
     spi: "spi:position=14,error=high,parity=even", rs485: "rs485,low_byte_first:status=8,position=24,crc=8:0x101",
   });
@@ -1653,29 +1705,29 @@
 
   /** Create an input with its label. ``onChange`` gets its text. */
   const createSmallInput = (label, text, onChange, attributes = {}) => {
-    const input = element("input", { autocomplete: "off", spellcheck: "false", ...attributes });
+    const input = createElement("input", { autocomplete: "off", spellcheck: "false", ...attributes });
     input.value = text ?? "";
     input.addEventListener("input", () => onChange(input.value.trim()));
-    return element("label", {}, `${label} `, input);
+    return createElement("label", {}, `${label} `, input);
   };
   /** Create a checkbox with its label. ``onChange`` gets whether it is on. */
   const createCheckbox = (label, isOn, onChange) => {
-    const input = element("input", { type: "checkbox" });
+    const input = createElement("input", { type: "checkbox" });
     input.checked = Boolean(isOn);
     input.addEventListener("change", () => onChange(input.checked));
-    return element("label", {}, input, ` ${label}`);
+    return createElement("label", {}, input, ` ${label}`);
   };
   /** Create a selection with its label. A choice is [value, text], and ``onChange`` gets the value. */
   const createSelection = (label, choices, selectedValue, onChange) => {
-    const select = element("select", {},
+    const select = createElement("select", {},
       choices.map(([, choiceText], choiceIndex) => createOption(`${choiceIndex}`, choiceText)));
     select.value = `${Math.max(choices.findIndex(([choiceValue]) => choiceValue === selectedValue), 0)}`;
     select.addEventListener("change", () => onChange(choices[Number(select.value)][0]));
-    return element("label", {}, `${label} `, select);
+    return createElement("label", {}, `${label} `, select);
   };
   /** Create a button. ``ariaLabel`` is its name for screen readers, if its text is a symbol. */
   const createButton = (text, onClick, ariaLabel) => {
-    const button = element("button", { type: "button", "aria-label": ariaLabel }, text);
+    const button = createElement("button", { type: "button", "aria-label": ariaLabel }, text);
     button.addEventListener("click", onClick);
     return button;
   };
@@ -1747,12 +1799,14 @@
     };
     const fieldLabel = `field ${fieldIndex + 1}, ${title}`;
     const [upButton, downButton] = [
-      createButton("↑", moveBy(-1), `Move up ${fieldLabel}`), createButton("↓", moveBy(1), `Move down ${fieldLabel}`)];
+      createButton("↑", moveBy(-1), `Move up ${fieldLabel}`),
+      createButton("↓", moveBy(1), `Move down ${fieldLabel}`)];
     upButton.disabled = fieldIndex === 0;
     downButton.disabled = fieldIndex === form.fields.length - 1;
-    const buttons = part("span", "moves", upButton, downButton, createButton("✕", remove, `Remove ${fieldLabel}`));
-    return element("li", {}, element("fieldset", {}, element("legend", {}, title),
-      part("div", "row", createLineFieldInputs(field, onChange, redraw), buttons)));
+    const removeButton = createButton("✕", remove, `Remove ${fieldLabel}`);
+    const buttons = createPart("span", "moves", upButton, downButton, removeButton);
+    return createElement("li", {}, createElement("fieldset", {}, createElement("legend", {}, title),
+      createPart("div", "row", createLineFieldInputs(field, onChange, redraw), buttons)));
   }
 
   /** Create the inputs of the options that the interface of the line has. */
@@ -1764,7 +1818,7 @@
     };
     const choices = LINE_CHOICES.filter(([, , interfaces]) => interfaces.includes(form.interface));
     const textOptions = LINE_TEXTS.filter(([name]) => LINE_SETTINGS[name][0].includes(form.interface));
-    return part("div", "row",
+    return createPart("div", "row",
       choices.map(([member, legend, , values]) =>
         createSelection(legend, values, form.options[member] ?? "", setterOf(member))),
       textOptions.map(([name, legend]) => createSmallInput(legend, form.options[name], setterOf(name), { size: "9" })));
@@ -1777,8 +1831,9 @@
   function createLineBuilder(readBox, writeBox) {
     let form = formOf(FIRST_LINES.biss);
     let writtenLine = "";
-    const body = part("div", "builder");
-    const root = element("details", {}, element("summary", {}, "No order code? Describe the frame by clicking"), body);
+    const body = createPart("div", "builder");
+    const summary = createElement("summary", {}, "No order code? Describe the frame by clicking");
+    const root = createElement("details", {}, summary, body);
 
     /** Write the line of the form into the box. */
     const writeLine = () => {
@@ -1821,9 +1876,9 @@
         }));
       const interfaceChoices = LINE_INTERFACES.map((name) => [name, LINE_TITLES[name]]);
       body.replaceChildren(
-        part("div", "row", createSelection("Interface", interfaceChoices, form.interface, changeInterface)),
-        createOptionRow(form, writeLine), part("p", "hint", "Fields in the order sent, first bit first:"),
-        element("ol", {}, fieldRows), part("div", "new", addButtons));
+        createPart("div", "row", createSelection("Interface", interfaceChoices, form.interface, changeInterface)),
+        createOptionRow(form, writeLine), createPart("p", "hint", "Fields in the order sent, first bit first:"),
+        createElement("ol", {}, fieldRows), createPart("div", "new", addButtons));
     }
 
     /** Follow the text of the box, unless the form wrote it. */
@@ -1881,10 +1936,10 @@
 
   /** Return the text of a frame, cleared of brackets, quotes and other marks of the program that it was copied from. */
   function checked(text) {
-    if (text.length > TABLE.limits.text) throw new FrameText(said("frame_too_long"));
+    if (text.length > TABLE.limits.text) throw new FrameText(messageFor("frame_too_long"));
     const plainText = PASTED_SPELLINGS.reduce(
       (cleaned, [pattern, replacement]) => cleaned.replace(pattern, replacement), text).trim();
-    if (!plainText) throw new FrameText(said("frame_empty"));
+    if (!plainText) throw new FrameText(messageFor("frame_empty"));
     return plainText;
   }
 
@@ -1892,10 +1947,10 @@
   function bytesIn(text) {
     return text.split(/\s+/).flatMap((piece) => {
       const digits = piece.replace(/^0x/i, "");
-      if (!/^[0-9a-f]+$/i.test(digits)) throw new FrameText(said("not_hex", quoteText(piece)));
+      if (!/^[0-9a-f]+$/i.test(digits)) throw new FrameText(messageFor("not_hex", quoteText(piece)));
       const evenDigits = digits !== piece && digits.length === 1 ? `0${digits}` : digits;
-      if (evenDigits.length === 1) throw new FrameText(said("one_digit", quoteText(piece), digits));
-      if (evenDigits.length % 2) throw new FrameText(said("odd", quoteText(piece)));
+      if (evenDigits.length === 1) throw new FrameText(messageFor("one_digit", quoteText(piece), digits));
+      if (evenDigits.length % 2) throw new FrameText(messageFor("odd", quoteText(piece)));
       return evenDigits.match(/../g).map((byte) => parseInt(byte, 16));
     });
   }
@@ -1909,7 +1964,7 @@
     if (/^0b[01]+$/i.test(compactText)) return makeTypedFrame(compactText, compactText.length - 2, true);
     const pieces = text.split(/\s+/);
     if (pieces.length > 1 && pieces.every((piece) => /^(0x)?[0-9a-f]{2}$/i.test(piece))) {
-      if (/^[01]+$/.test(pieces.join(""))) throw new FrameText(said("bits_or_bytes", quoteText(text)));
+      if (/^[01]+$/.test(pieces.join(""))) throw new FrameText(messageFor("bits_or_bytes", quoteText(text)));
       compactText = "0x" + pieces.map((piece) => piece.slice(-2)).join("");
       const writtenBits = 8 * pieces.length;
       if (areBytesExact && (writtenBits < bitCount || writtenBits >= bitCount + 8)) return makeTypedFrame(
@@ -1925,8 +1980,9 @@
     if (meanings.length === 1 && compactText.length === bitCount && /^[01]+$/.test(compactText)) {
       return makeTypedFrame(`0b${compactText}`, bitCount, true);
     }
-    const remedy = meanings.length ? said("write_one_of", meanings.join(", ")) : said("write_number", bitCount);
-    throw new FrameText(said("no_bits", quoteText(text), bitCount, remedy));
+    const remedy = meanings.length
+      ? messageFor("write_one_of", meanings.join(", ")) : messageFor("write_number", bitCount);
+    throw new FrameText(messageFor("no_bits", quoteText(text), bitCount, remedy));
   }
 
   /**
@@ -1946,9 +2002,9 @@
     const isDecimal = /^(0|[1-9][0-9]{0,39})$/.test(digits) && fits(BigInt(digits));
     const isHexadecimal = /^[0-9a-f]{1,40}$/i.test(digits) && fits(BigInt(`0x${digits}`));
     return [
-      ...(isDecimal ? [said("if_decimal", `0x${BigInt(digits).toString(16).toUpperCase()}`)] : []),
-      ...(isHexadecimal ? [said("if_hex", digits)] : []),
-      ...(/^[01]{1,96}$/.test(digits) ? [said("if_bits", digits)] : []),
+      ...(isDecimal ? [messageFor("if_decimal", `0x${BigInt(digits).toString(16).toUpperCase()}`)] : []),
+      ...(isHexadecimal ? [messageFor("if_hex", digits)] : []),
+      ...(/^[01]{1,96}$/.test(digits) ? [messageFor("if_bits", digits)] : []),
     ];
   }
 
@@ -1971,8 +2027,8 @@
       }
     };
     const meanings = /^[0-9a-f]+$/i.test(plainText) ? listMeanings(plainText, MOST_FRAME_BITS).join(", ") : "";
-    const remedy = meanings ? said("write_one_of", meanings) : said("write_any");
-    if (!isReadable(numberIn) && !isReadable(bytesIn)) return said("no_order_code", quoteText(plainText), remedy);
+    const remedy = meanings ? messageFor("write_one_of", meanings) : messageFor("write_any");
+    if (!isReadable(numberIn) && !isReadable(bytesIn)) return messageFor("no_order_code", quoteText(plainText), remedy);
     return `this frame is not valid for any order code${meanings ? `. ${remedy}` : ""}`;
   }
 
@@ -1982,17 +2038,18 @@
     const sentBits = placedLayout.bits - (placedLayout.layout.fill ?? 0);
     if (digits.length !== sentBits) {
       throw new FrameText(
-        said("no_bits", quoteText(text), sentBits, said("write_bits", sentBits, placedLayout.bits / 8)));
+        messageFor("no_bits", quoteText(text), sentBits, messageFor("write_bits", sentBits, placedLayout.bits / 8)));
     }
     return digits.padStart(placedLayout.bits, "0").match(/.{8}/g).map((byte) => parseInt(byte, 2));
   }
 
   /** Return the parameters of an order code by name, from the contents of registers and the answers of the user. */
   function computeParameters(orderCode, registerContents = {}, answers = {}) {
-    const parameters = named(orderCode.given, registerContents);
+    const parameters = mergeByName(orderCode.parameters, registerContents);
     for (const alternative of orderCode.family.alternatives ?? []) {
-      const answer = alternative.answers.find(([parameterName]) => parameterName === answers[alternative.name]);
-      for (const [parameterName, number] of Object.entries(answer?.[2] ?? {})) parameters[parameterName] = big(number);
+      const answer = alternative.answers.find(([answerName]) => answerName === answers[alternative.name]);
+      const numberByParameter = answer?.[2] ?? {};
+      for (const [name, number] of Object.entries(numberByParameter)) parameters[name] = toBigInt(number);
     }
     return resolveParameters(orderCode.family, parameters);
   }
@@ -2006,7 +2063,7 @@
   }
 
   /**
-   * Decode the frame in a text. ``orderCode`` is {code, family, interface, given}. ``senderAndName`` is "encoder" or
+   * Decode the frame in a text. ``orderCode`` is {code, family, interface, parameters}. ``senderAndName`` is "encoder" or
    * "master", with a colon and the name of the frame where that is needed.
    */
   function decodeFrame(orderCode, senderAndName, text, registerContents, answers) {
@@ -2019,12 +2076,12 @@
     const [interface_, plainText] = [orderCode.interface, checked(text)];
     const wholeFrame = sender === "encoder" && !layoutName
       ? decodeChannels(orderCode, plainText, registerContents, answers) : null;
-    if (wholeFrame) return { ...wholeFrame, over: interface_ };
+    if (wholeFrame) return { ...wholeFrame, interface: interface_ };
     if (!layouts[0].order) {
       const placedLayout = placedFor(orderCode, layouts[0], registerContents, answers);
       return {
         ...decodeBits(placedLayout, numberIn(plainText, placedLayout.bits, orderCode.interface.exact?.includes(sender))),
-        over: interface_,
+        interface: interface_,
       };
     }
     const isWrittenInBits = interface_.name !== "rs485" && /^0b[01_]+$/i.test(plainText);
@@ -2033,23 +2090,24 @@
     const layoutOrFailure = layoutName ? { layout: layouts[0] } : identifyLayout(orderCode.interface, sender, bytes);
     const decoded = layoutOrFailure.layout
       ? decodeBytes(placedFor(orderCode, layoutOrFailure.layout, registerContents, answers), bytes) : layoutOrFailure;
-    return { ...decoded, data: bytes, over: interface_, label: orderCode, sender };
+    return { ...decoded, receivedBytes: bytes, interface: interface_, orderCode, sender };
   }
 
   /** Return the placed layouts of the other frames that a text can be, if the frame lacks a selector. */
   function otherFrames(orderCode, sender, text, decoded, registerContents, answers) {
     const { frames, told: selectors = [] } = orderCode.interface;
     const hasSelector = selectors.some((selector) => selector.sender === sender);
-    if (!decoded.at || hasSelector) return [];
+    if (!decoded.placedLayout || hasSelector) return [];
     const hasOtherLength = decoded.problems.some((problem) => problem.fault === "length");
-    return frames.filter((layout) => layout.sender === sender && layout !== decoded.at.layout
-      && !layout.order === !decoded.at.layout.order
+    return frames.filter((layout) => layout.sender === sender && layout !== decoded.placedLayout.layout
+      && !layout.order === !decoded.placedLayout.layout.order
       && !layout.asks?.some((question) => !(question in answers))).flatMap((layout) => {
       try {
-        const { at: placedLayout, problems } = decodeFrame(
+        const { placedLayout, problems } = decodeFrame(
           orderCode, `${sender}:${layout.name}`, text, registerContents, answers);
         // Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
-        return !problems.length && (hasOtherLength || placedLayout.bits === decoded.at.bits) ? [placedLayout] : [];
+        const mayHaveLength = hasOtherLength || placedLayout.bits === decoded.placedLayout.bits;
+        return !problems.length && mayHaveLength ? [placedLayout] : [];
       } catch (error) {
         if (error instanceof FrameText) return [];
         throw error;
@@ -2061,9 +2119,9 @@
   function decodeBits(placedLayout, typedFrame) {
     const hasOtherBitCount = typedFrame.exact && typedFrame.bits !== placedLayout.bits;
     return {
-      ...(hasOtherBitCount ? otherLength(placedLayout, `${placedLayout.bits} bits`, typedFrame.bits)
+      ...(hasOtherBitCount ? createLengthError(placedLayout, `${placedLayout.bits} bits`, typedFrame.bits)
         : decode(placedLayout, typedFrame.number)),
-      given: typedFrame,
+      typedFrame,
     };
   }
 
@@ -2073,7 +2131,7 @@
     if (!selector) return { layout: interface_.frames.find((layout) => layout.sender === sender) };
     const fallbackLayout = interface_.frames[selector.fallback];
     if (bytes.length < selector.needs) {
-      const message = said("too_few_bytes", counted(bytes.length, "byte"));
+      const message = messageFor("too_few_bytes", countWithNoun(bytes.length, "byte"));
       return fallbackLayout ? { layout: fallbackLayout } : makeFailedFrame("length", "", message);
     }
     const selectorValue = selector.pieces.reduce(
@@ -2087,7 +2145,7 @@
     const allowedValues = selector.frames.flatMap(([, ...selectorValues]) => selectorValues)
       .sort((first, second) => first - second).map(formatUpper);
     return makeFailedFrame("range", selector.selector,
-      said("no_frame", selector.selector, formatUpper(selectorValue), allowedValues.join(", ")));
+      messageFor("no_frame", selector.selector, formatUpper(selectorValue), allowedValues.join(", ")));
   }
 
   /** Return the result of a frame whose layout is open, with its problem. */
@@ -2099,8 +2157,8 @@
   function decodeRegister(orderCode, register, text, registerContents, answers) {
     const bytes = bytesIn(checked(text));
     if (bytes.length !== register.length) {
-      const [neededBytes, receivedBytes] = [counted(register.length, "byte"), counted(bytes.length, "byte")];
-      throw new FrameText(said("register_length", register.name, neededBytes, receivedBytes));
+      const [neededBytes, receivedBytes] = [countWithNoun(register.length, "byte"), countWithNoun(bytes.length, "byte")];
+      throw new FrameText(messageFor("register_length", register.name, neededBytes, receivedBytes));
     }
     return decodeBytes(placedFor(orderCode, register, registerContents, answers), bytes);
   }
@@ -2126,11 +2184,11 @@
       throw error;
     }
     if (decoded.problems.length) return;
-    const { at: placedLayout } = decoded;
+    const { placedLayout } = decoded;
     const fieldPlaces = placedLayout.fields.map((placedField) => [placedField.name, placedField.low, placedField.width]);
     const groupKey = JSON.stringify([orderCode.family.name, placedLayout.name, placedLayout.gray !== null, fieldPlaces]);
     const { family, interface: interface_ } = orderCode;
-    if (!groups.has(groupKey)) groups.set(groupKey, { decoded, sender, over: interface_, family, codes: [] });
+    if (!groups.has(groupKey)) groups.set(groupKey, { decoded, sender, interface: interface_, family, codes: [] });
     groups.get(groupKey).codes.push(orderCode.code);
   }
 
@@ -2141,35 +2199,51 @@
   // An explanation that matches fewer random frames than one in this many is as good as certain.
   const CERTAIN_ONE_IN = 65536n;
 
+  /** Return {receivedNumber, bitCount}: what was received as a number, first byte or bit highest, and its bits. */
+  function measureReceived({ placedLayout, typedFrame, number, receivedBytes }) {
+    if (receivedBytes) return { receivedNumber: joinBytes(receivedBytes), bitCount: 8 * receivedBytes.length };
+    const bitCount = typedFrame?.exact ? typedFrame.bits : Math.max(placedLayout?.bits ?? 0, typedFrame?.bits ?? 0);
+    return { receivedNumber: typedFrame?.number ?? number, bitCount };
+  }
+
+  /** Return whether a frame with equal bits is valid by its CRC or, as the length alone proves little, its constants. */
+  function isValidWithEqualBits(placedLayout, problems, level) {
+    if (!placedLayout) return false;
+    if (placedLayout.crc) return !problems.length;
+    return hasRightConstants(placedLayout, level ? ones(placedLayout.bits) : 0n);
+  }
+
   /** Return the text about a dead line, or "" if the line changes. */
-  function deadLine({ at: placedLayout, given: typedFrame, number, data, problems, over: interface_ }) {
-    if (placedLayout?.layout.length !== undefined) return "";
-    const wordBits = typedFrame?.exact ? typedFrame.bits : Math.max(placedLayout?.bits ?? 0, typedFrame?.bits ?? 0);
-    const bitCount = data ? 8 * data.length : wordBits;
-    const receivedNumber = data ? data.reduce((sum, byte) => (sum << 8n) | BigInt(byte), 0n)
-      : typedFrame?.number ?? number;
-    if (bitCount < LEAST_EQUAL_BITS || (receivedNumber !== 0n && receivedNumber !== ones(bitCount))) return "";
+  function deadLine(decoded) {
+    const { placedLayout, problems, interface: interface_ } = decoded;
+    const isRegister = placedLayout?.layout.length !== undefined;
+    if (isRegister) return "";
+    const { receivedNumber, bitCount } = measureReceived(decoded);
+    const hasEqualBits = receivedNumber === 0n || receivedNumber === ones(bitCount);
+    if (bitCount < LEAST_EQUAL_BITS || !hasEqualBits) return "";
     const level = receivedNumber ? 1 : 0;
-    const doubt = placedLayout?.crc ? "and the CRC is correct too" : "and there is no CRC to distinguish it";
-    // Without a CRC, the length alone proves nothing.
-    const mayBeFrame = placedLayout && (
-      placedLayout.crc ? !problems.length
-        : hasRightConstants(placedLayout, receivedNumber ? ones(placedLayout.bits) : 0n));
-    return mayBeFrame ? `Every bit is ${level}. A dead line looks the same, ${doubt}.`
-      : `Every bit is ${level}: the line never changes. Check for ${level ? "a broken wire" : "a short circuit"}, `
-        + `the supply and ${interface_?.name === "rs485" ? "wires A and B" : "the clock"}.`;
+    if (isValidWithEqualBits(placedLayout, problems, level)) {
+      const doubt = placedLayout.crc ? "and the CRC is correct too" : "and there is no CRC to distinguish it";
+      return `Every bit is ${level}. A dead line looks the same, ${doubt}.`;
+    }
+    const lineFault = level ? "a broken wire" : "a short circuit";
+    const otherCause = interface_?.name === "rs485" ? "wires A and B" : "the clock";
+    return `Every bit is ${level}: the line never changes. Check for ${lineFault}, the supply and ${otherCause}.`;
   }
 
   /** Return the bits that make the frame valid if one of them is inverted: the usual cause if only some frames fail. */
-  function findDisturbedBits({ at: placedLayout, number, problems }) {
-    if (!placedLayout?.crc || problems[0]?.fault === "length"
-      || !problems.some((problem) => problem.fault === "crc")) return [];
-    const { low, width } = crcField(placedLayout);
+  function findDisturbedBits({ placedLayout, number, problems }) {
+    const hasWrongCrc = problems.some((problem) => problem.fault === "crc");
+    if (!placedLayout?.crc || problems[0]?.fault === "length" || !hasWrongCrc) return [];
+    const { low, width } = findCrcField(placedLayout);
     const crc = placedLayout.family.crcs[placedLayout.crc];
-    const isValid = (candidate) => computedBy(crc, placedLayout, candidate) === bits(candidate, low, width)
-      && hasRightConstants(placedLayout, candidate);
-    return [...Array(placedLayout.bits).keys()].filter((bit) => isValid(number ^ (ONE << BigInt(bit))));
+    const isValid = (frameNumber) => computeCrc(crc, placedLayout, frameNumber) === extractBits(frameNumber, low, width)
+      && hasRightConstants(placedLayout, frameNumber);
+    return listNumbersBelow(placedLayout.bits).filter((bit) => isValid(number ^ (ONE << BigInt(bit))));
   }
+
+  /** Return the numbers from 0 to ``count`` - 1. */
+  const listNumbersBelow = (count) => [...Array(count).keys()];
 
   /** Return the mistakes that explain the frame, most likely first, each with its random frames per match. */
   const explained = (decoded) => findExplanations(decoded).merged;
@@ -2179,48 +2253,66 @@
    * one. ``isWithPairs`` also tries two mistakes if a single one matches.
    */
   function findExplanations(decoded, isWithPairs = false) {
-    const { at: placedLayout, given: typedFrame, data, problems } = decoded;
-    const hasFault = (...faults) => problems.some((problem) => faults.includes(problem.fault));
+    const { placedLayout, typedFrame, receivedBytes, problems } = decoded;
     const noExplanations = { merged: [], all: [] };
     if (!problems.length || deadLine(decoded)) return noExplanations;
-    if (data) {
-      if (placedLayout && !hasFault("crc", "length", "constant")) return noExplanations;
-      const hypotheses = tryMistakesInBytes(decoded);
-      return hasCrcInBytes(decoded) ? explainWithCrc(hypotheses, [], isWithPairs) : explainWithoutCrc(hypotheses);
+    const hasExplainableFault = problems.some(({ fault }) => ["crc", "length", "constant"].includes(fault));
+    if (receivedBytes) {
+      const isExplainable = !placedLayout || hasExplainableFault;
+      return isExplainable ? explainBytes(decoded, isWithPairs) : noExplanations;
     }
-    if (!placedLayout || !typedFrame || !hasFault("crc", "length", "constant")) return noExplanations;
+    const isExplainable = placedLayout && typedFrame && hasExplainableFault;
+    return isExplainable ? explainBits(decoded, isWithPairs) : noExplanations;
+  }
+
+  /** Return the explanations of a frame of bytes, {merged, all}. */
+  function explainBytes(decoded, isWithPairs) {
+    const hypotheses = tryMistakesInBytes(decoded);
+    return hasCrcInBytes(decoded) ? explainWithCrc(hypotheses, [], isWithPairs) : explainWithoutCrc(hypotheses);
+  }
+
+  /** Return the explanations of a frame of bits, {merged, all}. */
+  function explainBits({ placedLayout, typedFrame, problems }, isWithPairs) {
     const crc = placedLayout.crc && placedLayout.family.crcs[placedLayout.crc];
-    if (!crc) return explainWithoutCrc([
-      ...tryMovedFrames(placedLayout, null, typedFrame), ...tryRearrangedFrames(placedLayout, null, typedFrame)]);
-    const refuted = typedFrame.bits > placedLayout.bits || (typedFrame.exact && typedFrame.bits !== placedLayout.bits)
-      ? [] : [createHypothesisAsSent(placedLayout, crc, typedFrame.number)];
-    if (hasFault("crc", "length")) return explainWithCrc(
-      tryMistakesInBits(placedLayout, crc, typedFrame), refuted, isWithPairs);
-    const fittingFrames = [
+    if (!crc) {
+      return explainWithoutCrc([
+        ...tryMovedFrames(placedLayout, null, typedFrame), ...tryRearrangedFrames(placedLayout, null, typedFrame)]);
+    }
+    const hasOtherLength = typedFrame.bits > placedLayout.bits
+      || (typedFrame.exact && typedFrame.bits !== placedLayout.bits);
+    // A frame of this length is wrong as sent, and so are the hypotheses that match the same frames.
+    const refuted = hasOtherLength ? [] : [createHypothesisAsSent(placedLayout, crc, typedFrame.number)];
+    if (problems.some(({ fault }) => fault === "crc" || fault === "length")) {
+      return explainWithCrc(tryMistakesInBits(placedLayout, crc, typedFrame), refuted, isWithPairs);
+    }
+    // Only constants are wrong, so the frame has other bits around it or another order.
+    const fittingHypotheses = [
       ...tryRearrangedFrames(placedLayout, crc, typedFrame), ...tryMovedFrames(placedLayout, crc, typedFrame),
     ].filter(fitsFrame);
-    const significant = selectSignificant(fittingFrames, refuted);
-    return significant.length ? explainWithCrc(significant, [], isWithPairs) : noExplanations;
+    const significant = selectSignificant(fittingHypotheses, refuted);
+    return significant.length ? explainWithCrc(significant, [], isWithPairs) : { merged: [], all: [] };
   }
 
   /** Return whether any frame in bytes from the sender has a CRC. */
-  const hasCrcInBytes = ({ label: orderCode, over: interface_, sender }) => !orderCode
+  const hasCrcInBytes = ({ orderCode, interface: interface_, sender }) => !orderCode
     || interface_.frames.some((layout) => layout.order && layout.sender === sender && layout.crc);
 
   /** Return the part that a recording without a complete frame lacks, or "". */
   function missingPart(decoded) {
-    const { at: placedLayout, given: typedFrame, problems } = decoded;
-    if (!typedFrame || !problems.some((problem) => problem.fault === "length")
-      || deadLine(decoded) || mayHaveBits(typedFrame, placedLayout.bits)) return "";
+    const { placedLayout, typedFrame, problems } = decoded;
+    const hasWrongLength = problems.some((problem) => problem.fault === "length");
+    if (!typedFrame || !hasWrongLength || deadLine(decoded) || mayHaveBits(typedFrame, placedLayout.bits)) return "";
     const crc = placedLayout.crc && placedLayout.family.crcs[placedLayout.crc];
-    const isFoundByRule = (hypothesis) => hypothesis.kind !== TABLE.inside[0] && fitsFrame(hypothesis)
-      && (!crc || hypothesis.known + hypothesis.demanded >= LEAST_BITS);
+    const isSignificant = (hypothesis) => !crc || isSignificantWithCrc(hypothesis);
+    const isFoundByRule = (hypothesis) => (
+      hypothesis.kind !== TABLE.inside[0] && fitsFrame(hypothesis) && isSignificant(hypothesis));
     if (tryMovedFrames(placedLayout, crc, typedFrame).some(isFoundByRule)) return "";
-    for (const [text, pattern] of lineRulesOf(placedLayout)?.incomplete ?? []) {
+    for (const [template, pattern] of lineRulesOf(placedLayout)?.incomplete ?? []) {
       const match = matchRecording(pattern, placedLayout, writeReceivedBits(placedLayout, typedFrame));
       const bitCount = match?.groups?.frame?.length ?? 0;
-      if (match && bitCount < placedLayout.bits) return fillTemplate(
-        text, bitCount, placedLayout.bits, placedLayout.bits - bitCount);
+      if (match && bitCount < placedLayout.bits) {
+        return fillTemplate(template, bitCount, placedLayout.bits, placedLayout.bits - bitCount);
+      }
     }
     return "";
   }
@@ -2252,22 +2344,37 @@
    * Explanations of frames with the same kind and template are one mistake.
    */
   function findCommonMistakes(explanationLists) {
-    const explanationsByKey = new Map();
+    const explanationsByMistake = new Map();
     for (const explanations of explanationLists) {
-      const likeliestByKey = new Map([...explanations].reverse().map(
-        (explanation) => [`${explanation.kind} ${explanation.template} ${explanation.isTwice}`, explanation]));
-      for (const [key, explanation] of likeliestByKey) explanationsByKey.set(
-        key, [...explanationsByKey.get(key) ?? [], explanation]);
+      for (const [mistakeKey, explanation] of likeliestByMistake(explanations)) {
+        const explanationsOfEarlier = explanationsByMistake.get(mistakeKey) ?? [];
+        explanationsByMistake.set(mistakeKey, [...explanationsOfEarlier, explanation]);
+      }
     }
-    const mostFrames = Math.max(0, ...[...explanationsByKey.values()].map((explanations) => explanations.length));
-    return [...explanationsByKey.values()].filter((explanations) => explanations.length === mostFrames)
-      .map((explanations) => ({
-        text: new Set(explanations.map((explanation) => explanation.text)).size === 1 ? explanations[0].text
-          : fillTemplate(explanations[0].template.replace("({0}) ", ""), "some"),
-        frames: mostFrames,
-        oneIn: explanations.reduce((product, explanation) => product * explanation.oneIn, ONE),
-        score: computeCommonScore(explanations),
-      })).sort((mistake, otherMistake) => otherMistake.score - mistake.score);
+    const explanationsOfMistakes = [...explanationsByMistake.values()];
+    const mostFrames = Math.max(0, ...explanationsOfMistakes.map((explanations) => explanations.length));
+    return explanationsOfMistakes.filter((explanations) => explanations.length === mostFrames)
+      .map(mergeExplanations)
+      .sort((mistake, otherMistake) => otherMistake.score - mistake.score);
+  }
+
+  /** Return the likeliest explanation of a frame by mistake, from its explanations in order of their likelihood. */
+  function likeliestByMistake(explanations) {
+    // The first explanation of a mistake overwrites the later ones.
+    return new Map([...explanations].reverse().map(
+      (explanation) => [`${explanation.kind} ${explanation.template} ${explanation.isTwice}`, explanation]));
+  }
+
+  /** Merge the explanations of several frames by the same mistake: {text, frames, oneIn, score}. */
+  function mergeExplanations(explanations) {
+    const texts = new Set(explanations.map((explanation) => explanation.text));
+    const commonText = fillTemplate(explanations[0].template.replace("({0}) ", ""), "some");
+    return {
+      text: texts.size === 1 ? explanations[0].text : commonText,
+      frames: explanations.length,
+      oneIn: explanations.reduce((product, explanation) => product * explanation.oneIn, ONE),
+      score: computeCommonScore(explanations),
+    };
   }
 
   /** Return the interface that carries the frame. */
@@ -2282,20 +2389,21 @@
   // -- hypotheses
 
   /**
-   * Create the hypothesis that a mistake was made, from the members that its kind needs. The CRC covers the ``size`` bits
-   * of ``data``, and ``received`` are the first ``known`` bits of the received CRC. The mistake determines ``demanded``
-   * other bits, and ``holds`` is true if they are right. ``fixed`` counts the right constant bits, ``lost`` the last bits
-   * that were cut off, and ``places`` the places at which the frame was searched.
+   * Create the hypothesis that a mistake was made, from the members that its kind needs. The CRC covers the
+   * ``coveredBits`` bits of ``coveredData``, and ``receivedCrc`` has the first ``crcBitsReceived`` bits of the received
+   * CRC. The mistake determines ``otherBitsRequired`` other bits, and ``isConsistent`` is true if they are right.
+   * ``rightConstantBits`` counts the right constant bits, ``missingLowBits`` the last bits that were cut off, and
+   * ``placeCount`` the places at which the frame was searched.
    */
   const createHypothesis = (members) => ({
-    template: members.text, data: 0n, size: 0, received: 0n, known: 0, demanded: 0, holds: true, fixed: 0, likelihood: 1,
-    lost: 0, parts: [], places: 1, ...members,
+    template: members.text, coveredData: 0n, coveredBits: 0, receivedCrc: 0n, crcBitsReceived: 0, otherBitsRequired: 0,
+    isConsistent: true, rightConstantBits: 0, likelihood: 1, missingLowBits: 0, parts: [], placeCount: 1, ...members,
   });
 
   /** Return whether a frame with the mistake has these bits: the ones that it determines, and the CRC. */
   function fitsFrame({
-    crc, holds: isConsistent, isOfBytes, data: coveredData, size: coveredBits, known: crcBitsReceived,
-    received: receivedCrc,
+    crc, isConsistent, isOfBytes, coveredData, coveredBits, crcBitsReceived,
+    receivedCrc,
   }) {
     if (!isConsistent || !crc) return isConsistent;
     const computedCrc = isOfBytes ? crcOfBytes(crc, bytesOf("big", coveredData, coveredBits / 8))
@@ -2304,52 +2412,62 @@
   }
 
   /** Return the number of random frames of which one matches the hypothesis by chance, at least 1. */
-  const countFramesPerMatch = ({ known: crcBitsReceived, demanded: otherBitsRequired, places: placeCount }) => {
+  const countFramesPerMatch = ({ crcBitsReceived, otherBitsRequired, placeCount }) => {
     const framesPerMatch = ONE << BigInt(crcBitsReceived + otherBitsRequired);
     return framesPerMatch > BigInt(placeCount) ? framesPerMatch / BigInt(placeCount) : ONE;
   };
   /** Return the likelihood of a mistake that matches: its frequency times the improbability of the match by chance. */
   const computeScore = ({
-    kind, known: crcBitsReceived, demanded: otherBitsRequired, fixed: rightConstantBits, likelihood, places: placeCount,
+    kind, crcBitsReceived, otherBitsRequired, rightConstantBits, likelihood, placeCount,
   }) => (TABLE.likely.kinds[kind] * likelihood
     * 2 ** (crcBitsReceived + Math.max(otherBitsRequired, rightConstantBits))) / placeCount;
 
   /** Return the key of a hypothesis. Hypotheses with the same key match the same frames. */
   function matchKeyOf({
-    crc, data: coveredData, size: coveredBits, received: receivedCrc, known: crcBitsReceived,
+    crc, coveredData, coveredBits, receivedCrc, crcBitsReceived,
   }) {
     const crcKey = crc && ["width", "poly", "init", "refin", "refout", "xorout"]
-      .map((name) => `${big(crc[name])}`).join(" ");
-    return `${crcKey} ${coveredData} ${crc && big(crc.init) ? coveredBits : 0} ${receivedCrc} ${crcBitsReceived}`;
+      .map((name) => `${toBigInt(crc[name])}`).join(" ");
+    return `${crcKey} ${coveredData} ${crc && toBigInt(crc.init) ? coveredBits : 0} ${receivedCrc} ${crcBitsReceived}`;
   }
+
+  /** Return whether a hypothesis has enough bits to contradict it, so that few random frames match. */
+  const isSignificantWithCrc = ({ crcBitsReceived, otherBitsRequired }) => (
+    crcBitsReceived + otherBitsRequired >= LEAST_BITS);
 
   /** The tries that do not match too many random frames, without those known to fail. */
   function selectSignificant(hypotheses, refuted) {
     const refutedKeys = new Set(refuted.map(matchKeyOf));
-    return hypotheses.filter((hypothesis) => hypothesis.known + hypothesis.demanded >= LEAST_BITS
-      && !refutedKeys.has(matchKeyOf(hypothesis)));
+    const isRefuted = (hypothesis) => refutedKeys.has(matchKeyOf(hypothesis));
+    return hypotheses.filter((hypothesis) => isSignificantWithCrc(hypothesis) && !isRefuted(hypothesis));
   }
 
   /** Select the likeliest of the hypotheses that lead to the same frame. */
   function selectDistinct(hypotheses) {
     const likeliestByKey = new Map();
     for (const hypothesis of hypotheses) {
-      const fieldPlaces = hypothesis.at && [
-        hypothesis.at.bits,
-        ...hypothesis.at.fields.map((placedField) => `${placedField.name} ${placedField.low}`),
-      ].join(" ");
-      const resultKey = (
-        `${matchKeyOf(hypothesis)} ${hypothesis.at ? `${hypothesis.number} ${fieldPlaces}` : hypothesis.text}`);
+      const resultKey = `${matchKeyOf(hypothesis)} ${describeResult(hypothesis)}`;
       const likeliest = likeliestByKey.get(resultKey);
-      const isLikelier = !likeliest || (hypothesis.holds === likeliest.holds
-        ? computeScore(hypothesis) > computeScore(likeliest) : hypothesis.holds);
-      if (isLikelier) likeliestByKey.set(resultKey, hypothesis);
+      if (!likeliest || isLikelier(hypothesis, likeliest)) likeliestByKey.set(resultKey, hypothesis);
     }
     return [...likeliestByKey.values()];
   }
 
+  /** Return the frame and the places of its fields as text, or the text of a mistake that leaves the frame as it is. */
+  function describeResult({ placedLayout, number, text }) {
+    if (!placedLayout) return text;
+    const fieldPlaces = placedLayout.fields.map(({ name, low }) => `${name} ${low}`);
+    return [number, placedLayout.bits, ...fieldPlaces].join(" ");
+  }
+
+  /** Return whether a hypothesis is likelier than another: consistent in contrast to it, or else with a higher score. */
+  function isLikelier(hypothesis, other) {
+    if (hypothesis.isConsistent !== other.isConsistent) return hypothesis.isConsistent;
+    return computeScore(hypothesis) > computeScore(other);
+  }
+
   /** Return a hypothesis that fits as an explanation, with its chance and score. ``isTwice`` marks two mistakes. */
-  const toExplanation = (hypothesis, isTwice = false) => (
+  const toExplanation = (hypothesis, isTwice) => (
     { ...hypothesis, isTwice, oneIn: countFramesPerMatch(hypothesis), score: computeScore(hypothesis) });
   /** Sort the explanations in place, most likely first. */
   const sortByScore = (explanations) => (
@@ -2360,76 +2478,83 @@
     const significant = selectSignificant(hypotheses, refuted);
     const unrepeated = significant.filter((hypothesis) => !hypothesis.isRepeated);
     const distinct = selectDistinct(unrepeated);
-    const merged = distinct.filter(fitsFrame).map((hypothesis) => toExplanation(hypothesis));
-    const all = significant.filter(fitsFrame).map((hypothesis) => toExplanation(hypothesis));
-    if (isWithPairs || merged.every((explanation) => explanation.kind === TABLE.inside[0])) {
-      const pairs = selectSignificant(unrepeated.filter((hypothesis) => (
-        hypothesis.crc && !["crc_not_inverted", TABLE.inside[0]].includes(hypothesis.kind)))
-        .map(pairWithInversion), refuted);
-      const explainPairs = (pairHypotheses) => (
-        pairHypotheses.filter(fitsFrame).map((hypothesis) => toExplanation(hypothesis, true)));
-      merged.push(...explainPairs(selectDistinct([...distinct, ...pairs]).slice(distinct.length)));
-      all.push(...explainPairs(pairs));
+    const merged = explainFitting(distinct, false);
+    const all = explainFitting(significant, false);
+    // A frame found at any bit is weak evidence.
+    const isFoundInsideOnly = merged.every((explanation) => explanation.kind === TABLE.inside[0]);
+    if (isWithPairs || isFoundInsideOnly) {
+      const canBePaired = ({ crc, kind }) => crc && !["crc_not_inverted", TABLE.inside[0]].includes(kind);
+      const pairs = selectSignificant(unrepeated.filter(canBePaired).map(pairWithInversion), refuted);
+      // A pair that leads to the same frame as a single mistake is left out.
+      const distinctPairs = selectDistinct([...distinct, ...pairs]).slice(distinct.length);
+      merged.push(...explainFitting(distinctPairs, true));
+      all.push(...explainFitting(pairs, true));
     }
     return { merged: sortByScore(merged), all: sortByScore(all) };
   }
 
+  /** Return the hypotheses that fit the frame as explanations. ``isTwice`` marks pairs of mistakes. */
+  const explainFitting = (hypotheses, isTwice) => (
+    hypotheses.filter(fitsFrame).map((hypothesis) => toExplanation(hypothesis, isTwice)));
+
   /** Pair the mistake with the most common one, a CRC that is inverted or that should be. */
   function pairWithInversion(hypothesis) {
-    const textName = big(hypothesis.crc.xorout) ? "not_inverted_too" : "inverted_too";
+    const textName = toBigInt(hypothesis.crc.xorout) ? "not_inverted_too" : "inverted_too";
     const template = fillTemplate(TABLE.texts[textName], hypothesis.template);
-    const crc = { ...hypothesis.crc, xorout: big(hypothesis.crc.xorout) ^ ones(hypothesis.crc.width) };
+    const crc = { ...hypothesis.crc, xorout: toBigInt(hypothesis.crc.xorout) ^ ones(hypothesis.crc.width) };
     return { ...hypothesis, crc, template, text: fillTemplate(TABLE.texts[textName], hypothesis.text) };
   }
 
   /** The readings of a frame without a CRC. Nothing proves one of them. */
   function explainWithoutCrc(hypotheses) {
-    const all = sortByScore(hypotheses.filter(fitsFrame).map((hypothesis) => toExplanation(hypothesis)));
+    const all = sortByScore(explainFitting(hypotheses, false));
     const numbers = all.map((explanation) => explanation.number);
     return { all, merged: all.filter((explanation, index) => numbers.indexOf(explanation.number) === index) };
   }
 
   /** Return the bits that the CRC covers, shifted to bit 0, and how many they are. */
   function coveredBitsOf(placedLayout, number) {
-    const { width } = crcField(placedLayout);
+    const { width } = findCrcField(placedLayout);
     const [low, bitCount] = placedLayout.layout.crc_of ?? [width, placedLayout.bits - width];
-    return { data: bits(number, low, bitCount), size: bitCount };
+    return { coveredData: extractBits(number, low, bitCount), coveredBits: bitCount };
   }
 
   /** Create the hypothesis that the frame is as sent, to which the caller adds the mistake. */
   function createHypothesisAsSent(placedLayout, crc, number) {
     return createHypothesis({
-      crc, ...coveredBitsOf(placedLayout, number), received: bits(number, 0, crc.width), known: crc.width,
-      fixed: hasRightConstants(placedLayout, number) ? countConstantBits(placedLayout) : 0,
+      crc, ...coveredBitsOf(placedLayout, number),
+      receivedCrc: extractBits(number, 0, crc.width), crcBitsReceived: crc.width,
+      rightConstantBits: hasRightConstants(placedLayout, number) ? countConstantBits(placedLayout) : 0,
       likelihood: computeLikelihood(placedLayout, number), text: "",
     });
   }
 
   /**
-   * The frame was this number, whose last bits were not received.
-   * These ``lost`` bits belong to the CRC, of which the others are compared. In a frame that lacks a CRC, the first lost
-   * bits with which constants and parity are right are assumed.
+   * The frame was this number, whose last ``missingLowBits`` bits were not received.
+   * These bits belong to the CRC, of which the others are compared. In a frame that lacks a CRC, the first lost bits with
+   * which constants and parity are right are assumed.
    */
   function createFrameHypothesis(
     placedLayout, crc, kind, text, frameNumber,
-    { lost: missingLowBits = 0, demanded: otherBitsRequired = 0, holds: isConsistent = true, ...otherMembers } = {},
+    { missingLowBits = 0, otherBitsRequired = 0, isConsistent = true, ...otherMembers } = {},
   ) {
     if (!crc) {
       const completedFrames = [...Array(1 << missingLowBits).keys()].map((lastBits) => frameNumber | BigInt(lastBits));
       const number = completedFrames.find((candidate) => hasRightConstants(placedLayout, candidate)) ?? frameNumber;
       return createHypothesis({
-        kind, text, at: placedLayout, number, lost: missingLowBits, data: number, size: placedLayout.bits,
+        kind, text, placedLayout, number, missingLowBits, coveredData: number, coveredBits: placedLayout.bits,
         likelihood: computeLikelihood(placedLayout, number),
-        demanded: otherBitsRequired + Math.max(countConstantBits(placedLayout) - missingLowBits, 0),
-        holds: isConsistent && hasRightConstants(placedLayout, number), ...otherMembers,
+        otherBitsRequired: otherBitsRequired + Math.max(countConstantBits(placedLayout) - missingLowBits, 0),
+        isConsistent: isConsistent && hasRightConstants(placedLayout, number), ...otherMembers,
       });
     }
     return createHypothesis({
-      kind, text, crc, at: placedLayout, number: frameNumber, lost: missingLowBits,
+      kind, text, crc, placedLayout, number: frameNumber, missingLowBits,
       ...coveredBitsOf(placedLayout, frameNumber), likelihood: computeLikelihood(placedLayout, frameNumber),
-      received: bits(frameNumber, 0, crc.width) >> BigInt(missingLowBits), known: crc.width - missingLowBits,
-      demanded: otherBitsRequired + countConstantBits(placedLayout),
-      holds: isConsistent && hasRightConstants(placedLayout, frameNumber), ...otherMembers,
+      receivedCrc: extractBits(frameNumber, 0, crc.width) >> BigInt(missingLowBits),
+      crcBitsReceived: crc.width - missingLowBits,
+      otherBitsRequired: otherBitsRequired + countConstantBits(placedLayout),
+      isConsistent: isConsistent && hasRightConstants(placedLayout, frameNumber), ...otherMembers,
     });
   }
 
@@ -2446,7 +2571,7 @@
     typedFrame.exact ? typedFrame.bits === bitCount : typedFrame.bits <= bitCount);
   /** Return whether a placed field is error or warning: a flag, or an unused bit that is 1. */
   const isStatusField = ({ field, width }) => (
-    isFlag(field) || ("unused" in field && Boolean(big(field.unused)) && width === 1));
+    isFlag(field) || ("unused" in field && Boolean(toBigInt(field.unused)) && width === 1));
 
   /** Try every single mistake that could have turned a valid frame into this one. */
   function tryMistakesInBits(placedLayout, crc, typedFrame) {
@@ -2468,14 +2593,16 @@
     const hypotheses = (crc.others ?? []).map(
       ([kind, text, parameters]) => withMistake(kind, text, { crc: parameters }));
     hypotheses.push(withMistake(
-      "crc_reversed", TABLE.texts.crc_reversed, { received: reflected(asSent.received, crc.width) }));
+      "crc_reversed", TABLE.texts.crc_reversed, { receivedCrc: reverseBits(asSent.receivedCrc, crc.width) }));
     if (placedLayout.layout.crc_of) return hypotheses;
     const startBitRules = interfaceOf(placedLayout)?.name === "biss" ? TABLE.start_bits : [];
+    const coverStartBits = ([startBits, text]) => withMistake("start_bits_in_crc", text, {
+      coveredData: (BigInt(`0b${startBits}`) << BigInt(asSent.coveredBits)) | asSent.coveredData,
+      coveredBits: asSent.coveredBits + startBits.length });
     return [
       ...hypotheses, ...tryOtherStatus(placedLayout, asSent, number, withMistake),
       ...tryOtherPositionCode(placedLayout, asSent, number, withMistake),
-      ...startBitRules.map(([startBits, text]) => withMistake("start_bits_in_crc", text, {
-        data: (BigInt(`0b${startBits}`) << BigInt(asSent.size)) | asSent.data, size: asSent.size + startBits.length }))];
+      ...startBitRules.map(coverStartBits)];
   }
 
   /** Return the bits of error and warning in a frame, set to 1. */
@@ -2486,30 +2613,31 @@
   function tryOtherStatus(placedLayout, asSent, number, withMistake) {
     const statusMask = statusMaskOf(placedLayout);
     if (!statusMask) return [];
-    const crcWidth = BigInt(asSent.known);
-    const remainingBits = [...Array(asSent.size).keys()].reverse()
-      .filter((bit) => !bits(statusMask >> crcWidth, bit, 1));
-    const remainingData = remainingBits.reduce((sum, bit) => (sum << ONE) | bits(asSent.data, bit, 1), 0n);
+    const crcWidth = BigInt(asSent.crcBitsReceived);
+    const remainingBits = [...Array(asSent.coveredBits).keys()].reverse()
+      .filter((bit) => !extractBits(statusMask >> crcWidth, bit, 1));
+    const remainingData = remainingBits.reduce((sum, bit) => (sum << ONE) | extractBits(asSent.coveredData, bit, 1), 0n);
     return [
       withMistake("status_left_out", TABLE.texts.status_left_out, {
-        data: remainingData, size: remainingBits.length }),
+        coveredData: remainingData, coveredBits: remainingBits.length }),
       withMistake("status_turned", TABLE.texts.status_turned, {
-        data: (number ^ statusMask) >> crcWidth, likelihood: computeLikelihood(placedLayout, number ^ statusMask) }),
+        coveredData: (number ^ statusMask) >> crcWidth,
+        likelihood: computeLikelihood(placedLayout, number ^ statusMask) }),
     ];
   }
 
   /** Find the bits of the number that a master would convert from Gray code: their low bit and width. */
   function findConvertedBits({ layout, fields, joins, family, parameters }) {
     if (layout.gray) {
-      return {
-        low: Number(value(layout.gray.low ?? 0, parameters)), width: Number(value(layout.gray.width, parameters)) };
+      const evaluate = (expression) => Number(evaluateExpression(expression, parameters));
+      return { low: evaluate(layout.gray.low ?? 0), width: evaluate(layout.gray.width) };
     }
-    const joinedFields = joins[0]?.parts.map(({ item }) => item).filter(Boolean);
+    const joinedFields = joins[0]?.parts.map(({ placedField }) => placedField).filter(Boolean);
     if (joinedFields) {
       const width = joinedFields.reduce((sum, placedField) => sum + placedField.width, 0);
       return { low: joinedFields[0]?.low ?? 0, width };
     }
-    const isNumber = ({ field }) => isGiven({ field }) && (field.kind === undefined || field.kind === "signed");
+    const isNumber = ({ field }) => isEnteredByUser({ field }) && (field.kind === undefined || field.kind === "signed");
     return fields.filter(isNumber).reduce(
       (widest, placedField) => (placedField.width > widest.width ? placedField : widest), { low: 0, width: 0 });
   }
@@ -2518,11 +2646,11 @@
   function tryOtherPositionCode(placedLayout, asSent, number, withMistake) {
     const { low, width } = findConvertedBits(placedLayout);
     if (!width) return [];
-    const position = bits(number, low, width);
+    const position = extractBits(number, low, width);
     const otherBits = number ^ (position << BigInt(low));
     const coverConverted = (converted, text) => withMistake("other_code", text, {
-      data: (otherBits | (converted << BigInt(low))) >> BigInt(asSent.known) });
-    return [coverConverted(plainOf(position), TABLE.texts.covers_binary),
+      coveredData: (otherBits | (converted << BigInt(low))) >> BigInt(asSent.crcBitsReceived) });
+    return [coverConverted(grayToBinary(position), TABLE.texts.covers_binary),
       coverConverted(position ^ (position >> ONE), TABLE.texts.covers_gray)];
   }
 
@@ -2533,11 +2661,11 @@
     const hypotheses = [];
     if (possibleLengthsOf(placedLayout, typedFrame).includes(placedLayout.bits)) {
       hypotheses.push(assumeFrame("all_inverted", typedFrame.number ^ ones(placedLayout.bits)),
-        assumeFrame("bits_reversed", reflected(typedFrame.number, placedLayout.bits)));
+        assumeFrame("bits_reversed", reverseBits(typedFrame.number, placedLayout.bits)));
       if (placedLayout.bits % 8 === 0) {
         const bytes = bytesOf("big", typedFrame.number, placedLayout.bits / 8);
         hypotheses.push(assumeFrame(
-          "bits_reversed_in_bytes", numberOf("big", bytes.map((byte) => reflected(BigInt(byte), 8)))));
+          "bits_reversed_in_bytes", numberOf("big", bytes.map((byte) => reverseBits(BigInt(byte), 8)))));
       }
     }
     const tryByteOrder = (kind, unitBits, reorder) => {
@@ -2546,9 +2674,9 @@
         && (typedFrame.bits === placedLayout.bits || typedFrame.bits === filledBits);
       if (typedFrame.number >> BigInt(filledBits) || (typedFrame.exact && !isWholeBytes)) return;
       const filledFrame = numberOf("big", reorder(bytesOf("big", typedFrame.number, filledBits / 8)));
-      const frameNumber = bits(filledFrame, 0, placedLayout.bits);
+      const frameNumber = extractBits(filledFrame, 0, placedLayout.bits);
       hypotheses.push(assumeFrame(kind, frameNumber, {
-        demanded: filledBits - placedLayout.bits, holds: frameNumber === filledFrame }));
+        otherBitsRequired: filledBits - placedLayout.bits, isConsistent: frameNumber === filledFrame }));
     };
     tryByteOrder("bytes_reversed", 8, (bytes) => bytes.reverse());
     if (placedLayout.bits > 16) tryByteOrder(
@@ -2559,7 +2687,7 @@
   /** Error and warning are missing: removed after the CRC was computed, or before. */
   function tryRemovedStatus(placedLayout, crc, typedFrame) {
     const statusMask = statusMaskOf(placedLayout);
-    const statusBits = onesIn(statusMask);
+    const statusBits = countOnes(statusMask);
     const shortBits = placedLayout.bits - statusBits;
     if (!statusMask || statusMask >> BigInt(crc.width) !== ones(statusBits)
       || !mayHaveBits(typedFrame, shortBits)) return [];
@@ -2567,25 +2695,25 @@
       && (placedField.field.kind === "not_flag" || "unused" in placedField.field))
       .reduce((mask, { low, width }) => mask | (ones(width) << BigInt(low)), 0n);
     const data = typedFrame.number >> BigInt(crc.width);
-    const receivedCrc = bits(typedFrame.number, 0, crc.width);
+    const receivedCrc = extractBits(typedFrame.number, 0, crc.width);
     const frameNumber = (data << BigInt(crc.width + statusBits)) | idleStatus | receivedCrc;
     const asIdle = createFrameHypothesis(
       placedLayout, crc, "status_not_sent", TABLE.texts.removed_and_idle, frameNumber);
     if (!typedFrame.exact) return [asIdle];
     return [asIdle, createHypothesis({
-      kind: "status_not_sent", text: TABLE.texts.removed, crc, data, size: shortBits - crc.width,
-      received: receivedCrc, known: crc.width, likelihood: computeLikelihood(placedLayout, frameNumber),
-      number: frameNumber, at: placedLayout })];
+      kind: "status_not_sent", text: TABLE.texts.removed, crc, coveredData: data, coveredBits: shortBits - crc.width,
+      receivedCrc, crcBitsReceived: crc.width, likelihood: computeLikelihood(placedLayout, frameNumber),
+      number: frameNumber, placedLayout })];
   }
 
   /** Try data of the right length before a CRC of another length: complete, truncated, or followed by zeros. */
   function tryOtherPolynomials(placedLayout, crc, typedFrame) {
     const dataBits = placedLayout.bits - crc.width;
     return TABLE.polynomials.flatMap((polynomial) => {
-      const withTopBit = big(polynomial);
+      const withTopBit = toBigInt(polynomial);
       const width = bitLength(withTopBit) - 1;
-      if (withTopBit === (big(crc.poly) | (ONE << BigInt(crc.width)))) return [];
-      const onesIfSet = (number) => (big(number) ? ones(width) : 0n);
+      if (withTopBit === (toBigInt(crc.poly) | (ONE << BigInt(crc.width)))) return [];
+      const onesIfSet = (number) => (toBigInt(number) ? ones(width) : 0n);
       const otherCrc = {
         ...crc, width, poly: withTopBit & ones(width), init: onesIfSet(crc.init), xorout: onesIfSet(crc.xorout) };
       const lengths = [...new Set([dataBits + width, placedLayout.bits])];
@@ -2598,7 +2726,7 @@
   /** Try another CRC behind the first ``dataBits`` of the ``length`` bits of ``number``. */
   function tryPolynomialWithLength(placedLayout, crc, otherCrc, number, length, dataBits) {
     const tailBits = length - dataBits;
-    const [data, tail] = [number >> BigInt(tailBits), bits(number, 0, tailBits)];
+    const [data, tail] = [number >> BigInt(tailBits), extractBits(number, 0, tailBits)];
     const crcBitsReceived = Math.min(otherCrc.width, tailBits);
     const zeroCount = Math.max(tailBits - otherCrc.width, 0);
     const frameNumber = data << BigInt(crc.width);
@@ -2610,10 +2738,11 @@
       : zeroCount ? fillTemplate(TABLE.texts.then_zeros, polynomialText) : polynomialText;
     const hasFrameLength = length === placedLayout.bits;
     return createHypothesis({
-      kind: "other_polynomial", text, crc: otherCrc, data, size: dataBits, received: tail >> BigInt(zeroCount),
-      known: crcBitsReceived, demanded: zeroCount + (hasFrameLength ? 0 : countConstantBits(placedLayout)),
-      holds: !bits(tail, 0, zeroCount) && (hasFrameLength || areConstantsRight),
-      fixed: zeroCount + (areConstantsRight ? countConstantBits(placedLayout) : 0),
+      kind: "other_polynomial", text, crc: otherCrc, coveredData: data, coveredBits: dataBits,
+      receivedCrc: tail >> BigInt(zeroCount),
+      crcBitsReceived, otherBitsRequired: zeroCount + (hasFrameLength ? 0 : countConstantBits(placedLayout)),
+      isConsistent: !extractBits(tail, 0, zeroCount) && (hasFrameLength || areConstantsRight),
+      rightConstantBits: zeroCount + (areConstantsRight ? countConstantBits(placedLayout) : 0),
       likelihood: computeLikelihood(placedLayout, frameNumber),
     });
   }
@@ -2622,7 +2751,7 @@
   function computeLikelihood(placedLayout, number) {
     const { idle, active } = TABLE.likely;
     return placedLayout.fields.reduce((product, placedField) => {
-      const isActive = isActiveOrDiffers(placedField, bits(number, placedField.low, placedField.width));
+      const isActive = isActiveOrDiffers(placedField, extractBits(number, placedField.low, placedField.width));
       if (isFlag(placedField.field)) return product * (isActive ? active : idle);
       if ("unused" in placedField.field) return product * (isActive ? active : idle ** placedField.width);
       return product;
@@ -2641,26 +2770,33 @@
     const lineRules = lineRulesOf(placedLayout);
     if (!lineRules) return [];
     const receivedText = writeReceivedBits(placedLayout, typedFrame);
+    const mayBeEcho = mayHaveBits(typedFrame, placedLayout.bits);
     const commandHypotheses = [
-      ...(mayHaveBits(typedFrame, placedLayout.bits) ? tryEcho(placedLayout, typedFrame.number) : []),
+      ...(mayBeEcho ? tryEcho(placedLayout, typedFrame.number) : []),
       ...tryLeftOutCommand(placedLayout, crc, typedFrame)];
-    const hypothesesByRule = [
-      ...possibleLengthsOf(placedLayout, typedFrame).flatMap((length) => (
-        lineRules.slips.flatMap((offset) => tryOffset(placedLayout, crc, typedFrame, length, offset)))),
-      ...lineRules.recordings.flatMap((recording) => tryRecording(placedLayout, crc, receivedText, recording)),
-    ];
-    if (!crc || hypothesesByRule.some(fitsFrame)) return [...commandHypotheses, ...hypothesesByRule];
-    const placeCount = Math.max(receivedText.length - placedLayout.bits + 1, 0);
+    const offsetHypotheses = possibleLengthsOf(placedLayout, typedFrame).flatMap((length) => (
+      lineRules.slips.flatMap((offset) => tryOffset(placedLayout, crc, typedFrame, length, offset))));
+    const hypotheses = [
+      ...commandHypotheses, ...offsetHypotheses,
+      ...lineRules.recordings.flatMap((recording) => tryRecording(placedLayout, crc, receivedText, recording))];
+    const isFoundByRule = hypotheses.slice(commandHypotheses.length).some(fitsFrame);
+    return crc && !isFoundByRule ? [...hypotheses, ...tryFrameAtEveryBit(placedLayout, crc, receivedText)] : hypotheses;
+  }
+
+  /** Try the frame at each bit of ``receivedText``, which are the bits in the order received. */
+  function tryFrameAtEveryBit(placedLayout, crc, receivedText) {
     const [kind, template] = TABLE.inside;
-    return [...commandHypotheses, ...hypothesesByRule, ...[...Array(placeCount).keys()].map((bitsBefore) => {
-      const frameText = receivedText.slice(bitsBefore, bitsBefore + placedLayout.bits);
-      const parts = [
-        ["before", receivedText.slice(0, bitsBefore)], ["frame", frameText],
-        ["behind", receivedText.slice(bitsBefore + placedLayout.bits)]];
-      const members = { template, parts: parts.filter(([, partText]) => partText), places: placeCount };
+    const placeCount = Math.max(receivedText.length - placedLayout.bits + 1, 0);
+    return listNumbersBelow(placeCount).map((bitsBefore) => {
+      const frameEnd = bitsBefore + placedLayout.bits;
+      const frameText = receivedText.slice(bitsBefore, frameEnd);
+      const allParts = [
+        ["before", receivedText.slice(0, bitsBefore)], ["frame", frameText], ["behind", receivedText.slice(frameEnd)]];
+      const parts = allParts.filter(([, partText]) => partText);
+      const text = fillTemplate(template, bitsBefore);
       return createFrameHypothesis(
-        placedLayout, crc, kind, fillTemplate(template, bitsBefore), BigInt(`0b${frameText}`), members);
-    })];
+        placedLayout, crc, kind, text, BigInt(`0b${frameText}`), { template, parts, placeCount });
+    });
   }
 
   /** The bits during the command are missing, and the command is the one that the layout expects. */
@@ -2677,12 +2813,12 @@
       || !mayHaveBits(typedFrame, remainingBits) || typedFrame.written !== remainingBits) return [];
     const constants = commandFields.filter(({ field }) => "fixed" in field);
     const frameNumber = constants.reduce(
-      (sum, placedField) => sum | (big(placedField.field.fixed) << BigInt(placedField.low)), typedFrame.number);
+      (sum, placedField) => sum | (toBigInt(placedField.field.fixed) << BigInt(placedField.low)), typedFrame.number);
     const text = fillTemplate(TABLE.texts.command_left_out, placedLayout.bits - remainingBits);
     const assumedBits = constants.reduce((sum, { width }) => sum + width, 0);
     return [{
       ...createFrameHypothesis(placedLayout, crc, "command_left_out", text, frameNumber),
-      demanded: countConstantBits(placedLayout) - assumedBits }];
+      otherBitsRequired: countConstantBits(placedLayout) - assumedBits }];
   }
 
   /**
@@ -2692,33 +2828,37 @@
   function tryOffset(
     placedLayout, crc, typedFrame, length, [kind, template, front, missingFirstBits, missingLowBits, extraLowBits],
   ) {
-    if (length !== placedLayout.bits + front.length - missingFirstBits.length - missingLowBits + extraLowBits) return [];
-    const framePartBits = length - front.length - extraLowBits;
-    const frontAndFramePart = typedFrame.number >> BigInt(extraLowBits);
-    const highestBit = framePartBits + front.length - 1;
-    const startBits = [...front].flatMap((mark, index) => (mark === "1" ? [highestBit - index] : []));
-    const isConsistent = startBits.every((bit) => bits(frontAndFramePart, bit, 1));
-    const frameNumber = ((BigInt(`0b0${missingFirstBits}`) << BigInt(framePartBits))
-      | bits(frontAndFramePart, 0, framePartBits)) << BigInt(missingLowBits);
-    const members = { template, lost: missingLowBits, demanded: startBits.length, holds: isConsistent };
+    const receivedFrameBits = length - front.length - extraLowBits;
+    if (receivedFrameBits !== placedLayout.bits - missingFirstBits.length - missingLowBits) return [];
+    const frontAndFrame = typedFrame.number >> BigInt(extraLowBits);
+    const markedBits = [...front].map((mark, index) => (
+      { mark, bit: extractBits(frontAndFrame, receivedFrameBits + front.length - 1 - index, 1) }));
+    const startBits = markedBits.filter(({ mark }) => mark === "1");
+    const mostlyZeroBits = markedBits.filter(({ mark }) => mark === "~");
+    const frameFromFirstBit = (BigInt(`0b0${missingFirstBits}`) << BigInt(receivedFrameBits))
+      | extractBits(frontAndFrame, 0, receivedFrameBits);
     const hypothesis = createFrameHypothesis(
-      placedLayout, crc, kind, fillTemplate(template, missingFirstBits), frameNumber, members);
+      placedLayout, crc, kind, fillTemplate(template, missingFirstBits), frameFromFirstBit << BigInt(missingLowBits),
+      { template, missingLowBits, otherBitsRequired: startBits.length, isConsistent: startBits.every(({ bit }) => bit) });
     const { idle, active } = TABLE.likely;
-    const mostlyZeroBits = [...front].flatMap(
-      (mark, index) => (mark === "~" ? [bits(frontAndFramePart, highestBit - index, 1)] : []));
-    const frontLikelihood = mostlyZeroBits.reduce((product, bit) => product * (bit ? active : idle), 1);
+    const frontLikelihood = mostlyZeroBits.reduce((product, { bit }) => product * (bit ? active : idle), 1);
     return [{ ...hypothesis, likelihood: hypothesis.likelihood * frontLikelihood }];
   }
 
-  /** Try the frame in a recording with these parts. The bits of the parts in ``proofParts`` have one possible value. */
-  function tryRecording(placedLayout, crc, receivedText, [kind, text, pattern, proofParts]) {
-    const groups = matchRecording(pattern, placedLayout, receivedText)?.groups;
-    if (!groups) return [];
-    const { frame: frameText, again: repeatedText = "" } = groups;
-    const otherBitsRequired = proofParts.reduce((sum, name) => sum + (groups[name] ?? "").length, 0);
-    const parts = Object.entries(groups).filter(([, partText]) => partText);
-    return [createFrameHypothesis(placedLayout, crc, kind, text, BigInt(`0b${frameText}`), {
-      demanded: otherBitsRequired, parts, holds: frameText.startsWith(repeatedText) })];
+  /**
+   * Try the frame in a recording. ``pattern`` matches the recording, with a group for each of its parts, such as "frame".
+   * The bits of the groups named in ``determinedNames`` have one possible value.
+   */
+  function tryRecording(placedLayout, crc, receivedText, [kind, text, pattern, determinedNames]) {
+    const textByPart = matchRecording(pattern, placedLayout, receivedText)?.groups;
+    if (!textByPart) return [];
+    // A frame that is sent twice is ``again`` behind itself, perhaps cut off.
+    const { frame: frameText, again: repeatedText = "" } = textByPart;
+    const otherBitsRequired = determinedNames.reduce((sum, name) => sum + (textByPart[name] ?? "").length, 0);
+    const parts = Object.entries(textByPart).filter(([, partText]) => partText);
+    return [createFrameHypothesis(
+      placedLayout, crc, kind, text, BigInt(`0b${frameText}`),
+      { otherBitsRequired, parts, isConsistent: frameText.startsWith(repeatedText) })];
   }
 
   // -- frames of bytes
@@ -2728,7 +2868,7 @@
 
   /** Try every single mistake that could have turned a valid frame into these bytes. */
   function tryMistakesInBytes(decoded) {
-    const { at: expectedLayout, data, label: orderCode, over: interface_, sender } = decoded;
+    const { placedLayout: expectedLayout, receivedBytes: data, orderCode, interface: interface_, sender } = decoded;
     const wholeFrames = tryWholeFrames(decoded);
     const layouts = orderCode ? interface_.frames : [];
     // Where the manual is ambiguous, the first answer decides, as on the command line.
@@ -2743,9 +2883,10 @@
         ...tryMovedBytes(placedLayout, crc, data)];
     });
     // Whole frames already explain extra bytes around the same frame.
+    const isSameFrame = (wholeFrame, hypothesis) => wholeFrame.number === hypothesis.number
+      && wholeFrame.placedLayout.layout === hypothesis.placedLayout.layout;
     const isRepeated = (hypothesis) => ["bytes_in_front", "bytes_behind"].includes(hypothesis.kind)
-      && wholeFrames.some(
-        ({ at: placedLayout, number }) => number === hypothesis.number && placedLayout.layout === hypothesis.at.layout);
+      && wholeFrames.some((wholeFrame) => isSameFrame(wholeFrame, hypothesis));
     return [...wholeFrames, ...hypotheses.map(
       (hypothesis) => ({ ...hypothesis, isRepeated: isRepeated(hypothesis) }))];
   }
@@ -2754,7 +2895,7 @@
   const joinBytes = (bytes) => numberOf("big", bytes);
   /** Return the hypothesis with the last byte as the CRC over the bytes before it. */
   const withCrcOverBytes = (hypothesis, bytes) => (
-    { ...hypothesis, data: joinBytes(bytes.slice(0, -1)), received: BigInt(bytes.at(-1)), isOfBytes: true });
+    { ...hypothesis, coveredData: joinBytes(bytes.slice(0, -1)), receivedCrc: BigInt(bytes.at(-1)), isOfBytes: true });
 
   /** Try the frame as sent with another CRC. */
   function tryOtherByteCrcs(placedLayout, crc, data) {
@@ -2766,7 +2907,7 @@
         { ...asSent, kind, text: crcText, template: crcText, crc: otherCrc })),
       {
         ...asSent, kind: "first_byte_left_out", text, template: text,
-        data: joinBytes(data.slice(1, -1)), size: asSent.size - 8 },
+        coveredData: joinBytes(data.slice(1, -1)), coveredBits: asSent.coveredBits - 8 },
     ];
   }
 
@@ -2801,73 +2942,102 @@
 
   /** The possible first bytes of a frame, if that byte only has the selector, constants, parity and usual values. */
   function findPossibleFirstBytes(placedLayout) {
-    const { order, selector, selects = [], usual = [] } = placedLayout.layout;
-    const firstByteMask = numberOf(order, [0xFF, ...Array(placedLayout.bits / 8 - 1).fill(0)]);
+    const { order, selector, selects: selectorValues = [], usual = [] } = placedLayout.layout;
+    const byteCount = placedLayout.bits / 8;
+    const firstByteMask = numberOf(order, [0xFF, ...Array(byteCount - 1).fill(0)]);
     const fieldsInFirstByte = placedLayout.fields.filter(
-      ({ low, width }) => bits(firstByteMask >> BigInt(low), 0, width));
-    const usualValueOf = ({ name }) => usual.find((values) => values[0] === name && values.length === 2)?.[1];
-    const otherFields = fieldsInFirstByte.filter(
-      (placedField) => placedField.name !== selector && !("parity" in placedField.field));
-    if (!otherFields.every((placedField) => (
-      "fixed" in placedField.field || usualValueOf(placedField) !== undefined))) return [];
-    const withField = (number, { low }, content) => number | (big(content) << BigInt(low));
-    const withoutSelector = otherFields.reduce((number, placedField) => (
-      withField(number, placedField, placedField.field.fixed ?? usualValueOf(placedField))), 0n);
-    const selectorFields = fieldsInFirstByte.filter((placedField) => placedField.name === selector);
-    return (selectorFields.length ? selects : [0]).map((selectorValue) => {
+      ({ low, width }) => extractBits(firstByteMask >> BigInt(low), 0, width));
+    const selectorFields = fieldsInFirstByte.filter(({ name }) => name === selector);
+    const parityFields = fieldsInFirstByte.filter(({ field }) => "parity" in field);
+    const otherFields = fieldsInFirstByte.filter(({ name, field }) => name !== selector && !("parity" in field));
+    const usualValueOf = (name) => usual.find((values) => values[0] === name && values.length === 2)?.[1];
+    const expectedValueOf = ({ name, field }) => ("fixed" in field ? field.fixed : usualValueOf(name));
+    if (otherFields.some((placedField) => expectedValueOf(placedField) === undefined)) return [];
+    const insertField = (number, { low }, fieldValue) => number | (toBigInt(fieldValue) << BigInt(low));
+    const numberWithoutSelector = otherFields.reduce(
+      (number, placedField) => insertField(number, placedField, expectedValueOf(placedField)), 0n);
+    return (selectorFields.length ? selectorValues : [0]).map((selectorValue) => {
       let number = selectorFields.reduce(
-        (sum, placedField) => withField(sum, placedField, selectorValue), withoutSelector);
-      for (const parityField of fieldsInFirstByte.filter(({ field }) => "parity" in field)) {
-        const { of: coveredPlaces, check } = placedLayout.checks.find(
-          (placedCheck) => placedCheck.of && placedCheck.check.field === parityField.name);
-        number = withField(number, parityField, parityOf(number, coveredPlaces, check));
+        (sum, placedField) => insertField(sum, placedField, selectorValue), numberWithoutSelector);
+      for (const parityField of parityFields) {
+        number = insertField(number, parityField, computeParityOf(placedLayout, parityField, number));
       }
-      return bytesOf(order, number, placedLayout.bits / 8)[0];
+      return bytesOf(order, number, byteCount)[0];
     });
   }
 
+  /** Compute the parity that a parity field must have in a frame. */
+  function computeParityOf(placedLayout, parityField, number) {
+    const { coveredPlaces, check } = placedLayout.checks.find(
+      (placedCheck) => placedCheck.coveredPlaces && placedCheck.check.field === parityField.name);
+    return computeParity(number, coveredPlaces, check);
+  }
+
   /** Try the bytes as whole frames of RS-485: an echo of the request, a reply after it, or several replies. */
-  function tryWholeFrames({ data, label: orderCode, over: interface_, sender }) {
-    const { most: mostBytes, least: leastEvidence, echo: echoText, frames: framesText } = TABLE.exchanges;
-    if (!orderCode || data.length > mostBytes || interface_.name !== "rs485") return [];
-    if (sender !== "encoder") return [];
-    const candidates = interface_.frames.filter((layout) => layout.order).map((layout) => placedFor(orderCode, layout))
-      .map((placedLayout) => ({ one: placedLayout, size: placedLayout.bits / 8 }));
-    const fewestFramesFrom = new Map([[data.length, []]]);
-    const isRequest = ({ one: placedLayout }) => placedLayout.layout.sender === "master";
-    for (let firstByte = data.length - 1; firstByte >= 0; firstByte -= 1) {
+  function tryWholeFrames({ receivedBytes, orderCode, interface: interface_, sender }) {
+    const { most: mostBytes, least: leastEvidence } = TABLE.exchanges;
+    if (!orderCode || receivedBytes.length > mostBytes) return [];
+    if (interface_.name !== "rs485" || sender !== "encoder") return [];
+    const placedLayouts = interface_.frames.filter((layout) => layout.order)
+      .map((layout) => placedFor(orderCode, layout));
+    const frames = splitIntoFrames(placedLayouts, receivedBytes);
+    const isOnlyReply = frames.length === 1 && !isRequest(frames[0]);
+    const totalEvidence = frames.reduce((sum, frame) => sum + frame.evidence, 0);
+    if (!frames.length || isOnlyReply || totalEvidence < leastEvidence) return [];
+    return [createWholeFramesHypothesis(frames, receivedBytes, totalEvidence)];
+  }
+
+  /** Return whether the master sends a frame. */
+  const isRequest = ({ placedLayout }) => placedLayout.layout.sender === "master";
+
+  /**
+   * Split bytes into the fewest valid frames, each {placedLayout, bytes, evidence}, or return [] if that is impossible.
+   * ``evidence`` counts the bits with the value to expect. A frame has some.
+   */
+  function splitIntoFrames(placedLayouts, bytes) {
+    const candidates = placedLayouts.map((placedLayout) => ({ placedLayout }));
+    // The fewest frames from a byte to the end, by the index of this byte. It is filled from the end.
+    const fewestFramesFrom = new Map([[bytes.length, []]]);
+    for (let firstByte = bytes.length - 1; firstByte >= 0; firstByte -= 1) {
       // A request is in front of its reply, even if both have the same form.
-      const likely = candidates.filter((candidate) => isRequest(candidate) === (firstByte === 0));
-      for (const { one: placedLayout, size: byteCount } of [
-        ...likely, ...candidates.filter((candidate) => !likely.includes(candidate))]) {
-        const followingFrames = fewestFramesFrom.get(firstByte + byteCount);
-        if (!followingFrames || fewestFramesFrom.get(firstByte)?.length <= followingFrames.length + 1) continue;
-        const bytes = data.slice(firstByte, firstByte + byteCount);
-        const evidence = countExpectedBits(placedLayout, numberOf(placedLayout.layout.order, bytes));
-        if (evidence && !decodeBytes(placedLayout, bytes).problems.length) fewestFramesFrom.set(
-          firstByte, [{ one: placedLayout, bytes, evidence }, ...followingFrames]);
+      const isLikely = (candidate) => isRequest(candidate) === (firstByte === 0);
+      const likeliestFirst = [
+        ...candidates.filter(isLikely), ...candidates.filter((candidate) => !isLikely(candidate))];
+      for (const { placedLayout } of likeliestFirst) {
+        const nextByte = firstByte + placedLayout.bits / 8;
+        const followingFrames = fewestFramesFrom.get(nextByte);
+        const frameBytes = bytes.slice(firstByte, nextByte);
+        const isShorter = followingFrames
+          && !(fewestFramesFrom.get(firstByte)?.length <= followingFrames.length + 1);
+        const evidence = isShorter
+          ? countExpectedBits(placedLayout, numberOf(placedLayout.layout.order, frameBytes)) : 0;
+        if (evidence && !decodeBytes(placedLayout, frameBytes).problems.length) {
+          fewestFramesFrom.set(firstByte, [{ placedLayout, bytes: frameBytes, evidence }, ...followingFrames]);
+        }
       }
     }
-    const frames = fewestFramesFrom.get(0) ?? [];
+    return fewestFramesFrom.get(0) ?? [];
+  }
+
+  /** Create the hypothesis that the bytes are these frames, which are more than one reply. */
+  function createWholeFramesHypothesis(frames, receivedBytes, totalEvidence) {
+    const { echo: echoText, frames: framesText } = TABLE.exchanges;
     const replyCount = frames.filter((frame) => !isRequest(frame)).length;
-    if (!frames.length || (frames.length === 1 && replyCount)) return [];
-    const totalEvidence = frames.reduce((sum, frame) => sum + frame.evidence, 0);
-    if (totalEvidence < leastEvidence) return [];
     const kindWithOneReply = isRequest(frames[0]) ? "bytes_in_front" : "bytes_behind";
     const kind = ["echo", kindWithOneReply][replyCount] ?? "several_frames";
-    const parts = frames.map((frame) => [
-      `${isRequest(frame) ? "request" : "reply"} ${frame.one.name}`, shownBytes(frame.bytes)]);
-    const roles = parts.map(([title]) => title.split(" ")[0]);
-    const [text, template] = kind === "echo"
-      ? [` ${frames[0].one.name}`, ""].map((requestName) => fillTemplate(echoText, requestName))
-      : [parts.map(([title]) => title), roles].map((names) => fillTemplate(framesText, names.join(", then ")));
-    const lastFrame = frames[frames.length - 1];
-    const isCertainReply = !isRequest(lastFrame) && !lastFrame.one.layout.asks?.length;
-    return [createHypothesis({
-      kind, text, template, at: lastFrame.one, parts, demanded: totalEvidence,
-      data: joinBytes(data), size: 8 * data.length,
-      number: isCertainReply ? numberOf(lastFrame.one.layout.order, lastFrame.bytes) : undefined,
-    })];
+    const roles = frames.map((frame) => (isRequest(frame) ? "request" : "reply"));
+    const titles = frames.map((frame, index) => `${roles[index]} ${frame.placedLayout.name}`);
+    const text = kind === "echo" ? fillTemplate(echoText, ` ${frames[0].placedLayout.name}`)
+      : fillTemplate(framesText, titles.join(", then "));
+    const template = kind === "echo" ? fillTemplate(echoText, "") : fillTemplate(framesText, roles.join(", then "));
+    const lastFrame = frames.at(-1);
+    const isCertainReply = !isRequest(lastFrame) && !lastFrame.placedLayout.layout.asks?.length;
+    return createHypothesis({
+      kind, text, template, placedLayout: lastFrame.placedLayout, otherBitsRequired: totalEvidence,
+      parts: frames.map((frame, index) => [titles[index], formatBytes(frame.bytes)]),
+      coveredData: joinBytes(receivedBytes), coveredBits: 8 * receivedBytes.length,
+      number: isCertainReply ? numberOf(lastFrame.placedLayout.layout.order, lastFrame.bytes) : undefined,
+    });
   }
 
   /** Count the bits in a valid frame that have the value to expect: CRC, constants, and fields with a usual value. */
@@ -2875,7 +3045,7 @@
     const usualBits = (placedLayout.layout.usual ?? []).reduce((sum, [name, ...usualValues]) => {
       const placedField = placedLayout.fields.find((candidate) => candidate.name === name);
       const isUsual = placedField && usualValues.some(
-        (usualValue) => big(usualValue) === bits(number, placedField.low, placedField.width));
+        (usualValue) => toBigInt(usualValue) === extractBits(number, placedField.low, placedField.width));
       return sum + (isUsual ? placedField.width - bitLength(BigInt(usualValues.length - 1)) : 0);
     }, 0);
     return countConstantBits(placedLayout) + usualBits
@@ -2891,14 +3061,14 @@
     const isRepeated = ({ field }) => "fixed" in field || "unused" in field;
     const repeatedBits = placedLayout.fields.filter(isRepeated).reduce((sum, { width }) => sum + width, 0);
     const hasDocumentedBits = (request) => request.fields.every((placedField) => !("unused" in placedField.field)
-      || bits(number, placedField.low, placedField.width)
-        === (big(placedField.field.unused) & ones(placedField.width)));
+      || extractBits(number, placedField.low, placedField.width)
+        === (toBigInt(placedField.field.unused) & ones(placedField.width)));
     const requests = interface_.frames.filter((layout) => layout.sender === "master" && !layout.order)
       .map((layout) => placeLayout(placedLayout.family, layout, placedLayout.parameters))
       .filter((request) => request.bits === placedLayout.bits && !decode(request, number).problems.length
         && hasDocumentedBits(request))
       .map((request) => ({
-        name: request.name, size: request.bits, evidence: countExpectedBits(request, number) - repeatedBits }))
+        name: request.name, bits: request.bits, evidence: countExpectedBits(request, number) - repeatedBits }))
       .filter(({ evidence }) => evidence >= TABLE.exchanges.least_in_word);
     return requests.sort((request, otherRequest) => otherRequest.evidence - request.evidence)[0];
   }
@@ -2910,11 +3080,12 @@
     const text = fillTemplate(TABLE.exchanges.word_echo, ` ${request.name}`);
     const template = fillTemplate(TABLE.exchanges.word_echo, "");
     return [createHypothesis({
-      kind: "echo", text, template, data: number, size: request.size, demanded: request.evidence })];
+      kind: "echo", text, template, coveredData: number, coveredBits: request.bits,
+      otherBitsRequired: request.evidence })];
   }
 
   /** Return the name of the request that a valid word also is, or "". */
-  function ownRequest({ at: placedLayout, number, problems }) {
+  function ownRequest({ placedLayout, number, problems }) {
     if (!placedLayout || placedLayout.layout.order || placedLayout.layout.sender !== "encoder"
       || problems.length) return "";
     return findEchoedRequest(placedLayout, number)?.name ?? "";
@@ -2927,7 +3098,7 @@
       (alternative) => Object.keys(alternative.answers[0][2])) : [];
     const dependsOnAnswer = ({ low }) => Array.isArray(low) && low.slice(1).some((term) => term.slice(1)
       .some((parameter) => openParameters.includes(parameter.replace("^", ""))));
-    const isNumber = ({ field }) => isGiven({ field }) && !dependsOnAnswer(field)
+    const isNumber = ({ field }) => isEnteredByUser({ field }) && !dependsOnAnswer(field)
       && (field.kind === undefined || field.kind === "signed");
     const names = placedLayout.fields.filter(isNumber).map((placedField) => placedField.name);
     return decode(placedLayout, number).fields.filter((field) => names.includes(field.name))
@@ -2951,34 +3122,51 @@
       .map((hypothesis) => [`if ${hypothesis.text}`, hypothesis.number]);
   }
 
-  /** Other readings of a position that nothing in the frame can contradict. They do not explain an error. */
-  function otherPositions({ at: placedLayout, number, problems, crc, fields, given: typedFrame }, measure) {
-    const isWordOfEncoder = placedLayout && !placedLayout.layout.order && placedLayout.layout.sender === "encoder";
-    const name = positionNameOf(measure);
-    const position = fields.find((field) => field.name === name);
-    if (!isWordOfEncoder || problems.length || crc || typeof position?.value !== "bigint") return [];
-    const parts = position.high < 0 ? placedLayout.joins.find((join) => join.name === name).parts.map(({ item }) => item)
-      .filter(Boolean) : [position];
-    const low = Math.min(...parts.map((partField) => partField.low));
-    const width = parts.reduce((sum, partField) => sum + (partField.width ?? partField.high - partField.low + 1), 0);
-    const sentPosition = bits(number, low, width);
+  /** Return {low, width}: the bits of the position in a frame, where it can be joined from several fields. */
+  function findPositionBits(placedLayout, position) {
+    const isJoined = position.high < 0;
+    if (!isJoined) return { low: position.low, width: position.high - position.low + 1 };
+    const join = placedLayout.joins.find(({ name }) => name === position.name);
+    const joinedFields = join.parts.map(({ placedField }) => placedField).filter(Boolean);
+    return {
+      low: Math.min(...joinedFields.map((placedField) => placedField.low)),
+      width: joinedFields.reduce((sum, placedField) => sum + placedField.width, 0) };
+  }
+
+  /**
+   * Return the frames that may have been sent instead, in the order of the texts in ``TABLE.doubts``: one bit later, one
+   * bit earlier, in Gray code, in binary, or with its bytes in reverse order. A frame is null if that cannot be.
+   */
+  function listDoubtfulFrames(placedLayout, number, position) {
+    const { low, width } = findPositionBits(placedLayout, position);
+    const sentPosition = extractBits(number, low, width);
     const otherBits = number ^ (sentPosition << BigInt(low));
     const withLastBit0 = (number << ONE) & ones(placedLayout.bits);
-    const frameNumbers = [
-      [withLastBit0, withLastBit0 | ONE].find((candidate) => hasRightConstants(placedLayout, candidate)) ?? withLastBit0,
+    const isPossible = (frameNumber) => hasRightConstants(placedLayout, frameNumber);
+    return [
+      [withLastBit0, withLastBit0 | ONE].find(isPossible) ?? withLastBit0,
       number >> ONE,
-      placedLayout.gray ? null : otherBits | (plainOf(sentPosition) << BigInt(low)),
-      placedLayout.gray ? toGray(placedLayout, number) : null,
+      placedLayout.gray ? null : otherBits | (grayToBinary(sentPosition) << BigInt(low)),
+      placedLayout.gray ? convertToGray(placedLayout, number) : null,
       placedLayout.bits % 8 ? null : numberOf("big", bytesOf("little", number, placedLayout.bits / 8)),
     ];
-    const readings = [
-      ...frameNumbers.map((frameNumber, index) => [TABLE.doubts[index], frameNumber]),
-      ...findRecordedFrames(placedLayout, typedFrame)];
-    return readings.flatMap(([text, frameNumber]) => {
-      const otherPosition = frameNumber === null ? position
-        : decode(placedLayout, frameNumber).fields.find((field) => field.name === name);
-      return otherPosition.value === position.value ? [] : [[text, otherPosition.value]];
-    });
+  }
+
+  /** Other readings of a position that nothing in the frame can contradict. They do not explain an error. */
+  function otherPositions({ placedLayout, number, problems, crc, fields, typedFrame }, measure) {
+    const isWordOfEncoder = placedLayout && !placedLayout.layout.order && placedLayout.layout.sender === "encoder";
+    const name = positionNameOf(measure);
+    const positionIn = (decodedFields) => decodedFields.find((field) => field.name === name);
+    const position = positionIn(fields);
+    const hasPosition = typeof position?.value === "bigint";
+    if (!isWordOfEncoder || problems.length || crc || !hasPosition) return [];
+    const doubtfulFrames = listDoubtfulFrames(placedLayout, number, position);
+    const textsAndFrames = [
+      ...doubtfulFrames.map((frameNumber, index) => [TABLE.doubts[index], frameNumber]),
+      ...findRecordedFrames(placedLayout, typedFrame)].filter(([, frameNumber]) => frameNumber !== null);
+    return textsAndFrames
+      .map(([text, frameNumber]) => [text, positionIn(decode(placedLayout, frameNumber).fields).value])
+      .filter(([, otherPosition]) => otherPosition !== position.value);
   }
 
   /** Return the placed checks of bits that must have one of few values in every frame, such as constants and parity. */
@@ -2992,7 +3180,7 @@
 
   /** Return whether the constants, the parity and the selector of a frame are right. */
   const hasRightConstants = (placedLayout, number) => (
-    constantChecksOf(placedLayout).every((placedCheck) => !problemOf(placedCheck, number, number).length));
+    constantChecksOf(placedLayout).every((placedCheck) => !findProblems(placedCheck, number, number).length));
 
   globalThis.codewheelDecode = {
     table: TABLE, FrameText, Refusal, bytesFor, bytesIn, bytesOfNumber, checked, decodeBits, decodeBytes, decodeFrame,
@@ -3005,7 +3193,7 @@
   const CLASS = "codewheel-decode";
 
   /** An element with attributes and children, without empty ones. */
-  function element(tag, attributes = {}, ...children) {
+  function createElement(tag, attributes = {}, ...children) {
     const newElement = document.createElement(tag);
     for (const [name, setting] of Object.entries(attributes)) {
       if (setting !== undefined && setting !== false) newElement.setAttribute(name, setting === true ? "" : setting);
@@ -3015,16 +3203,16 @@
   }
 
   /** Create an element of the class ``codewheel-decode-NAME``. */
-  const part = (tag, name, ...children) => element(tag, { class: `${CLASS}-${name}` }, ...children);
+  const createPart = (tag, name, ...children) => createElement(tag, { class: `${CLASS}-${name}` }, ...children);
   /** Create a list with an entry for each content: a text, an element, or an array of both. */
-  const list = (contents) => element("ul", {}, contents.map((content) => element("li", {}, content)));
+  const createList = (contents) => createElement("ul", {}, contents.map((content) => createElement("li", {}, content)));
   /** Return the text with a capital first letter. */
   const capitalize = (text) => text[0].toUpperCase() + text.slice(1);
   /** Return the text with a full stop, unless it ends in a mark already. */
-  const sentence = (text) => (/[.!?:]$/.test(text) ? text : `${text}.`);
+  const toSentence = (text) => (/[.!?:]$/.test(text) ? text : `${text}.`);
 
   /** Return the place of a field in readable form: bits of a word, or bytes of a frame from 0. */
-  function placeOf(placedLayout, { high, low }) {
+  function formatPlace(placedLayout, { high, low }) {
     if (high < 0) return "";
     const rangeText = (from, to) => (from === to ? `${from}` : `${from}:${to}`);
     if (!placedLayout.layout.order) return rangeText(high, low);
@@ -3040,15 +3228,16 @@
   const formatValue = (fieldValue) => (fieldValue === true ? "yes" : fieldValue === false ? "no" : `${fieldValue}`);
 
   /** Return the meaning of a field, and for a number in Gray code also how it was sent. */
-  function meaningOf({ gray, joins }, { name, high, low, raw, value, meaning }) {
+  function describeMeaning({ gray, joins }, { name, high, low, raw, value, meaning }) {
     const isInGray = (lowest, highest) => gray && lowest >= gray.low && highest < gray.low + gray.width;
-    const joinedFields = joins.find((join) => join.name === name)?.parts.map(({ item }) => item).filter(Boolean) ?? [];
+    const parts = joins.find((join) => join.name === name)?.parts ?? [];
+    const joinedFields = parts.map(({ placedField }) => placedField).filter(Boolean);
     const isGray = high < 0
       ? joinedFields.length > 0 && joinedFields.every((field) => isInGray(field.low, field.low + field.width - 1))
       : isInGray(low, high);
     if (!isGray || typeof value !== "bigint") return meaning;
-    const grayText = said("gray", hex(raw), hex(value));
-    return meaning ? `${sentence(meaning)} ${capitalize(grayText)}` : grayText;
+    const grayText = messageFor("gray", hex(raw), hex(value));
+    return meaning ? `${toSentence(meaning)} ${capitalize(grayText)}` : grayText;
   }
 
   /** Return a value with its unit, or a number with the quantity that it stands for. */
@@ -3060,38 +3249,43 @@
 
   /** Return a name that may wrap after each of its words, as texts and elements. */
   const breakableName = (name) => (
-    name.split("_").flatMap((word, index) => (index ? ["_", element("wbr"), word] : [word])));
+    name.split("_").flatMap((word, index) => (index ? ["_", createElement("wbr"), word] : [word])));
 
   /** Create the table of the decoded fields: the place, the name with its meaning, and the value with the raw number. */
   function createFieldTable(decoded) {
+    const { placedLayout } = decoded;
+    const { layout } = placedLayout;
     const rows = decoded.fields.map((field) => {
       const isOneBit = field.high >= 0 && field.high === field.low;
-      const rawText = part("span", "raw", isOneBit ? `${field.raw}` : hex(field.raw));
-      return element("tr", {},
-        element("td", {}, placeOf(decoded.at, field)),
-        element("th", { scope: "row" }, breakableName(field.name), part("span", "meaning", meaningOf(decoded.at, field))),
-        element("td", {}, formatWithUnit(field), rawText));
+      const rawText = createPart("span", "raw", isOneBit ? `${field.raw}` : hex(field.raw));
+      return createElement("tr", {},
+        createElement("td", {}, formatPlace(placedLayout, field)),
+        createElement("th", { scope: "row" }, breakableName(field.name),
+          createPart("span", "meaning", describeMeaning(placedLayout, field))),
+        createElement("td", {}, formatWithUnit(field), rawText));
     });
-    const heads = ["Place", "Field", "Value, raw"].map((text) => element("th", { scope: "col" }, text));
-    const lengthText = decoded.at.layout.order ? counted(decoded.at.bits / 8, "byte") : counted(decoded.at.bits, "bit");
-    return element("table", {},
-      element("caption", {}, `${decoded.at.layout.title}, ${lengthText}`, decoded.at.layout.source
-        ? part("span", "source", `, manual ${decoded.at.layout.source}`) : ""),
-      element("thead", {}, element("tr", {}, heads)), element("tbody", {}, rows));
+    const heads = ["Place", "Field", "Value, raw"].map((text) => createElement("th", { scope: "col" }, text));
+    const lengthText = layout.order
+      ? countWithNoun(placedLayout.bits / 8, "byte") : countWithNoun(placedLayout.bits, "bit");
+    return createElement("table", {},
+      createElement("caption", {}, `${layout.title}, ${lengthText}`,
+        layout.source ? createPart("span", "source", `, manual ${layout.source}`) : ""),
+      createElement("thead", {}, createElement("tr", {}, heads)), createElement("tbody", {}, rows));
   }
 
   /** The position in degrees or micrometres if it is usable, or the angle of a frame with only an angle. */
-  function measured(decoded, measure) {
+  function describeMeasurement(decoded, measure) {
     if (!measure || !decoded.verdict || decoded.verdict === "not_usable") return "";
     const findNumber = (name) => decoded.fields.find((field) => field.name === name && typeof field.value === "bigint");
     const position = findNumber(measure.of) ?? findNumber(measure.part);
     if (!position) return "";
-    const evaluate = (expression) => (expression === undefined ? 0n : value(expression, decoded.at.parameters));
+    const { parameters } = decoded.placedLayout;
+    const evaluate = (expression) => (expression === undefined ? 0n : evaluateExpression(expression, parameters));
     const [stepUm, stepNm, countsPerTurn] = [
       evaluate(measure.step_um), evaluate(measure.step_nm), evaluate(measure.counts_per_turn)];
-    if (stepUm) return `${position.name}: ${decimal(position.value * stepUm, ONE)} µm`;
+    if (stepUm) return `${position.name}: ${formatFraction(position.value * stepUm, ONE)} µm`;
     if (stepNm) return (
-      `${position.name}: ${decimal(position.value * stepNm, 1000n * (evaluate(measure.per_counts) || ONE))} µm`);
+      `${position.name}: ${formatFraction(position.value * stepNm, 1000n * (evaluate(measure.per_counts) || ONE))} µm`);
     if (countsPerTurn < ONE) return "";
     // A negative remainder would be an angle before revolution 0.
     const angle = ((position.value % countsPerTurn) + countsPerTurn) % countsPerTurn;
@@ -3104,38 +3298,38 @@
   /** Create the line about the CRC of a frame: received, and correct or with the expected one, with its parameters. */
   function createCrcLine({ crc, received, computed }) {
     const judgement = received === computed ? "correct" : `WRONG, expected ${hex(computed, 2)}`;
-    const startText = crc.init ? `, start value ${hex(big(crc.init))}` : "";
-    const invertedText = big(crc.xorout) === ones(crc.width) ? ", sent inverted" : "";
-    return element("p", {}, `CRC ${hex(received, 2)}: ${judgement} (${crc.text}${startText}${invertedText})`);
+    const startText = crc.init ? `, start value ${hex(toBigInt(crc.init))}` : "";
+    const invertedText = toBigInt(crc.xorout) === ones(crc.width) ? ", sent inverted" : "";
+    return createElement("p", {}, `CRC ${hex(received, 2)}: ${judgement} (${crc.text}${startText}${invertedText})`);
   }
 
   /** List the reports of the encoder, each with its meaning, remedy and source. */
   function listReports(decoded) {
     if (!decoded.reports.length) return [];
     const entries = decoded.reports.map((report) => [
-      element("strong", {}, report.flag), `: ${sentence(report.meaning)}`,
-      report.remedy ? ` ${sentence(report.remedy)}` : "",
-      report.source ? part("span", "source", ` [${report.source}]`) : "",
+      createElement("strong", {}, report.flag), `: ${toSentence(report.meaning)}`,
+      report.remedy ? ` ${toSentence(report.remedy)}` : "",
+      report.source ? createPart("span", "source", ` [${report.source}]`) : "",
     ]);
-    return [element("p", {}, "The encoder reports:"), list(entries)];
+    return [createElement("p", {}, "The encoder reports:"), createList(entries)];
   }
 
   /** Create the first line: the verdict or the errors. */
-  function headline(decoded) {
+  function createHeadline(decoded) {
     if (decoded.problems.length) {
       const problemTexts = decoded.problems.map((problem) => `${problem.fault} error: ${problem.message}`);
-      return part("div", "bad", problemTexts.map((text) => element("p", {}, text)));
+      return createPart("div", "bad", problemTexts.map((text) => createElement("p", {}, text)));
     }
-    const isRegister = decoded.at.layout.length !== undefined;
+    const isRegister = decoded.placedLayout.layout.length !== undefined;
     const errorText = isRegister || decoded.crc ? "No error" : "No error, but this frame does not have a CRC";
     const phrases = [
       ...(decoded.reports.length ? [] : [errorText]), ...(decoded.verdict ? [TABLE.worth[decoded.verdict]] : [])];
-    const verdict = decoded.verdict ? [element("code", {}, decoded.verdict), ": "] : [];
+    const verdict = decoded.verdict ? [createElement("code", {}, decoded.verdict), ": "] : [];
     const classes = { not_usable: "bad", usable_with_warning: "warning", usable: "good" };
-    const [firstSentence, ...moreSentences] = phrases.map(sentence);
+    const [firstSentence, ...moreSentences] = phrases.map(toSentence);
     const line = phrases.length
-      ? [element("p", {}, verdict, [firstSentence, ...moreSentences.map(capitalize)].join(" "))] : [];
-    return part("div", classes[decoded.verdict] ?? "plain", line);
+      ? [createElement("p", {}, verdict, [firstSentence, ...moreSentences.map(capitalize)].join(" "))] : [];
+    return createPart("div", classes[decoded.verdict] ?? "plain", line);
   }
 
   /** Whether a wrong frame is a valid one of another kind, whose check bits match, so it has no mistake. */
@@ -3150,8 +3344,8 @@
     if (!otherLayouts.length) return [];
     const names = otherLayouts.map((placedLayout) => placedLayout.name.replaceAll("_", " ")).join(", ");
     const textName = isAnotherFrame(decoded, otherLayouts) ? "valid_other" : decoded.problems.length ? "instead" : "also";
-    const otherText = said(textName, names);
-    return [element("p", {}, `${otherText[0].toUpperCase()}${otherText.slice(1)}. Choose it above.`)];
+    const otherText = messageFor(textName, names);
+    return [createElement("p", {}, `${otherText[0].toUpperCase()}${otherText.slice(1)}. Choose it above.`)];
   }
 
   /** Other readings of a position that nothing in the frame can contradict, folded, and the request that it also is. */
@@ -3160,38 +3354,38 @@
     const requestName = ownRequest(decoded);
     return [
       ...(readings ? [foldDoubt(measure, readings)] : []),
-      ...(requestName ? [element("p", {}, sentence(capitalize(said("own_request", requestName))))] : []),
+      ...(requestName ? [createElement("p", {}, toSentence(capitalize(messageFor("own_request", requestName))))] : []),
     ];
   }
 
   /** Create a question about the position that unfolds to its other ``readings``, a text. */
   function foldDoubt(measure, readings) {
-    const [question, ...answerParts] = said("looks_wrong", positionNameOf(measure), readings).split("? ");
-    return element("details", {},
-      element("summary", {}, `${question}?`), element("p", {}, sentence(answerParts.join("? "))));
+    const [question, ...answerParts] = messageFor("looks_wrong", positionNameOf(measure), readings).split("? ");
+    return createElement("details", {},
+      createElement("summary", {}, `${question}?`), createElement("p", {}, toSentence(answerParts.join("? "))));
   }
 
   /** Create the lines about the mistakes that could explain a wrong frame. */
   function createExplanations(decoded) {
     const deadLineText = deadLine(decoded);
-    if (deadLineText) return [element("p", {}, deadLineText)];
+    if (deadLineText) return [createElement("p", {}, deadLineText)];
     if (!decoded.problems.length) return [];
     const disturbedBits = findDisturbedBits(decoded);
     const bitText = disturbedBits.length === 1
-      ? nameBit(decoded.at, disturbedBits[0]) : `one of ${disturbedBits.length} bits`;
-    const noiseLines = disturbedBits.length ? [element("p", {},
+      ? nameBit(decoded.placedLayout, disturbedBits[0]) : `one of ${disturbedBits.length} bits`;
+    const noiseLines = disturbedBits.length ? [createElement("p", {},
       `If only some frames fail, one bit may have been disturbed on the line: the CRC matches with ${bitText} inverted. `
       + "In that case, no change is needed.")] : [];
     const explanations = explained(decoded);
     const matchText = "these changes make the CRC match:";
     const withCrc = noiseLines.length ? `If all frames fail, ${matchText}` : `T${matchText.slice(1)}`;
-    const introduction = decoded.at?.crc ? withCrc : `${said("uncertain")}:`;
-    const explanationLines = explanations.length ? [element("p", {}, introduction), list(explanations.map(
-      (explanation) => describeExplanation(explanation.at ?? decoded.at, explanation)))] : [];
+    const introduction = decoded.placedLayout?.crc ? withCrc : `${messageFor("uncertain")}:`;
+    const explanationLines = explanations.length ? [createElement("p", {}, introduction), createList(explanations.map(
+      (explanation) => describeExplanation(explanation.placedLayout ?? decoded.placedLayout, explanation)))] : [];
     const missingText = missingPart(decoded);
-    const helpLines = anotherHelps(explanations) ? [element("p", {}, said("another_frame"))] : [];
+    const helpLines = anotherHelps(explanations) ? [createElement("p", {}, messageFor("another_frame"))] : [];
     return [...noiseLines, ...explanationLines,
-      ...missingText ? [element("p", {}, sentence(capitalize(missingText)))] : [], ...helpLines];
+      ...missingText ? [createElement("p", {}, toSentence(capitalize(missingText)))] : [], ...helpLines];
   }
 
   /** Describe one explanation: its text and chance, the numbers that the frame then contains, and the recording. */
@@ -3204,9 +3398,9 @@
   }
 
   /** Draw the parts of a recording, each a name and its bits, like the bits of a frame. */
-  const drawParts = (parts) => part("div", "drawing", parts.map(([name, partBits]) =>
-    part("span", `cell ${CLASS}-cell-${name === "frame" ? "data" : "flag"}`,
-      part("span", "bits", partBits), part("span", "name", name.replaceAll("_", "-")))));
+  const drawParts = (parts) => createPart("div", "drawing", parts.map(([name, partBits]) =>
+    createPart("span", `cell ${CLASS}-cell-${name === "frame" ? "data" : "flag"}`,
+      createPart("span", "bits", partBits), createPart("span", "name", name.replaceAll("_", "-")))));
 
   /** Return the index from 0, in the order sent, of the byte that has a bit of the frame's number. */
   const byteIndexOf = (placedLayout, bit) => (
@@ -3216,15 +3410,15 @@
     placedLayout.layout.order ? `bit ${bit % 8} of byte ${byteIndexOf(placedLayout, bit)}` : `bit ${bit}`);
 
   /** Create all output about a frame or register. ``otherLayouts`` are the other frames that it can be. */
-  function resultOf(decoded, measure, otherLayouts) {
-    const angleText = measured(decoded, measure);
+  function createResult(decoded, measure, otherLayouts) {
+    const angleText = describeMeasurement(decoded, measure);
     const table = decoded.fields.length ? createFieldTable(decoded) : null;
     return [
-      headline(decoded),
+      createHeadline(decoded),
       ...(decoded.differences.length
-        ? [list(decoded.differences.map((difference) => `differs from the manual: ${difference}`))] : []),
+        ? [createList(decoded.differences.map((difference) => `differs from the manual: ${difference}`))] : []),
       ...listReports(decoded),
-      ...(table && angleText ? [part("p", "angle", angleText)] : []),
+      ...(table && angleText ? [createPart("p", "angle", angleText)] : []),
       ...(table ? [drawFrameBits(decoded, table), table] : []),
       ...(decoded.crc ? [createCrcLine(decoded.crc)] : []),
       ...nameOtherFrames(decoded, otherLayouts),
@@ -3234,40 +3428,44 @@
   }
 
   /** Create all output about a frame with several data channels: its verdict, and then each channel. */
-  function wholeResultOf(decoded, measure) {
-    const comparisonLines = decoded.compared ? [element("p", {}, sentence(capitalize(decoded.compared.words)))] : [];
+  function createWholeResult(decoded, measure) {
+    const comparisonLines = decoded.compared
+      ? [createElement("p", {}, toSentence(capitalize(decoded.compared.words)))] : [];
     const channelLines = decoded.channels.flatMap((channel) => [
-      element("h3", {}, capitalize(channel.at.layout.title)),
-      ...resultOf({ ...channel, verdict: channel.verdict && decoded.verdict }, measure, []),
+      createElement("h3", {}, capitalize(channel.placedLayout.layout.title)),
+      ...createResult({ ...channel, verdict: channel.verdict && decoded.verdict }, measure, []),
     ]);
-    return [headline({ ...decoded, crc: true }), ...comparisonLines, ...channelLines];
+    return [createHeadline({ ...decoded, crc: true }), ...comparisonLines, ...channelLines];
   }
 
   /** Create a button for each order code, which calls ``pick`` with it. */
-  function codeButtons(codes, pick) {
-    return part("div", "codes", codes.map((code) => {
-      const codeButton = element("button", { type: "button" }, code);
+  function createCodeButtons(codes, pick) {
+    return createPart("div", "codes", codes.map((code) => {
+      const codeButton = createElement("button", { type: "button" }, code);
       codeButton.addEventListener("click", () => pick(code));
       return codeButton;
     }));
   }
 
   /** List the order codes that match the frame in a text. ``pick`` selects one of them. */
-  function guessesOf(frameText, pick) {
+  function createGuesses(frameText, pick) {
     const groups = inferred(frameText);
-    if (!groups.length) return [part("div", "bad", element("p", {}, sentence(notOfAnyCode(frameText))))];
+    if (!groups.length) return [createPart("div", "bad", createElement("p", {}, toSentence(notOfAnyCode(frameText))))];
     const groupsWithCrc = groups.filter((group) => group.decoded.crc);
     const entries = [...groupsWithCrc, ...groups.filter((group) => !group.decoded.crc)].map((group) => {
-      const { at: placedLayout } = group.decoded;
+      const { placedLayout } = group.decoded;
       const bitCount = group.decoded.bits ?? placedLayout.bits;
-      const lengthText = placedLayout.layout.order ? counted(placedLayout.bits / 8, "byte") : counted(bitCount, "bit");
+      const lengthText = placedLayout.layout.order
+        ? countWithNoun(placedLayout.bits / 8, "byte") : countWithNoun(bitCount, "bit");
       const crcText = group.decoded.crc ? "with a correct CRC" : "without a CRC";
       const mark = group.family.mark ? ` (${group.family.mark})` : "";
       const text = (
-        `${group.over.title} from the ${group.sender}, ${placedLayout.layout.title}: ${lengthText}, ${crcText}${mark}`);
-      return [element("p", {}, text), codeButtons(group.codes, (code) => pick(code, group.sender))];
+        `${group.interface.title} from the ${group.sender}, `
+          + `${placedLayout.layout.title}: ${lengthText}, ${crcText}${mark}`);
+      return [createElement("p", {}, text), createCodeButtons(group.codes, (code) => pick(code, group.sender))];
     });
-    return [element("p", {}, "Valid frame of these order codes. Select the one on the label:"), list(entries)];
+    const introduction = "Valid frame of these order codes. Select the one on the label:";
+    return [createElement("p", {}, introduction), createList(entries)];
   }
 
   /** Say how to see the subject of the line below the drawing: the value or the meaning of a field. */
@@ -3276,20 +3474,20 @@
 
   /** Draw the bits of a frame as a row of its fields. Pointed at or focused, a field shows its value and source below. */
   function drawFrameBits(decoded, table) {
-    const { at: placedLayout, fields } = decoded;
+    const { placedLayout, fields } = decoded;
     const tableRows = [...table.querySelectorAll("tbody tr")];
     const cells = fields.filter(
       (field) => field.high >= 0 && findFirstAtItsPlace(field, fields) === field).map((field) => {
       const bitCount = field.high - field.low + 1;
       const rawText = bitCount > 1 ? `${hex(field.raw)}` : `${field.raw}`;
-      const meaning = meaningOf(placedLayout, field);
+      const meaning = describeMeaning(placedLayout, field);
       return {
         name: field.name, high: field.high, low: field.low,
         colour: field.value === true ? "active" : field.colour,
         isOneName: fields.filter((other) => other.high === field.high && other.low === field.low).length === 1,
-        text: field.raw.toString(2).padStart(bitCount, "0"),
-        says: `${formatWithUnit(field)} (${rawText}).${meaning ? ` ${sentence(meaning)}` : ""}`,
-        light: () => tableRows.forEach((tableRow, index) => (
+        shownText: field.raw.toString(2).padStart(bitCount, "0"),
+        description: `${formatWithUnit(field)} (${rawText}).${meaning ? ` ${toSentence(meaning)}` : ""}`,
+        highlightTableRow: () => tableRows.forEach((tableRow, index) => (
           tableRow.classList.toggle(`${CLASS}-lit`, fields[index] === field))),
       };
     });
@@ -3297,16 +3495,16 @@
   }
 
   /** The fields of a frame without its bits, as in the pictures of the pages. */
-  function emptyFrame(placedLayout) {
+  function drawEmptyFrame(placedLayout) {
     return drawFieldRow(placedLayout, placedLayout.fields.map(({ field, name, low, width }) => {
       const high = low + width - 1;
       const activeText = { flag: "1 = active.", not_flag: "0 = active." }[field.kind] ?? "";
       const meaning = field.meaning || field.on || "";
       return {
         name, high, low, colour: field.colour, isOneName: true,
-        text: high === low ? `${low}` : `${high}:${low}`,
-        says: [activeText, meaning && sentence(meaning)].filter(Boolean).join(" "),
-        light: () => {},
+        shownText: high === low ? `${low}` : `${high}:${low}`,
+        description: [activeText, meaning && toSentence(meaning)].filter(Boolean).join(" "),
+        highlightTableRow: () => {},
       };
     }), "meaning");
   }
@@ -3317,45 +3515,47 @@
 
   /**
    * Draw a row with a button for each cell, in the order sent, and a line with the ``subject`` of the chosen one. A cell
-   * has the bits ``high`` to ``low`` of a field, its colour, the text in it, and the text that it ``says`` in the line.
+   * has the bits ``high`` to ``low`` of a field, its colour, the ``shownText`` in it, and its ``description`` for the
+   * line.
    */
   function drawFieldRow(placedLayout, cells, subject) {
     const { layout } = placedLayout;
     const isLowFirst = layout.order === "little";
     cells.sort((cell, otherCell) => (isLowFirst ? cell.low - otherCell.low : otherCell.high - cell.high));
-    const pointedLine = part("p", "about", describePointing(subject));
+    const pointedLine = createPart("p", "about", describePointing(subject));
     pointedLine.setAttribute("aria-hidden", "true");
     const sourceText = layout.source ? ` Manual ${layout.source}` : "";
     const buttons = cells.map((cell) => {
       const bitCount = cell.high - cell.low + 1;
-      const place = placeOf(placedLayout, cell);
+      const place = formatPlace(placedLayout, cell);
       const placeText = layout.order ? place : `bit${bitCount > 1 ? "s" : ""} ${place}`;
-      const description = `: ${placeText}${cell.says ? `, ${cell.says}` : "."}`;
+      const description = `: ${placeText}${cell.description ? `, ${cell.description}` : "."}`;
       const shownName = cell.isOneName ? breakableName(cell.name) : cell.name;
-      const cellButton = element("button", {
+      const cellButton = createElement("button", {
         type: "button", class: `${CLASS}-cell ${CLASS}-cell-${cell.colour}${bitCount > 2 ? "" : ` ${CLASS}-narrow`}`,
         "aria-label": `${cell.name}${description}${sourceText}`,
-      }, part("span", "bits", cell.text), part("span", "name", shownName));
+      }, createPart("span", "bits", cell.shownText), createPart("span", "name", shownName));
       const longestWord = bitCount > 2 ? Math.max(...cell.name.split("_").map((word) => word.length)) : 0;
       // The policy of the page allows this, but no attribute.
-      cellButton.style.flex = `${bitCount} 1 ${Math.max(bitCount, longestWord, cell.text.length) + 1}ch`;
+      cellButton.style.flex = `${bitCount} 1 ${Math.max(bitCount, longestWord, cell.shownText.length) + 1}ch`;
       const showCell = () => {
         pointedLine.replaceChildren(
-          element("b", {}, cell.name), description, sourceText && part("span", "source", sourceText));
-        cell.light();
+          createElement("b", {}, cell.name), description, sourceText && createPart("span", "source", sourceText));
+        cell.highlightTableRow();
         buttons.forEach((otherButton) => otherButton.classList.toggle(`${CLASS}-lit`, otherButton === cellButton));
       };
       for (const event of ["pointerenter", "focus", "click"]) cellButton.addEventListener(event, showCell);
       return cellButton;
     });
-    const row = element("div", { class: `${CLASS}-drawing`, role: "group", "aria-label": "Bits of the frame" }, buttons);
-    return part("div", "frame-drawing", row, pointedLine);
+    const row = createElement(
+      "div", { class: `${CLASS}-drawing`, role: "group", "aria-label": "Bits of the frame" }, buttons);
+    return createPart("div", "frame-drawing", row, pointedLine);
   }
 
   const VERDICT_CLASSES = { usable: "good", usable_with_warning: "warning", not_usable: "bad" };
 
   /** Return the verdict on a row in words, with the class for its colour and shape. */
-  function describeVerdict({ found: decoded, error }) {
+  function describeVerdict({ decoded, error }) {
     if (error) return ["not a frame", "bad"];
     if (decoded.problems.length) return [`${decoded.problems[0].fault.replace("crc", "CRC")} error`, "bad"];
     if (!decoded.verdict) return ["no verdict", "plain"];
@@ -3364,10 +3564,10 @@
 
   /** Create the mark of a verdict: its text with the colour and shape of ``verdictClass``. */
   const createBadge = (text, verdictClass) => (
-    element("span", { class: `${CLASS}-badge ${CLASS}-badge-${verdictClass}` }, text));
+    createElement("span", { class: `${CLASS}-badge ${CLASS}-badge-${verdictClass}` }, text));
 
   /** Return the errors or reports of a frame in one line. */
-  function writeRemark({ found: decoded, error }) {
+  function writeRemark({ decoded, error }) {
     if (error) return error;
     const messages = decoded.problems.map((problem) => problem.message);
     return [
@@ -3375,7 +3575,7 @@
   }
 
   /** Return the field that the position is read from, or the first number of a frame. */
-  function findMainField({ found: decoded }, measure) {
+  function findMainField({ decoded }, measure) {
     if (!decoded?.fields.length || decoded.problems.length) return null;
     const findNumber = (name) => decoded.fields.find((field) => field.name === name && typeof field.value === "bigint");
     return findNumber(measure?.of) ?? findNumber(measure?.part)
@@ -3383,47 +3583,49 @@
   }
 
   /** Create a table of lines, each with its frame decoded in ``found`` or an ``error``. ``pick`` shows one in full. */
-  function tableOf(rows, measure, pick) {
+  function createLineTable(rows, measure, pick) {
     const hasTimes = rows.some((row) => row.line.time);
     const heads = ["Line", ...(hasTimes ? ["Time"] : []), "Frame", "Verdict", "Value", "Remark"];
     const bodyRows = rows.map((row) => {
-      const showButton = element("button", { type: "button", "aria-label": `Show line ${row.line.number} in full` },
+      const showButton = createElement("button", { type: "button", "aria-label": `Show line ${row.line.number} in full` },
         `${row.line.number}`);
       showButton.addEventListener("click", () => pick(row));
       const mainField = findMainField(row, measure);
       const valueTexts = mainField ? [`${mainField.name} ${formatWithUnit(mainField)}`] : [];
-      const angleText = mainField ? measured(row.found, measure).replace(/^\w+: /, "") : "";
-      return element("tr", {},
-        element("td", {}, showButton), ...(hasTimes ? [element("td", {}, row.line.time)] : []),
-        element("td", { class: `${CLASS}-frame` }, element("code", {}, row.line.text)),
-        element("td", {}, createBadge(...describeVerdict(row))),
-        element("td", { class: `${CLASS}-value` }, valueTexts, angleText && part("span", "meaning", angleText)),
-        element("td", {}, writeRemark(row)));
+      const angleText = mainField ? describeMeasurement(row.decoded, measure).replace(/^\w+: /, "") : "";
+      return createElement("tr", {},
+        createElement("td", {}, showButton), ...(hasTimes ? [createElement("td", {}, row.line.time)] : []),
+        createElement("td", { class: `${CLASS}-frame` }, createElement("code", {}, row.line.text)),
+        createElement("td", {}, createBadge(...describeVerdict(row))),
+        createElement("td", { class: `${CLASS}-value` }, valueTexts,
+          angleText && createPart("span", "meaning", angleText)),
+        createElement("td", {}, writeRemark(row)));
     });
-    const headCells = heads.map((text) => element("th",
+    const headCells = heads.map((text) => createElement("th",
       { scope: "col", class: text === "Frame" && `${CLASS}-frame` }, text));
-    return element("table", { class: `${CLASS}-many` },
-      element("caption", {}, counted(rows.length, "frame")),
-      element("thead", {}, element("tr", {}, headCells)), element("tbody", {}, bodyRows));
+    return createElement("table", { class: `${CLASS}-many` },
+      createElement("caption", {}, countWithNoun(rows.length, "frame")),
+      createElement("thead", {}, createElement("tr", {}, headCells)), createElement("tbody", {}, bodyRows));
   }
 
   /** Return the cells of a field by column: its value, and the quantity that a number stands for. */
-  function cellsOf(field) {
+  function listCsvCells(field) {
     const quantityCells = field.scale
-      ? [[`${field.name} (${field.scale[3]})`, scaled(field.scale, field.value).decimal]] : [];
+      ? [[`${field.name} (${field.scale[3]})`, scaleNumber(field.scale, field.value).decimal]] : [];
     return [[field.name, formatValue(field.value)], ...quantityCells];
   }
 
   /** Write the lines as CSV, with a column for each field and each quantity. */
   function writeCsv(rows) {
-    const cellsOfRows = rows.map((row) => (row.found?.fields ?? []).flatMap(cellsOf));
+    const cellsOfRows = rows.map((row) => (row.decoded?.fields ?? []).flatMap(listCsvCells));
     const columnNames = [...new Set(cellsOfRows.flatMap((cells) => cells.map(([name]) => name)))];
     const quoteCell = (text) => (/[",\r\n]/.test(text) ? `"${text.replace(/"/g, '""')}"` : text);
     const lines = rows.map((row, rowIndex) => {
-      const textByColumn = named(...cellsOfRows[rowIndex].map(([name, text]) => ({ [name]: text })));
+      const textByColumn = mergeByName(...cellsOfRows[rowIndex].map(([name, text]) => ({ [name]: text })));
       const { line } = row;
       return [
-        `${line.number}`, line.time, line.text, row.found?.at?.name ?? "", row.found?.verdict ?? "", writeRemark(row),
+        `${line.number}`, line.time, line.text,
+        row.decoded?.placedLayout?.name ?? "", row.decoded?.verdict ?? "", writeRemark(row),
         ...columnNames.map((name) => textByColumn[name] ?? "")];
     });
     const heads = ["line", "time", "frame", "layout", "verdict", "remark", ...columnNames];
@@ -3431,49 +3633,51 @@
   }
 
   /** List the mistakes that explain the most of the wrong frames among the lines, if they explain at least two. */
-  function togetherOf(rows) {
-    const wrongFrames = rows.flatMap((row) => (row.found?.problems.length && !row.found.channels ? [row.found] : []));
+  function listCommonMistakes(rows) {
+    const decodedFrames = rows.flatMap((row) => (row.decoded ? [row.decoded] : []));
+    const wrongFrames = decodedFrames.filter((decoded) => decoded.problems.length > 0 && !decoded.channels);
     const mistakes = judgedTogether(wrongFrames);
     if (!mistakes.length || mistakes[0].frames < 2) return [];
-    const introduction = said(
+    const introduction = messageFor(
       "together", `${mistakes[0].frames}`, `${Math.min(wrongFrames.length, TABLE.likely.frames)}`);
     const mistakeTexts = mistakes.map(
       ({ text, oneIn }) => (oneIn > ONE ? `${text} (matches by chance in 1 of ${oneIn})` : text));
-    return [element("p", {}, `${introduction}:`), list(mistakeTexts)];
+    return [createElement("p", {}, `${introduction}:`), createList(mistakeTexts)];
   }
 
   /** List the doubts that all lines have in common although they are valid: a dead line, own requests, other readings. */
-  function doubtsOfAll(rows, measure) {
-    const frames = rows.flatMap((row) => (row.found ? [row.found] : [])).slice(-TABLE.likely.frames);
+  function listCommonDoubts(rows, measure) {
+    const frames = rows.flatMap((row) => (row.decoded ? [row.decoded] : [])).slice(-TABLE.likely.frames);
     const deadLineTexts = new Set(frames.map(deadLine));
     const requestNames = new Set(frames.map(ownRequest));
+    const isOwnRequest = requestNames.size > 0 && !requestNames.has("");
+    const requestsText = messageFor("own_requests", [...requestNames].join(", "));
     const readingsOfFrames = frames.map((decoded) => new Map(otherPositions(decoded, measure)));
     const commonTexts = [...readingsOfFrames[0]?.keys() ?? []]
       .filter((text) => readingsOfFrames.every((positionByText) => positionByText.has(text)));
     const readingsText = commonTexts.map(
       (text) => `${readingsOfFrames.map((positionByText) => positionByText.get(text)).join(" ")} ${text}`).join(", ");
     return [
-      ...(deadLineTexts.size === 1 && !deadLineTexts.has("") ? [element("p", {}, [...deadLineTexts][0])] : []),
-      ...(requestNames.size && !requestNames.has("")
-        ? [element("p", {}, sentence(capitalize(said("own_requests", [...requestNames].join(", ")))))] : []),
+      ...(deadLineTexts.size === 1 && !deadLineTexts.has("") ? [createElement("p", {}, [...deadLineTexts][0])] : []),
+      ...(isOwnRequest ? [createElement("p", {}, toSentence(capitalize(requestsText)))] : []),
       ...(readingsText ? [foldDoubt(measure, readingsText)] : []),
     ];
   }
 
   /** Create buttons that copy and download the lines as CSV. */
-  function exportsOf(rows) {
-    const copyButton = element("button", { type: "button" }, "Copy as CSV");
+  function createExportButtons(rows) {
+    const copyButton = createElement("button", { type: "button" }, "Copy as CSV");
     copyButton.addEventListener("click", () => {
       navigator.clipboard.writeText(writeCsv(rows)).then(() => { copyButton.textContent = "Copied"; },
         () => { copyButton.textContent = "The browser did not allow it"; });
     });
-    const downloadButton = element("button", { type: "button" }, "Download CSV");
+    const downloadButton = createElement("button", { type: "button" }, "Download CSV");
     downloadButton.addEventListener("click", () => {
       const url = URL.createObjectURL(new Blob([writeCsv(rows)], { type: "text/csv" }));
-      element("a", { href: url, download: "frames.csv" }).click();
+      createElement("a", { href: url, download: "frames.csv" }).click();
       setTimeout(() => URL.revokeObjectURL(url), 1000);
     });
-    return part("p", "exports", copyButton, downloadButton);
+    return createPart("p", "exports", copyButton, downloadButton);
   }
 
   /**
@@ -3481,22 +3685,22 @@
    * Return {parts, fill}: the elements, and the function that fills the inputs from a decoded register.
    */
   function createRegisterForm(state, register, frameInput, showResult) {
-    const placedRegister = () => placedFor(state.found, register, state.held, state.answers);
+    const placedRegister = () => placedFor(state.orderCode, register, state.registerContents, state.answers);
     const allLimits = register.limits ?? [];
     const bounds = allLimits.map((limits) => describeLimits(placedRegister(), limits)).filter(Boolean);
-    const notes = part("p", "note", [...(register.about ?? []), ...bounds.map(sentence)].join(" "));
+    const notes = createPart("p", "note", [...(register.about ?? []), ...bounds.map(toSentence)].join(" "));
     if (!register.writable) {
-      return { parts: [notes, part("p", "note", "Read-only. Paste its bytes to decode them.")], fill: null };
+      return { parts: [notes, createPart("p", "note", "Read-only. Paste its bytes to decode them.")], fill: null };
     }
-    const refusal = part("p", "wrong");
+    const refusal = createPart("p", "wrong");
     refusal.setAttribute("role", "alert");
     const inputs = [
       ...placedRegister().joins.filter((join) => join.parts.length > 1).map((join) => createJoinInput(join)),
-      ...placedRegister().fields.filter(isGiven).map((placedField) => createFieldInput(placedField)),
+      ...placedRegister().fields.filter(isEnteredByUser).map((placedField) => createFieldInput(placedField)),
     ];
     const limitsByMeaning = allLimits.filter((limits) => limits.name);
     const meanings = limitsByMeaning.map(({ name, meaning }) => createOption(name, `${name}: ${meaning ?? ""}`));
-    const chosenMeaning = element("select", {}, createOption("", "choose"), meanings);
+    const chosenMeaning = createElement("select", {}, createOption("", "choose"), meanings);
 
     /** Encode the values of the inputs and show the bytes, or show why they are rejected. */
     function encodeInputs() {
@@ -3507,11 +3711,11 @@
         showResult(true);
       } catch (error) {
         if (!(error instanceof Refusal)) throw error;
-        refusal.textContent = sentence(error.message);
+        refusal.textContent = toSentence(error.message);
       }
     }
 
-    const form = element("fieldset", {}, element("legend", {}, "Change values to encode bytes"),
+    const form = createElement("fieldset", {}, createElement("legend", {}, "Change values to encode bytes"),
       limitsByMeaning.length ? createLabelledInput("Meaning", chosenMeaning) : "",
       inputs.map(({ label }) => label), refusal);
     form.addEventListener("input", (event) => {
@@ -3524,7 +3728,7 @@
 
   /** Create the button that enters the default bytes of a register. */
   function createDefaultButton(register, frameInput, showResult) {
-    const button = element("button", { type: "button" }, `Default: ${register.default}`);
+    const button = createElement("button", { type: "button" }, `Default: ${register.default}`);
     button.addEventListener("click", () => {
       frameInput.value = register.default;
       showResult();
@@ -3536,7 +3740,7 @@
   function describeLimits(placedRegister, { name, of, low, high }) {
     if (low === null && high === null) return "";
     const bounds = [["at least", low], ["at most", high]].filter(([, bound]) => bound !== null)
-      .map(([comparison, bound]) => `${comparison} ${value(bound, placedRegister.parameters)}`);
+      .map(([comparison, bound]) => `${comparison} ${evaluateExpression(bound, placedRegister.parameters)}`);
     return `Limits of ${name ?? of ?? placedRegister.name}: ${bounds.join(", ")}`;
   }
 
@@ -3549,28 +3753,28 @@
 
   /** Create an input for a field, by its kind: {name, input, label, read, write}. */
   function createFieldInput({ field, name, width }) {
-    const hint = [field.meaning, field.unit].filter(Boolean).join(", ") || counted(width, "bit");
+    const hint = [field.meaning, field.unit].filter(Boolean).join(", ") || countWithNoun(width, "bit");
     const inputOf = (input, read, write) => ({ name, input, read, write, label: createLabelledInput(name, input, hint) });
     if (field.kind === "flag" || field.kind === "not_flag") {
-      const input = element("input", { type: "checkbox" });
+      const input = createElement("input", { type: "checkbox" });
       return inputOf(input, () => input.checked, (isActive) => Object.assign(input, { checked: isActive }));
     }
     if (field.kind === "choice") {
-      const choices = field.values.map(([number, text]) => createOption(`${big(number)}`, text));
-      const input = element("select", {}, createOption("", "choose"), choices);
+      const choices = field.values.map(([number, text]) => createOption(`${toBigInt(number)}`, text));
+      const input = createElement("select", {}, createOption("", "choose"), choices);
       const read = () => (input.value ? BigInt(input.value) : "");
       return inputOf(input, read, (_, raw) => Object.assign(input, { value: `${raw}` }));
     }
     const isText = field.kind === "text";
-    const input = element("input", { autocomplete: "off", inputmode: isText ? "text" : "numeric" });
+    const input = createElement("input", { autocomplete: "off", inputmode: isText ? "text" : "numeric" });
     const read = () => (isText ? input.value : parseNumberOrEmpty(input.value));
     return inputOf(input, read, (fieldValue) => Object.assign(input, { value: fieldValue }));
   }
 
   /** Create an input for a number of several fields, which it fills in. */
   function createJoinInput({ name, parts }) {
-    const input = element("input", { autocomplete: "off", inputmode: "numeric" });
-    const names = parts.map((part) => part.item?.name).filter(Boolean).reverse().join(" and ");
+    const input = createElement("input", { autocomplete: "off", inputmode: "numeric" });
+    const names = parts.map((part) => part.placedField?.name).filter(Boolean).reverse().join(" and ");
     const split = (inputs) => {
       const number = parseNumberOrEmpty(input.value);
       if (number === "") return;
@@ -3578,7 +3782,7 @@
         inputs.find((partInput) => partInput.name === partName)?.write(partNumber, partNumber);
       }
     };
-    const label = createLabelledInput(name, input, said("as_one_number", names));
+    const label = createLabelledInput(name, input, messageFor("as_one_number", names));
     return { name: "", join: name, input, label, split, write: (number) => Object.assign(input, { value: number }) };
   }
 
@@ -3594,7 +3798,7 @@
     const values = inputs.filter((input) => input.name).map((input) => [input.name, input.read()]);
     const emptyInput = values.find(([, fieldValue]) => fieldValue === "");
     if (emptyInput) throw new Refusal(`'${emptyInput[0]}' needs a value`);
-    return named(Object.fromEntries(values));
+    return mergeByName(Object.fromEntries(values));
   }
 
   /** Write the values of a decoded register into the inputs. */
@@ -3612,13 +3816,13 @@
   function createLabelledInput(text, input, hint = "") {
     idCounter += 1;
     input.id = `${CLASS}-${idCounter}`;
-    const hintElement = hint && element("span", { class: `${CLASS}-hint`, id: `${input.id}-hint` }, hint);
+    const hintElement = hint && createElement("span", { class: `${CLASS}-hint`, id: `${input.id}-hint` }, hint);
     if (hint) input.setAttribute("aria-describedby", hintElement.id);
-    return part("p", "item", element("label", { for: input.id }, text), input, hintElement);
+    return createPart("p", "item", createElement("label", { for: input.id }, text), input, hintElement);
   }
 
   /** Create an option of a selection or list, with its value and text. */
-  const createOption = (name, text = "") => element("option", { value: name }, text);
+  const createOption = (name, text = "") => createElement("option", { value: name }, text);
 
   /**
    * Fill an element with a box: ``data-code`` fills in an order code and ``data-frame`` frames. ``data-link`` follows the
@@ -3629,15 +3833,16 @@
   function box(root) {
     const marksByCode = new Map(TABLE.families.flatMap(
       (family) => family.codes.map((row) => [row[0], family.mark ?? ""])));
-    const codeList = element("datalist", { id: `${CLASS}-codes-${idCounter}` },
+    const codeList = createElement("datalist", { id: `${CLASS}-codes-${idCounter}` },
       [...marksByCode].map(([name, mark]) => createOption(name, mark)));
-    const codeInput = element("input", { list: codeList.id, autocomplete: "off", spellcheck: "false" });
+    const codeInput = createElement("input", { list: codeList.id, autocomplete: "off", spellcheck: "false" });
     codeInput.value = root.dataset.code ?? "";
-    const typeSelect = element("select");
-    const frameInput = element("textarea", { rows: "3", spellcheck: "false", autocomplete: "off" });
+    const typeSelect = createElement("select");
+    const frameInput = createElement("textarea", { rows: "3", spellcheck: "false", autocomplete: "off" });
     frameInput.value = root.dataset.frame ?? "";
-    const [questionArea, formArea, resultArea] = ["asks", "form", "result"].map((name) => part("div", name));
-    const frameLink = element("a", {}, root.dataset.page ? "All about this frame, and a link to it" : "Link to this");
+    const [questionArea, formArea, resultArea] = ["asks", "form", "result"].map((name) => createPart("div", name));
+    const linkText = root.dataset.page ? "All about this frame, and a link to it" : "Link to this";
+    const frameLink = createElement("a", {}, linkText);
     resultArea.setAttribute("role", "status");
     const builder = root.hasAttribute("data-link") ? createLineBuilder(() => codeInput.value, (line) => {
       codeInput.value = line;
@@ -3646,29 +3851,34 @@
     const pictureSection = root.dataset.picture ? document.getElementById(root.dataset.picture) : null;
     const picture = pictureSection && createFramePicture(pictureSection);
     let isSetUp = false;
-    const state = { found: null, what: "encoder", answers: named(), held: named(), asked: "", fill: null };
+    const state = {
+      orderCode: null, frameType: "encoder", answers: mergeByName(), registerContents: mergeByName(), questionsKey: "",
+      fillForm: null };
 
     /** Return the selected register, if any. */
-    const selectedRegister = () => state.found?.interface.registers?.find(({ name }) => `=${name}` === state.what);
+    const selectedRegister = () => (
+      state.orderCode?.interface.registers?.find(({ name }) => `=${name}` === state.frameType));
 
     /** Read the order code, offer its frames and registers to choose from, and update the rest of the box. */
     function updateFromCode() {
       builder?.follow();
       const orderCode = findCode(codeInput.value);
-      if (orderCode?.code !== state.found?.code) Object.assign(state, { answers: named(), held: named(), asked: "" });
-      state.found = orderCode;
+      if (orderCode?.code !== state.orderCode?.code) {
+        Object.assign(state, { answers: mergeByName(), registerContents: mergeByName(), questionsKey: "" });
+      }
+      state.orderCode = orderCode;
       const senders = [...new Set((orderCode?.interface.frames ?? []).map((layout) => layout.sender))];
       const registers = orderCode?.interface.registers ?? [];
       const frameChoices = senders.flatMap((sender) => createFrameChoices(orderCode.interface, sender));
       const registerChoices = registers.map(({ name, title, place }) => createOption(`=${name}`, `${title}, ${place}`));
       const registerGroups = registerChoices.length
-        ? [element("optgroup", { label: "the bytes of a register" }, registerChoices)] : [];
+        ? [createElement("optgroup", { label: "the bytes of a register" }, registerChoices)] : [];
       typeSelect.replaceChildren(...frameChoices, ...registerGroups);
       const choiceValues = [...frameChoices, ...registerChoices].map((choice) => choice.value);
-      if (!choiceValues.includes(state.what)) {
-        state.what = choiceValues.find((choice) => choice.startsWith("encoder")) ?? choiceValues[0] ?? "encoder";
+      if (!choiceValues.includes(state.frameType)) {
+        state.frameType = choiceValues.find((choice) => choice.startsWith("encoder")) ?? choiceValues[0] ?? "encoder";
       }
-      typeSelect.value = state.what;
+      typeSelect.value = state.frameType;
       typeSelect.parentElement.hidden = choiceValues.length < 2;
       updateFromType();
     }
@@ -3678,21 +3888,21 @@
       const { parts, fill } = selectedRegister()
         ? createRegisterForm(state, selectedRegister(), frameInput, showResult) : { parts: [], fill: null };
       formArea.replaceChildren(...parts);
-      state.fill = fill;
+      state.fillForm = fill;
       showResult();
     }
 
     /** Decode a text as the selected register or frame. */
     function decodeText(frameText) {
-      const { found: orderCode, held: registerContents, answers } = state;
+      const { orderCode, registerContents, answers } = state;
       if (selectedRegister()) return decodeRegister(orderCode, selectedRegister(), frameText, registerContents, answers);
-      return decodeFrame(orderCode, state.what, frameText, registerContents, answers);
+      return decodeFrame(orderCode, state.frameType, frameText, registerContents, answers);
     }
 
     /** Return {line, found} with the decoded frame of a line, or {line, error} with the reason why it is unreadable. */
     function decodeLine(line) {
       try {
-        return { line, found: decodeText(line.text) };
+        return { line, decoded: decodeText(line.text) };
       } catch (error) {
         if (!(error instanceof FrameText)) throw error;
         return { line, error: error.message };
@@ -3706,62 +3916,64 @@
     function showResult(isForm = false) {
       updateAddress();
       frameInput.rows = Math.min(12, Math.max(3, frameInput.value.split("\n").length));
-      if (!state.found) {
+      if (!state.orderCode) {
         questionArea.replaceChildren();
         resultArea.replaceChildren(...helpToFindCode());
         return;
       }
       const rows = linesOf(frameInput.value).map(decodeLine);
-      const layout = rows.find(({ found: decoded }) => decoded?.at)?.found.at.layout ?? selectedRegister();
+      const layout = rows.find(({ decoded }) => decoded?.placedLayout)?.decoded.placedLayout.layout ?? selectedRegister();
       askQuestions(layout);
       const openQuestions = unansweredQuestions(layout);
-      const evidence = root.hasAttribute("data-evidence-above") ? [] : [part("p", "note", state.found.family.evidence)];
+      const evidence = root.hasAttribute("data-evidence-above") ? []
+        : [createPart("p", "note", state.orderCode.family.evidence)];
       const resultParts = rows.length > 1 ? resultOfLines(rows, openQuestions) : rows.flatMap(resultOfLine);
       const expectedLayout = rows.length ? null : findExpectedLayout();
       resultArea.replaceChildren(
-        ...listNotes(), ...resultParts, ...(expectedLayout ? [emptyFrame(expectedLayout)] : []), ...evidence);
+        ...listNotes(), ...resultParts, ...(expectedLayout ? [drawEmptyFrame(expectedLayout)] : []), ...evidence);
       picture?.follow(resultArea, findExpectedLayout);
-      if (rows.length === 1 && rows[0].found && !isForm && !openQuestions.length) state.fill?.(rows[0].found);
+      if (rows.length === 1 && rows[0].decoded && !isForm && !openQuestions.length) state.fillForm?.(rows[0].decoded);
     }
 
     /** Return the layout to paste: the one with the position, of those to choose from. Null if a question is open. */
     function findExpectedLayout() {
       if (selectedRegister()) return null;
-      const [sender, layoutName] = state.what.split(":");
-      const { interface: interface_ } = state.found;
+      const [sender, layoutName] = state.frameType.split(":");
+      const { interface: interface_ } = state.orderCode;
       const layouts = interface_.frames.filter(
         (layout) => layout.sender === sender && (!layoutName || layout.name === layoutName));
       const decidedLayouts = layouts.filter((layout) => !unansweredQuestions(layout).length);
-      const placedLayouts = decidedLayouts.map((layout) => placedFor(state.found, layout, state.held, state.answers));
+      const placedLayouts = decidedLayouts.map(
+        (layout) => placedFor(state.orderCode, layout, state.registerContents, state.answers));
       return placedLayouts.find((placedLayout) => hasPosition(placedLayout, interface_.measure))
         ?? (layouts.length === 1 ? placedLayouts[0] : null) ?? null;
     }
 
     /** All about one frame, or the reason why it is not one. */
-    function resultOfLine({ line, found: decoded, error }) {
-      if (error) return [part("div", "bad", element("p", {}, sentence(error)))];
-      if (unansweredQuestions(decoded.at?.layout).length && decoded.fields.length) {
-        return [part("div", "warning", element("p", {}, UNANSWERED_QUESTION))];
+    function resultOfLine({ line, decoded, error }) {
+      if (error) return [createPart("div", "bad", createElement("p", {}, toSentence(error)))];
+      if (unansweredQuestions(decoded.placedLayout?.layout).length && decoded.fields.length) {
+        return [createPart("div", "warning", createElement("p", {}, UNANSWERED_QUESTION))];
       }
-      if (decoded.channels) return wholeResultOf(decoded, state.found.interface.measure);
-      const [sender] = state.what.split(":");
+      if (decoded.channels) return createWholeResult(decoded, state.orderCode.interface.measure);
+      const [sender] = state.frameType.split(":");
       const otherLayouts = selectedRegister() ? []
-        : otherFrames(state.found, sender, line.text, decoded, state.held, state.answers);
-      return resultOf(decoded, state.found.interface.measure, otherLayouts);
+        : otherFrames(state.orderCode, sender, line.text, decoded, state.registerContents, state.answers);
+      return createResult(decoded, state.orderCode.interface.measure, otherLayouts);
     }
 
     /** Return the table of many frames, and one of them in full below it. */
     function resultOfLines(rows, openQuestions) {
-      if (openQuestions.length) return [part("div", "warning", element("p", {}, UNANSWERED_QUESTION))];
-      const fullResult = part("div", "full");
+      if (openQuestions.length) return [createPart("div", "warning", createElement("p", {}, UNANSWERED_QUESTION))];
+      const fullResult = createPart("div", "full");
       const showInFull = (row) => {
-        fullResult.replaceChildren(element("h3", {}, `Line ${row.line.number}`), ...resultOfLine(row));
+        fullResult.replaceChildren(createElement("h3", {}, `Line ${row.line.number}`), ...resultOfLine(row));
         fullResult.scrollIntoView({ block: "nearest" });
       };
-      const { measure } = state.found.interface;
+      const { measure } = state.orderCode.interface;
       return [
-        ...togetherOf(rows), tableOf(rows, measure, showInFull), ...doubtsOfAll(rows, measure), exportsOf(rows),
-        fullResult,
+        ...listCommonMistakes(rows), createLineTable(rows, measure, showInFull), ...listCommonDoubts(rows, measure),
+        createExportButtons(rows), fullResult,
       ];
     }
 
@@ -3776,23 +3988,23 @@
 
     /** Return the elements that help to find the order code: near codes, and the codes that match the first frame. */
     function helpToFindCode() {
-      const pickCode = (pickedCode, sender = state.what) => {
+      const pickCode = (pickedCode, sender = state.frameType) => {
         codeInput.value = pickedCode;
-        state.what = sender;
+        state.frameType = sender;
         updateFromCode();
         codeInput.focus();
       };
       const helpText = codeInput.value.trim() ? explainUnknownCode(codeInput.value) : "";
       const nearCodes = helpText.split(/[\s,;]+/).filter((word) => marksByCode.has(word));
-      const helpParts = helpText
-        ? [part("div", "bad", element("p", {}, sentence(helpText)), codeButtons(nearCodes, pickCode))] : [];
+      const helpLine = createElement("p", {}, helpText && toSentence(helpText));
+      const helpParts = helpText ? [createPart("div", "bad", helpLine, createCodeButtons(nearCodes, pickCode))] : [];
       const [firstLine] = linesOf(frameInput.value);
-      return firstLine ? [...helpParts, ...guessesOf(firstLine.text, pickCode)] : helpParts;
+      return firstLine ? [...helpParts, ...createGuesses(firstLine.text, pickCode)] : helpParts;
     }
 
     /** Return the notes on how the label differs from the codes in the manual, and on the origin of the family. */
     function listNotes() {
-      const { family, code: codeText, tail, isSpecial, unlisted, writtenAsIn } = state.found;
+      const { family, code: codeText, tail, isSpecial, unlisted, writtenAsIn } = state.orderCode;
       const specNote = isLine(codeText) ? `To write it as a spec: codewheel new my_encoder --line '${codeText}'` : "";
       const spellingNote = writtenAsIn ? `The label is written as in ${writtenAsIn}.` : "";
       const unlistedNote = unlisted.length ? `Accepted, although not listed in the manual: ${unlisted.join(", ")}.` : "";
@@ -3800,18 +4012,18 @@
         ? family.special_codes ?? "A code that ends in /Sxxx may differ from the manual." : "";
       const tailNote = tail ? `The label continues with ${tail}.` : "";
       const allNotes = [specNote, spellingNote, unlistedNote, tailNote, specialNote, ...(family.about ?? [])];
-      return allNotes.filter(Boolean).map((noteText) => part("p", "note", noteText));
+      return allNotes.filter(Boolean).map((noteText) => createPart("p", "note", noteText));
     }
 
     /** Show the questions that a layout leaves to the user. The inputs are built again after a change. */
     function askQuestions(layout) {
-      const { family } = state.found;
+      const { family } = state.orderCode;
       const questions = [...layout?.asks ?? [], ...layout?.offers ?? []];
       const openAlternatives = (family.alternatives ?? []).filter(({ name }) => questions.includes(name));
       const heldParameters = (family.held ?? []).filter(({ name }) => layout?.held?.includes(name));
-      const questionsKey = JSON.stringify([state.found.code, openAlternatives, heldParameters]);
-      if (questionsKey === state.asked) return;
-      state.asked = questionsKey;
+      const questionsKey = JSON.stringify([state.orderCode.code, openAlternatives, heldParameters]);
+      if (questionsKey === state.questionsKey) return;
+      state.questionsKey = questionsKey;
       const questionInputs = openAlternatives.map((alternative) => createQuestion(state, alternative, showResult));
       questionArea.replaceChildren(...questionInputs, ...createRegisterInputs(state, heldParameters, showResult));
     }
@@ -3822,10 +4034,10 @@
       if (![...parameters.keys()].length) return;
       codeInput.value = parameters.get("code") ?? "";
       frameInput.value = parameters.get("frame") ?? "";
-      state.what = parameters.has("as") ? `=${parameters.get("as")}` : parameters.get("from") ?? "encoder";
+      state.frameType = parameters.has("as") ? `=${parameters.get("as")}` : parameters.get("from") ?? "encoder";
       updateFromCode();
-      state.answers = named(Object.fromEntries(parameters.getAll("choose").map((pair) => pair.split("="))));
-      state.asked = "";
+      state.answers = mergeByName(Object.fromEntries(parameters.getAll("choose").map((pair) => pair.split("="))));
+      state.questionsKey = "";
       showResult();
     }
 
@@ -3837,10 +4049,10 @@
       createLabelledInput("Frames, one per line, or the bytes of a register", frameInput,
         "Hex bytes, or one number (0x… or 0b…), in any usual notation. A line can begin with a time. "
         + "Text after # is a comment."),
-      questionArea, formArea, resultArea, part("p", "link", frameLink));
+      questionArea, formArea, resultArea, createPart("p", "link", frameLink));
     codeInput.addEventListener("input", updateFromCode);
     typeSelect.addEventListener("change", () => {
-      state.what = typeSelect.value;
+      state.frameType = typeSelect.value;
       updateFromType();
     });
     frameInput.addEventListener("input", () => showResult());
@@ -3864,7 +4076,7 @@
   function createFramePicture(section) {
     const printedPicture = section.querySelector("picture");
     if (!printedPicture) return null;
-    const drawingArea = element("div", { class: `${CLASS}-picture` });
+    const drawingArea = createElement("div", { class: `${CLASS}-picture` });
     printedPicture.before(drawingArea);
     return {
       follow(resultArea, findExpectedLayout) {
@@ -3872,7 +4084,7 @@
         const drawings = resultArea.querySelectorAll(`:scope > .${CLASS}-frame-drawing`);
         // The printed picture of a frame of bytes is smaller than its fields in a row.
         const isDrawn = Boolean(expectedLayout) && !expectedLayout.layout.order && drawings.length < 2;
-        drawingArea.replaceChildren(...(isDrawn ? [drawings[0] ?? emptyFrame(expectedLayout)] : []));
+        drawingArea.replaceChildren(...(isDrawn ? [drawings[0] ?? drawEmptyFrame(expectedLayout)] : []));
         printedPicture.classList.toggle(`${CLASS}-printed`, isDrawn);
       },
     };
@@ -3906,8 +4118,8 @@
   /** Return the part of an address after #, with the inputs of the box. */
   function buildAddress(code, frameText, state) {
     const parameters = new URLSearchParams({ code, frame: frameText.trim() });
-    if (state.what.startsWith("=")) parameters.set("as", state.what.slice(1));
-    else if (state.what !== "encoder") parameters.set("from", state.what);
+    if (state.frameType.startsWith("=")) parameters.set("as", state.frameType.slice(1));
+    else if (state.frameType !== "encoder") parameters.set("from", state.frameType);
     for (const [name, answer] of Object.entries(state.answers)) parameters.append("choose", `${name}=${answer}`);
     return `#${parameters}`;
   }
@@ -3915,40 +4127,41 @@
   /** Create a question that the manual leaves open, with its answers. If it lacks a default, it starts unanswered. */
   function createQuestion(state, alternative, showResult) {
     const answerLabels = alternative.answers.map(([name, meaning]) => {
-      const radio = element("input", { type: "radio", name: `${CLASS}-${idCounter}-${alternative.name}`, value: name });
+      const groupName = `${CLASS}-${idCounter}-${alternative.name}`;
+      const radio = createElement("input", { type: "radio", name: groupName, value: name });
       radio.checked = (state.answers[alternative.name] ?? alternative.default) === name;
       radio.addEventListener("change", () => {
         state.answers[alternative.name] = name;
         showResult();
       });
-      return element("label", {}, radio, ` ${name}: ${meaning}`);
+      return createElement("label", {}, radio, ` ${name}: ${meaning}`);
     });
     idCounter += 1;
-    return element("fieldset", {}, element("legend", {}, sentence(alternative.meaning)), answerLabels);
+    return createElement("fieldset", {}, createElement("legend", {}, toSentence(alternative.meaning)), answerLabels);
   }
 
   /** Create inputs for the register contents that a frame depends on. By default, those of the order code apply. */
   function createRegisterInputs(state, heldParameters, showResult) {
     if (!heldParameters.length) return [];
-    const defaults = computeParameters(state.found);
+    const defaults = computeParameters(state.orderCode);
     const inputs = heldParameters.map(({ name, meaning, at: registerName, min, max, values }) => {
-      const input = element("input", { inputmode: "numeric", autocomplete: "off" });
+      const input = createElement("input", { inputmode: "numeric", autocomplete: "off" });
       input.placeholder = `${defaults[name]}`;
-      const isAllowed = (number) => number >= big(min) && (max === undefined || number <= big(max))
-        && (!values || values.some((allowedNumber) => big(allowedNumber) === number));
+      const isAllowed = (number) => number >= toBigInt(min) && (max === undefined || number <= toBigInt(max))
+        && (!values || values.some((allowedNumber) => toBigInt(allowedNumber) === number));
       input.addEventListener("input", () => {
         const number = parseNumberOrNull(input.value);
         const isValid = number !== null && isAllowed(number);
         input.setAttribute("aria-invalid", `${input.value.trim() !== "" && !isValid}`);
-        delete state.held[name];
-        if (isValid) state.held[name] = number;
+        delete state.registerContents[name];
+        if (isValid) state.registerContents[name] = number;
         showResult();
       });
       const range = values?.join(", ") ?? `${min ?? 0} to ${max ?? "the highest value"}`;
       return createLabelledInput(meaning, input, `${registerName}, ${range}`);
     });
-    const summary = element("summary", {}, "Registers have factory defaults. Enter the contents of yours");
-    return [element("details", {}, summary, inputs)];
+    const summary = createElement("summary", {}, "Registers have factory defaults. Enter the contents of yours");
+    return [createElement("details", {}, summary, inputs)];
   }
 
   /** Return the decimal or hexadecimal number that a text is, otherwise null. */

@@ -13,7 +13,7 @@ from ..loading.evidence import history_beside, history_text, with_release
 from ..loading.overlays import Family
 from ..model import Release, ReleasedChange
 from ..say.markdown import code as in_code
-from ..say.markdown import text as escaped
+from ..say.markdown import escape as escaped
 from ..say.plain_text import WIDTH, counted, first_of, wrapped
 from .names import NameChange
 from .rules import OUTPUTS, TITLES, Change, Impact, Package

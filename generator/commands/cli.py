@@ -98,7 +98,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         atexit.register(gc.freeze)
     prepare_streams()
     try:
-        code = _run(arguments)
+        code = _run_command(arguments)
         sys.stdout.flush()
         sys.stderr.flush()
         return code
@@ -117,7 +117,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 130
 
 
-def _run(arguments: Sequence[str] | None) -> int:
+def _run_command(arguments: Sequence[str] | None) -> int:
     """Parse the arguments, run the command, and return its exit code, or that of ``Stop``, whose message is printed."""
     try:
         words = sys.argv[1:] if arguments is None else arguments

@@ -25,7 +25,7 @@ def has_colours() -> bool:
     return is_wanted and sys.stdout.isatty()
 
 
-def coloured(text: str, colour: str) -> str:
+def in_colour(text: str, colour: str) -> str:
     """Return a text in a colour of ``_CODES``."""
     return f"\x1b[{_CODES[colour]}m{text}\x1b[0m"
 
@@ -34,4 +34,4 @@ def with_coloured_impacts(text: str) -> str:
     """Return the text of ``diff`` with the impact of each change in its colour, if the terminal has colours."""
     if not has_colours():
         return text
-    return _IMPACT.sub(lambda match: match[1] + coloured(match[2], _BY_IMPACT[match[2]]), text)
+    return _IMPACT.sub(lambda match: match[1] + in_colour(match[2], _BY_IMPACT[match[2]]), text)

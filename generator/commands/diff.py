@@ -117,13 +117,13 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.record:
         if not arguments.unchecked:
             _refuse_unproved(new.families, cache)
-        comparison = _record(comparison, new)
+        comparison = _write_records(comparison, new)
     relevant_changes, notices_about_accepted = _without_accepted(comparison.changes, arguments)
     comparison = replace(comparison, notices=(*comparison.notices, *notices_about_accepted))
     if arguments.format in ("github", "sarif"):
         from .review_formats import as_review
 
-        print(as_review(_findings(relevant_changes, new), arguments.format))
+        print(as_review(_findings_in_new_specs(relevant_changes, new), arguments.format))
     else:
         _print_comparison(comparison, old, new, arguments)
     lowest_impact = Impact[arguments.fail_on.upper()] if arguments.fail_on else Impact.DOCUMENTATION
@@ -138,10 +138,10 @@ def _compare_sides(arguments: argparse.Namespace, cache: Cache) -> tuple[_Side, 
         progress.text = f"codewheel: reading {arguments.new}"
         new = _load_side(arguments.new, cache, lenient=arguments.lenient, old_side=old)
         progress.text = "codewheel: comparing the specs and what they generate"
-        return old, new, _compare(old, new, cache)
+        return old, new, _compare_families(old, new, cache)
 
 
-def _print_comparison(comparison: DiffResult, old: _Side, new: _Side, arguments: argparse.Namespace) -> None:
+def _print_comparison(comparison: DiffResult, old_side: _Side, new_side: _Side, arguments: argparse.Namespace) -> None:
     """Print the changes as JSON, Markdown or text. With ``--editions``, the entries for the spec follow the text."""
     if arguments.json or arguments.format == "json":
         from ..changes.report import as_data
@@ -159,7 +159,7 @@ def _print_comparison(comparison: DiffResult, old: _Side, new: _Side, arguments:
         if arguments.editions:
             from .edition_entry import edition_entries
 
-            for entry in edition_entries(old.families, new.families, comparison.changes):
+            for entry in edition_entries(old_side.families, new_side.families, comparison.changes):
                 print(f"\n{entry}")
 
 
@@ -204,7 +204,7 @@ def _without_accepted(
         raise Stop(str(error), 2) from None
 
 
-def _compare(old: _Side, new: _Side, cache: Cache) -> DiffResult:
+def _compare_families(old_side: _Side, new_side: _Side, cache: Cache) -> DiffResult:
     """Return the changes in the families that could be read on both sides, with the notices of both.
 
     Generated files are compared only if the families differ. Otherwise, and if they cannot be generated, they are None.
@@ -213,14 +213,14 @@ def _compare(old: _Side, new: _Side, cache: Cache) -> DiffResult:
     from ..changes.report import DiffResult
     from ..changes.rules import packages
 
-    old_devices, new_devices = _comparable_devices(old, new), _comparable_devices(new, old)
+    old_devices, new_devices = _comparable_devices(old_side, new_side), _comparable_devices(new_side, old_side)
     changes = compare(old_devices, new_devices)
     files = _changed_files(old_devices, new_devices, cache) if changes else None
     return DiffResult(
         changes=changes,
         packages=packages(old_devices, new_devices, changes),
         files=files,
-        notices=(*old.notices, *new.notices),
+        notices=(*old_side.notices, *new_side.notices),
     )
 
 
@@ -230,7 +230,7 @@ def _comparable_devices(side: _Side, other_side: _Side) -> tuple[Device, ...]:
     return tuple(family.device for family in side.families if family.device.name not in excluded_names)
 
 
-def _record(comparison: DiffResult, new: _Side) -> DiffResult:
+def _write_records(comparison: DiffResult, new_side: _Side) -> DiffResult:
     """Write the records, and return ``comparison`` with notices about them and with the version that was written.
 
     Notices that it already has mean that a part was not compared. Then nothing is written.
@@ -244,7 +244,7 @@ def _record(comparison: DiffResult, new: _Side) -> DiffResult:
         raise Stop(f"nothing is recorded: {comparison.notices[0]}", 1)
     try:
         # Compose all texts before touching the first file.
-        paths_and_texts = list(files_of_release(comparison, new.families))
+        paths_and_texts = list(files_of_release(comparison, new_side.families))
         for path, text in paths_and_texts:
             path.write_text(text, encoding="utf-8")
     except NotRecorded as error:
@@ -352,7 +352,7 @@ def _not_comparable_error(text: str, problems: Sequence[Problem], *, is_old: boo
 # -- places in the new specs, for review tools
 
 
-def _findings(changes: Sequence[Change], side: _Side) -> list[Finding]:
+def _findings_in_new_specs(changes: Sequence[Change], side: _Side) -> list[Finding]:
     """Return the changes with their places in the new specs. A removed item is at the nearest place that is left.
 
     A change in a family that the new specs lack is at the beginning of their first spec.
@@ -365,11 +365,11 @@ def _findings(changes: Sequence[Change], side: _Side) -> list[Finding]:
     for change in changes:
         document = documents.get(change.family, first_document)
         path = _place_in_spec(document, change.path) if change.family in documents else ()
-        findings.append(_finding_at(change, document, path, side.file_names))
+        findings.append(_review_finding(change, document, path, side.file_names))
     return findings
 
 
-def _finding_at(change: Change, document: Document, path: SpecPath, file_names: Mapping[str, str]) -> Finding:
+def _review_finding(change: Change, document: Document, path: SpecPath, file_names: Mapping[str, str]) -> Finding:
     """Return a change in the form for review tools, at its place in the new spec."""
     from ..changes.report import describe_effect
     from .review_formats import Finding
@@ -395,7 +395,7 @@ def _place_in_spec(document: Document, text: str) -> SpecPath:
 
     path: SpecPath = ()
     for step in _STEPS.findall(text):
-        paths_to_step = list(_paths_to(step, value_at(document.data, path)))
+        paths_to_step = list(_paths_to_step(step, value_at(document.data, path)))
         if not paths_to_step:
             break
         # The first is the nearest: directly in the node, not in one of its values.
@@ -403,7 +403,7 @@ def _place_in_spec(document: Document, text: str) -> SpecPath:
     return path
 
 
-def _paths_to(step: str, node: Any) -> Iterator[SpecPath]:
+def _paths_to_step(step: str, node: Any) -> Iterator[SpecPath]:
     """Yield the paths from ``node`` to a key or name in it: directly, or one level deeper if it is a map.
 
     Paths of changes leave out some keys, so ``position`` in ``{"fields": [{"name": "position"}]}`` is at

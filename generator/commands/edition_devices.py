@@ -21,7 +21,7 @@ BY_LABEL, BY_REGISTERS = "label", "registers"
 def in_requested_edition(
     specs: Sequence[Path],
     device: Device,
-    match: Match | None,
+    code_match: Match | None,
     wanted_edition: str,
     text: str,
     register_bytes: Mapping[int, int],
@@ -43,11 +43,11 @@ def in_requested_edition(
     """
     remaining_bytes = dict(register_bytes)
     try:
-        revision = _find_revision(device, match, wanted_edition, register_bytes)
+        revision = _find_revision(device, code_match, wanted_edition, register_bytes)
         device_in_edition = _load_in_edition(specs, device, revision)
         if wanted_edition == BY_REGISTERS:
             remaining_bytes = without_tests(device, register_bytes)
-        match_in_edition = find_code(device_in_edition, text) if match is not None else None
+        match_in_edition = find_code(device_in_edition, text) if code_match is not None else None
         return device_in_edition, match_in_edition, remaining_bytes
     except UnknownOrderCode as error:
         raise Stop(f"in edition {revision} of the manual: {error}", 2) from None
@@ -55,10 +55,12 @@ def in_requested_edition(
         raise Stop(str(error), 2) from None
 
 
-def _find_revision(device: Device, match: Match | None, wanted_edition: str, register_bytes: Mapping[int, int]) -> str:
+def _find_revision(
+    device: Device, code_match: Match | None, wanted_edition: str, register_bytes: Mapping[int, int]
+) -> str:
     """Return the revision of the requested edition: inferred from registers or the label, or found by name or date.
 
-    ``match`` is None if the user named a family. Then nothing can be inferred.
+    ``code_match`` is None if the user named a family. Then nothing can be inferred.
 
     Raises:
         UnknownEdition: There is no such edition, or it cannot be inferred.
@@ -66,11 +68,11 @@ def _find_revision(device: Device, match: Match | None, wanted_edition: str, reg
     """
     if device.base:
         raise UnknownEdition(f"{device.name} is derived from {device.base} and has no editions of its own")
-    if wanted_edition == BY_REGISTERS and match is not None:
-        return edition_by_registers(device, match, register_bytes)
+    if wanted_edition == BY_REGISTERS and code_match is not None:
+        return edition_by_registers(device, code_match, register_bytes)
     if wanted_edition != BY_LABEL:
         return revision_for(device, wanted_edition)
-    revision = edition_by_label(device, match) if match is not None else ""
+    revision = edition_by_label(device, code_match) if code_match is not None else ""
     if not revision:
         example = device.manual.revision
         raise UnknownEdition(f"cannot infer the edition from this label; give its revision, such as {example}")

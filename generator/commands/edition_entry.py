@@ -58,14 +58,16 @@ def edition_entries(olds: Sequence[Family], news: Sequence[Family], changes: Seq
             yield "\n".join(lines)
 
 
-def _lines_of_missing_history(old: Family, new: Family) -> Iterator[str]:
+def _lines_of_missing_history(old_family: Family, new_family: Family) -> Iterator[str]:
     """Yield the rows that the history of the new manual lacks: one for each of the two revisions, if it is not listed.
 
     An introduction precedes them. Nothing is yielded if the new revision is listed behind an older one.
     """
-    name = new.device.name
-    revision = new.device.manual.revision
-    listed_revisions = [history_row["revision"] for history_row in new.document.data["manual"].get("history", ())]
+    name = new_family.device.name
+    revision = new_family.device.manual.revision
+    listed_revisions = [
+        history_row["revision"] for history_row in new_family.document.data["manual"].get("history", ())
+    ]
     # An edition describes encoders before a revision, so an older revision must be listed in front of it.
     if revision in listed_revisions[1:]:
         return
@@ -74,7 +76,7 @@ def _lines_of_missing_history(old: Family, new: Family) -> Iterator[str]:
     yield ""
     if not listed_revisions:
         yield "  history:"
-    for manual in (old.device.manual, new.device.manual):
+    for manual in (old_family.device.manual, new_family.device.manual):
         if manual.revision in listed_revisions:
             continue
         history_row = {"revision": manual.revision}
@@ -85,14 +87,14 @@ def _lines_of_missing_history(old: Family, new: Family) -> Iterator[str]:
     yield ""
 
 
-def _lines_of_entry(new: Family, edition_changes: Iterable[Mapping[str, Any]]) -> Iterator[str]:
+def _lines_of_entry(new_family: Family, edition_changes: Iterable[Mapping[str, Any]]) -> Iterator[str]:
     """Yield the lines of the entry: the new revision, and the changes that apply before it, after an introduction.
 
     If the spec has no editions yet, their key comes first.
     """
-    name = new.device.name
-    revision = new.device.manual.revision
-    has_editions = "editions" in new.document.data
+    name = new_family.device.name
+    revision = new_family.device.manual.revision
+    has_editions = "editions" in new_family.document.data
     where_to_add = ", under its editions" if has_editions else ""
     removal = f"{name}: edition {revision} removed these items."
     yield f"{removal} To keep them for older encoders, add to its spec{where_to_add}, with their source:"
@@ -106,14 +108,16 @@ def _lines_of_entry(new: Family, edition_changes: Iterable[Mapping[str, Any]]) -
         yield f"      - {_in_one_line(edition_change)}"
 
 
-def _edition_changes(old: Family, new: Family, renamed_names: Container[str]) -> Iterator[Mapping[str, Any]]:
+def _edition_changes(
+    old_family: Family, new_family: Family, renamed_names: Container[str]
+) -> Iterator[Mapping[str, Any]]:
     """Yield the changes that lead from the new edition to the old one, each as a map of an overlay.
 
     Each removed item is added: ``{"add": place, "value": item, "why": reason, "source": source}``. If options of the
     order code are among them, the changes that follow from these come last.
     """
-    old_data, new_data = old.document.data, new.document.data
-    reason = f"Edition {old.device.manual.revision} has it, edition {new.device.manual.revision} does not"
+    old_data, new_data = old_family.document.data, new_family.document.data
+    reason = f"Edition {old_family.device.manual.revision} has it, edition {new_family.device.manual.revision} does not"
     first_option_source = ""
     removed_options: list[tuple[str, Any]] = []
     for place, removed_node in _removed_nodes(old_data, new_data, ""):
@@ -128,25 +132,25 @@ def _edition_changes(old: Family, new: Family, renamed_names: Container[str]) ->
             first_option_source = first_option_source or source
             removed_options.append((place, removed_node))
     if removed_options:
-        yield from _order_code_changes(old, new, removed_options, first_option_source)
+        yield from _order_code_changes(old_family, new_family, removed_options, first_option_source)
 
 
 def _order_code_changes(
-    old: Family, new: Family, removed_options: Iterable[tuple[str, Any]], source: str
+    old_family: Family, new_family: Family, removed_options: Iterable[tuple[str, Any]], source: str
 ) -> Iterator[Mapping[str, Any]]:
     """Yield the changes that follow from options of the order code that the new edition removed.
 
     New labels of the same options are removed, and so are examples with these labels that the old edition lacks.
     References to order codes get their old values. ``source`` is the source of each change.
     """
-    old_data, new_data = old.document.data, new.document.data
-    old_revision, new_revision = old.device.manual.revision, new.device.manual.revision
+    old_data, new_data = old_family.document.data, new_family.document.data
+    old_revision, new_revision = old_family.device.manual.revision, new_family.device.manual.revision
     new_labels: list[str] = []
     for place, removed_option in removed_options:
         new_labels += _new_labels(place, removed_option, old_data, new_data)
     for place in new_labels:
         yield {"remove": place, "why": f"Edition {new_revision} has this label for it", "source": source}
-    new_codes = {variant.code for variant in new.device.variants if _selects_any(variant, new_labels)}
+    new_codes = {variant.code for variant in new_family.device.variants if _selects_any(variant, new_labels)}
     old_examples = {example["name"] for example in old_data.get("examples", ())}
     for example in new_data.get("examples", ()):
         if example["name"] not in old_examples and example.get("order_code") in new_codes:
@@ -186,12 +190,12 @@ def _new_labels(place: str, removed_option: Any, old_data: Any, new_data: Any) -
     old_options = value_at(old_data, resolve(old_data, options_place))
     new_options = value_at(new_data, resolve(new_data, options_place))
     for label, new_option in new_options.items():
-        if label not in old_options and _selected_by(new_option) == _selected_by(removed_option):
+        if label not in old_options and _selection_of_option(new_option) == _selection_of_option(removed_option):
             yield f"{options_place}.{label}"
             return
 
 
-def _selected_by(option: Mapping[str, Any]) -> Mapping[str, Any]:
+def _selection_of_option(option: Mapping[str, Any]) -> Mapping[str, Any]:
     """Return the interface, parameters and supply that an option selects, or its meaning if it selects none of them."""
     selects = {key: option[key] for key in ("interface", "sets", "supply") if key in option}
     return selects or {"meaning": option.get("meaning")}
@@ -206,29 +210,29 @@ def _selects_any(variant: Variant, option_places: Iterable[str]) -> bool:
     return False
 
 
-def _changed_references(old: Any, new: Any, place: str) -> Iterator[tuple[str, Any]]:
+def _changed_references(old_node: Any, new_node: Any, place: str) -> Iterator[tuple[str, Any]]:
     """Yield the places in both editions that refer to different order codes, and the value in the old one.
 
-    ``old`` and ``new`` are the nodes of both specs at ``place``, which is empty for the whole specs.
+    ``old_node`` and ``new_node`` are the nodes of both specs at ``place``, which is empty for the whole specs.
     """
-    if isinstance(old, dict) and isinstance(new, dict):
-        for key in [key for key in old if key in new]:
+    if isinstance(old_node, dict) and isinstance(new_node, dict):
+        for key in [key for key in old_node if key in new_node]:
             child_place = f"{place}.{key}".removeprefix(".")
             if _is_reference(place, key):
-                if old[key] != new[key]:
-                    yield child_place, old[key]
+                if old_node[key] != new_node[key]:
+                    yield child_place, old_node[key]
             # Only at the top level, keys are parts of a spec. Of those not in editions, examples name order codes.
             elif place or key == "examples" or key not in _NOT_IN_EDITIONS:
-                yield from _changed_references(old[key], new[key], child_place)
-    elif isinstance(old, list) and isinstance(new, list):
-        old_children = {label_of(child): child for child in old}
-        for index, child in enumerate(new):
+                yield from _changed_references(old_node[key], new_node[key], child_place)
+    elif isinstance(old_node, list) and isinstance(new_node, list):
+        old_children = {label_of(child): child for child in old_node}
+        for index, child in enumerate(new_node):
             label = label_of(child)
             if label is not None:
                 yield from _changed_references(old_children.get(label), child, f"{place}.{label}")
-            elif index < len(old):
+            elif index < len(old_node):
                 # Items without names are compared by their order.
-                yield from _changed_references(old[index], child, f"{place}[{index + 1}]")
+                yield from _changed_references(old_node[index], child, f"{place}[{index + 1}]")
 
 
 def _is_reference(place: str, key: str) -> bool:
@@ -237,22 +241,22 @@ def _is_reference(place: str, key: str) -> bool:
     return bool(place) and (key in _REFERENCES or is_spelling)
 
 
-def _removed_nodes(old: Any, new: Any, place: str) -> Iterator[tuple[str, Any]]:
+def _removed_nodes(old_node: Any, new_node: Any, place: str) -> Iterator[tuple[str, Any]]:
     """Yield the items of a spec that the new one lacks: the place to add each to, and the item.
 
     Items are named items of lists, added to their list, and keys of maps whose keys are names, added at that key.
     Other keys may be left out freely, so a missing one does not count.
     """
-    if isinstance(old, dict) and isinstance(new, dict):
-        for key, child in old.items():
+    if isinstance(old_node, dict) and isinstance(new_node, dict):
+        for key, child in old_node.items():
             child_place = f"{place}.{key}".removeprefix(".")
-            if key in new and key not in _NOT_IN_EDITIONS:
-                yield from _removed_nodes(child, new[key], child_place)
-            elif key not in new and place.rpartition(".")[2] in _NAMED_MAPS:
+            if key in new_node and key not in _NOT_IN_EDITIONS:
+                yield from _removed_nodes(child, new_node[key], child_place)
+            elif key not in new_node and place.rpartition(".")[2] in _NAMED_MAPS:
                 yield child_place, child
-    elif isinstance(old, list) and isinstance(new, list):
-        new_children = {label_of(child): child for child in new}
-        for child in old:
+    elif isinstance(old_node, list) and isinstance(new_node, list):
+        new_children = {label_of(child): child for child in new_node}
+        for child in old_node:
             name = label_of(child)
             if name in new_children:
                 yield from _removed_nodes(child, new_children[name], f"{place}.{name}")

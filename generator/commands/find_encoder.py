@@ -86,13 +86,13 @@ def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device
         if len(named_files) > 1:
             return None
         if named_files:
-            return (_load(named_files[0].path, cache)[0],)
+            return (_load_if_possible(named_files[0].path, cache)[0],)
         devices: list[Device] = []
         for device_file in device_files:
             if not device_file.can_have(label):
                 continue
             shows_beginnings = all(device_file.beginnings)  # They have been compared with the label just now.
-            devices += _load(device_file.path, cache, label="" if shows_beginnings else label)
+            devices += _load_if_possible(device_file.path, cache, label="" if shows_beginnings else label)
         return tuple(devices)
     except (OSError, ValueError, _NotSelectable):
         return None
@@ -187,7 +187,7 @@ def _read_beginnings(spec: Path) -> tuple[str, ...]:
     return ("",) if problems or has_unknown_part else prefixes
 
 
-def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
+def _load_if_possible(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
     """Return the device of a spec as one item, or no item if it cannot have the order code ``label``. "" is any.
 
     Raises:
@@ -239,7 +239,7 @@ def find_order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, Matc
     Raises:
         Stop: There is no such code (exit code 2), or no valid spec has it and others have problems (exit code 1).
     """
-    device, match, paths = _find(specs, text, cache, accepts_family=False)
+    device, match, paths = _find_in_groups(specs, text, cache, accepts_family=False)
     if match is None:  # Only a name has no match.
         raise _unknown_code_error([device], text)
     return device, match, paths
@@ -272,10 +272,10 @@ def find_family_or_code(specs: Specs, text: str, cache: Cache) -> Located:
     Raises:
         Stop: As for ``find_order_code``.
     """
-    return _find(specs, text, cache, accepts_family=True)
+    return _find_in_groups(specs, text, cache, accepts_family=True)
 
 
-def _find(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> Located:
+def _find_in_groups(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> Located:
     """Return the family or order code of the first group of specs that has it, and report a later group with it.
 
     Without ``accepts_family``, the text must be an order code, or an encoder in one line, which needs no specs.
@@ -348,7 +348,7 @@ def _all_matches(devices: Sequence[Device], text: str, *, accepts_family: bool) 
         if family is not None:
             return [(family, None)]
     matches: list[tuple[Device, Match | None]] = []
-    for device in _candidates(devices, text):
+    for device in _candidate_families(devices, text):
         with suppress(UnknownOrderCode):
             matches.append((device, match_of(device, text)))
     return matches
@@ -403,7 +403,7 @@ def find_among(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
     return device, match
 
 
-def _candidates(devices: Sequence[Device], text: str) -> list[Device]:
+def _candidate_families(devices: Sequence[Device], text: str) -> list[Device]:
     """Return the families that may have the order code ``text``, first the special models with its suffix.
 
     Other special models and older editions are left out, since they share order codes with a family.
@@ -424,7 +424,7 @@ def _unknown_code_error(devices: Sequence[Device], text: str) -> Stop:
     from ..order_codes import labels
     from ..order_codes.labels import NEAR, closest_reason, nearest_codes
 
-    reason = closest_reason(_candidates(devices, text), text)
+    reason = closest_reason(_candidate_families(devices, text), text)
     if reason is not None:
         return Stop(reason, 2)
     device = _family_named(devices, text)

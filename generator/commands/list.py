@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     specs = specs_to_read([*arguments.specs, *arguments.more_specs])
     # The groups are the user's specs and the packaged ones. If there is only one group, nothing can be repeated.
     rows_of_groups = [_rows_of_specs(paths, cache) for paths in specs.groups]
-    families = without_repeated(*rows_of_groups)
+    families = without_packaged_duplicates(*rows_of_groups)
     if arguments.json:
         print_json(as_data(families))
     else:
@@ -76,12 +76,12 @@ def _rows_of_specs(paths: Sequence[Path], cache: Cache) -> list[Row]:
     stored_rows: list[Row] | None = cached_rows.get()
     if stored_rows is not None:
         return stored_rows
-    new_rows = rows(_devices(paths))
+    new_rows = family_rows(_load_devices(paths))
     cached_rows.put(new_rows)
     return new_rows
 
 
-def _devices(paths: Sequence[Path]) -> Sequence[Device]:
+def _load_devices(paths: Sequence[Path]) -> Sequence[Device]:
     """Return the devices of the specs.
 
     Raises:
@@ -95,7 +95,7 @@ def _devices(paths: Sequence[Path]) -> Sequence[Device]:
     return devices
 
 
-def rows(devices: Sequence[Device]) -> list[Row]:
+def family_rows(devices: Sequence[Device]) -> list[Row]:
     """Return the facts about each family, as data that JSON can express."""
     return [_summarise_family(device) for device in devices]
 
@@ -115,7 +115,7 @@ def _summarise_family(device: Device) -> Row:
     }
 
 
-def without_repeated(own_rows: Sequence[Row] = (), packaged: Sequence[Row] = ()) -> list[Row]:
+def without_packaged_duplicates(own_rows: Sequence[Row] = (), packaged: Sequence[Row] = ()) -> list[Row]:
     """Return the user's families and then the packaged ones, except those with a name or order code of the user's.
 
     The names of these are reported on standard error.
@@ -153,7 +153,7 @@ def _pattern_or_codes(family: Row) -> str:
 
 def as_text(families: Sequence[Row]) -> str:
     """Return a heading and four lines of facts about each family, at most 80 columns wide."""
-    from ..say.plain_text import WIDTH, pairs, wrapped
+    from ..say.plain_text import WIDTH, two_columns, wrapped
 
     lines = []
     for family in families:
@@ -167,5 +167,5 @@ def as_text(families: Sequence[Row]) -> str:
             ("evidence", family["evidence"]),
         ]
         lines.append(wrapped(heading, WIDTH, prefix=" " * 10, first=f"{family['family']:<8}  "))
-        lines += [*pairs(facts, indent=10), ""]
+        lines += [*two_columns(facts, indent=10), ""]
     return "\n".join(lines).rstrip()

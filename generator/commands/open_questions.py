@@ -33,10 +33,10 @@ def answers_of(device: Device, variant: Variant, pairs: Sequence[str]) -> dict[s
         if name not in alternatives:
             options: list[str] = []
             for alternative in alternatives.values():
-                options += _options(alternative)
+                options += _choose_options(alternative)
             raise Stop(f"{variant.code} has no choice {quoted(visible(name))}; write {' or '.join(options)}", 2)
         if answer_name not in (answer.name for answer in alternatives[name].answers):
-            choices = " or ".join(_options(alternatives[name]))
+            choices = " or ".join(_choose_options(alternatives[name]))
             raise Stop(f"{quoted(name)} has no answer {quoted(visible(answer_name))}; write {choices}", 2)
         if answers.setdefault(name, answer_name) != answer_name:
             raise Stop(f"{quoted(name)} is chosen twice, as {quoted(answers[name])} and as {quoted(answer_name)}", 2)
@@ -71,11 +71,11 @@ def open_questions(
 
 def _question_with_options(alternative: Alternative) -> str:
     """Return a question, and the option for each answer with its meaning."""
-    options = zip(_options(alternative), alternative.answers, strict=True)
+    options = zip(_choose_options(alternative), alternative.answers, strict=True)
     explained_options = [f"{option} ({answer.meaning})" for option, answer in options]
     return f"{alternative.meaning}: add {' or '.join(explained_options)}."
 
 
-def _options(alternative: Alternative) -> list[str]:
+def _choose_options(alternative: Alternative) -> list[str]:
     """Return the option for each answer, such as ``--choose eeprom_address=as_printed``."""
     return [f"--choose {alternative.name}={answer.name}" for answer in alternative.answers]

@@ -130,17 +130,17 @@ def _refuse_setting(target: Target, name: str, value: str) -> None:
         raise Stop(f"'{target.name}.{name}' cannot be '{value}'{suggestion(value, accepted_values, 'it can be')}", 2)
 
 
-def load_for(paths: Sequence[Path], targets: Iterable[Target]) -> tuple[tuple[Device, ...], Report]:
+def load_for_targets(paths: Sequence[Path], targets: Iterable[Target]) -> tuple[tuple[Device, ...], Report]:
     """Return the devices of the specs, and a report that includes the parts that these targets cannot express.
 
     Raises:
         Stop: A target fails. The exit code is 1.
     """
     families, report = load_families(paths)
-    return complete(families, targets, (), report), report
+    return complete_devices(families, targets, (), report), report
 
 
-def complete(
+def complete_devices(
     families: Sequence[Family],
     targets: Iterable[Target],
     editions: Iterable[str],
@@ -187,7 +187,7 @@ def report_unfit_parts(
             report.add(problem.rule, document, problem.place, message)
 
 
-def rendered(
+def render_targets(
     library: Library,
     targets: Sequence[Target],
     options: Mapping[str, Options],
@@ -218,7 +218,7 @@ def rendered(
     return files
 
 
-def listing() -> str:
+def targets_help() -> str:
     """Return the text about all targets and their options for ``--help``. A target that fails has its error instead."""
     known_names = target_names()
     indent = " " * (max(map(len, known_names)) + 4)
@@ -228,16 +228,16 @@ def listing() -> str:
         try:
             target = load_target(name)
         except TargetError as error:
-            lines += _wrapped(str(error), first=name_column, indent=indent)
+            lines += _wrap_paragraph(str(error), first=name_column, indent=indent)
             continue
-        lines += _wrapped(target.summary, first=name_column, indent=indent)
+        lines += _wrap_paragraph(target.summary, first=name_column, indent=indent)
         for option in target.options:
             values = "|".join(option.values) or "VALUE"
             option_text = f"--option {name}.{option.name}={values}: {option.summary} (default: {option.default})"
-            lines += _wrapped(option_text, first=indent, indent=indent + "  ")
+            lines += _wrap_paragraph(option_text, first=indent, indent=indent + "  ")
     return "\n".join(lines)
 
 
-def _wrapped(text: str, first: str, indent: str) -> list[str]:
+def _wrap_paragraph(text: str, first: str, indent: str) -> list[str]:
     """Return the lines of a paragraph, of which the first begins with ``first`` and the others with ``indent``."""
     return textwrap.wrap(text, _WIDTH, initial_indent=first, subsequent_indent=indent, break_on_hyphens=False)

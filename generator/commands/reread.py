@@ -81,7 +81,7 @@ def run(arguments: argparse.Namespace) -> int:
     titles_by_page = _unnumbered_sections(family)
     touched_facts = TouchedFacts(facts)
     with Progress("codewheel: comparing the texts"):
-        changed_passages = [_with_facts(passage, touched_facts, old, titles_by_page) for passage in passages]
+        changed_passages = [_passage_with_facts(passage, touched_facts, old, titles_by_page) for passage in passages]
     if arguments.json:
         print_json(_as_data(family, changed_passages, compares_words=compares_words))
     else:
@@ -132,7 +132,7 @@ def _unnumbered_sections(family: Family) -> Mapping[int, str]:
     return {heading["page"]: title for title, heading in headings if "page" in heading}
 
 
-def _with_facts(
+def _passage_with_facts(
     passage: Passage, touched_facts: TouchedFacts, old: Manual, titles_by_page: Mapping[int, str]
 ) -> _ChangedPassage:
     """Return a changed passage with the facts of its section that it concerns, and the number of all of them.
@@ -183,7 +183,7 @@ def _passage_lines(changed_passage: _ChangedPassage) -> Iterator[str]:
     old_text, new_text = changed_passage.passage.shown
     for edition, passage_text in (("old", old_text), ("new", new_text)):
         if passage_text:
-            yield f"  {edition}: {_shortened(passage_text)}"
+            yield f"  {edition}: {_shorten_text(passage_text)}"
     if not changed_passage.facts_of_section:
         yield "  no fact in the spec cites this place"
         return
@@ -210,7 +210,7 @@ def _groups_of_equal_facts(facts: Sequence[Citing]) -> list[list[Citing]]:
     return [list(group) for _, group in groupby(facts, key_and_value)]
 
 
-def _shortened(text: str) -> str:
+def _shorten_text(text: str) -> str:
     """Return the text with at most ``_LONGEST`` characters."""
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
 

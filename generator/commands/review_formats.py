@@ -31,24 +31,24 @@ def as_review(findings: Sequence[Finding], form: str) -> str:
     """Return findings as ``github`` or ``sarif``, without a final line break."""
     if form == "github":
         return "\n".join(map(_workflow_command, findings))
-    return json.dumps(_sarif(findings), indent=2, ensure_ascii=False)
+    return json.dumps(_sarif_log(findings), indent=2, ensure_ascii=False)
 
 
 def _workflow_command(finding: Finding) -> str:
     """Return a workflow command, in which line ends and percent signs are escaped."""
-    file = _escaped(finding.file, ",:")
-    rule = _escaped(finding.rule, ",:")
+    file = _escape_workflow_text(finding.file, ",:")
+    rule = _escape_workflow_text(finding.rule, ",:")
     place = f"file={file},line={finding.line},col={finding.column},title={rule}"
-    return f"::{finding.level} {place}::{_escaped(finding.message)}"
+    return f"::{finding.level} {place}::{_escape_workflow_text(finding.message)}"
 
 
-def _escaped(text: str, more_characters: str = "") -> str:
+def _escape_workflow_text(text: str, more_characters: str = "") -> str:
     for character in f"%\r\n{more_characters}":
         text = text.replace(character, f"%{ord(character):02X}")
     return text
 
 
-def _sarif(findings: Sequence[Finding]) -> dict[str, object]:
+def _sarif_log(findings: Sequence[Finding]) -> dict[str, object]:
     rule_names = sorted({finding.rule for finding in findings})
     driver = {"name": "codewheel", "version": __version__, "rules": [{"id": name} for name in rule_names]}
     results = [_sarif_result(finding) for finding in findings]
@@ -59,7 +59,7 @@ def _sarif(findings: Sequence[Finding]) -> dict[str, object]:
 def _sarif_result(finding: Finding) -> dict[str, object]:
     """Return a finding as a result of SARIF."""
     location = {
-        "artifactLocation": {"uri": _uri(finding.file)},
+        "artifactLocation": {"uri": _uri_of_file(finding.file)},
         "region": {"startLine": finding.line, "startColumn": finding.column},
     }
     return {
@@ -70,6 +70,6 @@ def _sarif_result(finding: Finding) -> dict[str, object]:
     }
 
 
-def _uri(file: str) -> str:
+def _uri_of_file(file: str) -> str:
     path = Path(file)
     return path.as_uri() if path.is_absolute() else quote(path.as_posix())

@@ -42,12 +42,12 @@ def prepare_streams(as_json: bool = False) -> None:
         # Reading it raises Stop.
         sys.stdin = _ClosedInput()
     # A byte that does not decode is shown as an escape, and so rejected as not being a frame.
-    _configure(sys.stdin, None, "backslashreplace")
-    _configure(sys.stderr, None, "codewheel")
+    _configure_stream(sys.stdin, None, "backslashreplace")
+    _configure_stream(sys.stderr, None, "codewheel")
     if as_json:
-        _configure(sys.stdout, None if _is_utf8(sys.stdout) else "ascii", "codewheel-json")
+        _configure_stream(sys.stdout, None if _is_utf8(sys.stdout) else "ascii", "codewheel-json")
     else:
-        _configure(sys.stdout, None, "codewheel")
+        _configure_stream(sys.stdout, None, "codewheel")
 
 
 class Progress:
@@ -67,7 +67,7 @@ class Progress:
             import signal
 
             with suppress(AttributeError, ValueError):  # Windows has no timer, and other threads have no signals.
-                before = signal.signal(signal.SIGALRM, self._show)
+                before = signal.signal(signal.SIGALRM, self._show_progress)
                 self._end.callback(signal.signal, signal.SIGALRM, before)
                 signal.setitimer(signal.ITIMER_REAL, _AFTER_S, _EVERY_S)
                 self._end.callback(signal.setitimer, signal.ITIMER_REAL, 0)
@@ -76,13 +76,13 @@ class Progress:
     def __exit__(self, *_: object) -> None:
         self._end.close()
         if self._shown:
-            self._write("\r\x1b[K")
+            self._write_progress("\r\x1b[K")
 
-    def _show(self, *_: object) -> None:
+    def _show_progress(self, *_: object) -> None:
         self._shown = True
-        self._write(f"\r\x1b[K{self.text}")
+        self._write_progress(f"\r\x1b[K{self.text}")
 
-    def _write(self, text: str) -> None:
+    def _write_progress(self, text: str) -> None:
         with suppress(OSError):  # The buffer of the stream may be in use at this moment.
             os.write(sys.stderr.fileno(), text.encode("ascii", "replace"))
 
@@ -97,7 +97,7 @@ def release_streams() -> None:
                 os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
-def _configure(stream: TextIO, encoding: str | None, errors: str) -> None:
+def _configure_stream(stream: TextIO, encoding: str | None, errors: str) -> None:
     if isinstance(stream, io.TextIOWrapper):
         stream.reconfigure(encoding=encoding, errors=errors)
 
@@ -154,12 +154,12 @@ def refuse_missing(paths: Sequence[Path]) -> None:
     Raises:
         Stop: A path does not exist. The exit code is 2.
     """
-    missing = [str(path) for path in paths if not _exists(path)]
+    missing = [str(path) for path in paths if not _path_exists(path)]
     if missing:
         raise Stop(f"no such file or folder: {', '.join(missing)}", 2)
 
 
-def _exists(path: Path) -> bool:
+def _path_exists(path: Path) -> bool:
     try:
         return path.exists() or path.is_symlink()
     except (OSError, ValueError):

@@ -49,7 +49,7 @@ from ..model.record import dataclass
 from ..order_codes.labels import Match
 from ..order_codes.reduction import for_interface, reduced_to_codes
 from ..order_codes.sent_layouts import with_sent_layouts
-from .schema import filled
+from .schema import fill_members
 
 VERSION = 1
 
@@ -63,18 +63,18 @@ def device_dump(device: Device) -> Item:
     return _Dump(device, None).whole(device.variants, _NO_PARAMETERS, None)
 
 
-def variant_dump(device: Device, match: Match) -> Item:
+def variant_dump(device: Device, code_match: Match) -> Item:
     """Return one order code as plain data, with expressions resolved and without the other interfaces.
 
-    Of the device, only what applies to the order code is left. ``match`` also says how the label differs from it.
+    Of the device, only what applies to the order code is left. ``code_match`` also says how the label differs from it.
     """
-    variant = match.variant
+    variant = code_match.variant
     label = {
         "code": variant.code,
-        "unlisted": list(match.unlisted),
-        "tail": match.tail,
-        "special": match.special,
-        "written_as_in": match.written_as_in,
+        "unlisted": list(code_match.unlisted),
+        "tail": code_match.tail,
+        "special": code_match.special,
+        "written_as_in": code_match.written_as_in,
     }
     reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
     # A parameter without an interface belongs to all of them.
@@ -111,11 +111,11 @@ class _Dump:
             parameters: The values of the parameters of the order code. Empty for a family.
             label: How the label differs from the order code, or None for a family.
         """
-        identity = self._identity(label)
+        identity = self._identity_data(label)
         order_codes = self._order_codes(variants, parameters)
-        return identity | order_codes | self._communication() | self._surroundings()
+        return identity | order_codes | self._communication_data() | self._surroundings_data()
 
-    def _identity(self, label: Item | None) -> Item:
+    def _identity_data(self, label: Item | None) -> Item:
         """Return the names of the family, its manufacturer, its manual and the evidence for it."""
         device = self.device
         return {
@@ -144,34 +144,34 @@ class _Dump:
             "parameter_definitions": self.plain(self.device.parameters, source),
             "alternatives": self.plain(self.device.alternatives, ()),
             "order_code_grammar": self.plain(self.device.order_code, ()),
-            "order_codes": [self.plain(variant, source) | _cited(source) for variant in variants],
+            "order_codes": [self.plain(variant, source) | _sources_data(source) for variant in variants],
         }
 
-    def _communication(self) -> Item:
+    def _communication_data(self) -> Item:
         """Return the interfaces, frames and registers, and what belongs to them: CRCs, alarms, procedures and times."""
         device = self.device
         return {
-            "interfaces": {interface.name: self._interface(interface) for interface in device.interfaces},
-            "layouts": [self._layout(layout, owner.name, owner.source) for owner, layout in device.layouts()],
+            "interfaces": {interface.name: self._interface_data(interface) for interface in device.interfaces},
+            "layouts": [self._layout_data(layout, owner.name, owner.source) for owner, layout in device.layouts()],
             "field_groups": self.plain(device.field_groups, ()),
-            "registers": [self._register(register) for register in device.registers],
+            "registers": [self._register_data(register) for register in device.registers],
             "crcs": self.plain(device.crcs, ()),
             "alarms": self.plain(device.alarms, ()),
-            "procedures": list(map(self._procedure, device.procedures)),
-            "timings": self._timings(),
+            "procedures": list(map(self._procedure_data, device.procedures)),
+            "timings": self._timings_data(),
         }
 
-    def _procedure(self, procedure: Procedure) -> Item:
+    def _procedure_data(self, procedure: Procedure) -> Item:
         procedure_data: Item = self.plain(procedure, ())
-        procedure_data["steps"] = [self._step(step, procedure.source) for step in procedure.steps]
+        procedure_data["steps"] = [self._step_data(step, procedure.source) for step in procedure.steps]
         return procedure_data
 
-    def _table(self, table: Table) -> Item:
+    def _table_data(self, table: Table) -> Item:
         table_data: Item = self.plain(table, ())
         table_data["rows"] = [{"cells": list(row)} for row in table.rows]
         return table_data
 
-    def _surroundings(self) -> Item:
+    def _surroundings_data(self) -> Item:
         """Return the measurement, the hardware and other facts of the manual."""
         device = self.device
         return {
@@ -180,8 +180,8 @@ class _Dump:
             "connectors": self.plain(device.connectors, ()),
             "leds": self.plain(device.leds, ()),
             "characteristics": self.plain(device.characteristics, ()),
-            "tables": list(map(self._table, device.tables)),
-            "examples": [self._example(example) for example in device.examples],
+            "tables": list(map(self._table_data, device.tables)),
+            "examples": [self._example_data(example) for example in device.examples],
             "errata": self.plain(device.errata, ()),
             "lost_figures": self.plain(device.lost_figures, ()),
             "supply": self.plain(device.supply, ()),
@@ -194,7 +194,7 @@ class _Dump:
         ``inherited`` are the sources of the parent, which a part without a source inherits.
         """
         if isinstance(value, Expression):
-            return self._number(value)
+            return self._number_or_text(value)
         if isinstance(value, Verdict):
             return value.value
         if isinstance(value, bytes):
@@ -209,25 +209,25 @@ class _Dump:
         described_part = PARTS_BY_CLASS.get(type(value).__name__)
         if described_part is None:
             names = [attribute.name for attribute in fields(value)]
-            return {name: self.plain(getattr(value, name), own_sources) for name in names} | _cited(own_sources)
+            return {name: self.plain(getattr(value, name), own_sources) for name in names} | _sources_data(own_sources)
         plain_members = {}
         for member in described_part.members:
             if member.shape and hasattr(value, member.attribute):
                 attribute = getattr(value, member.attribute)
-                plain_members[member.name] = self._member(member, attribute, own_sources)
-        return plain_members | _cited(own_sources) if described_part.is_sourced else plain_members
+                plain_members[member.name] = self._member_data(member, attribute, own_sources)
+        return plain_members | _sources_data(own_sources) if described_part.is_sourced else plain_members
 
-    def _member(self, member: Member, value: Any, inherited: Sources) -> Any:
+    def _member_data(self, member: Member, value: Any, inherited: Sources) -> Any:
         """Return a member as plain data. A missing word, whose shape lists ``|`` and its words, is an empty string."""
         return "" if value is None and member.shape.startswith("|") else self.plain(value, inherited)
 
-    def _number(self, expression: Expression) -> int | str:
+    def _number_or_text(self, expression: Expression) -> int | str:
         """Return the number for an order code. For a family, it may be a text, such as ``48 - singleturn_bits``."""
         if self.variant is not None:
             return expression.value(self.variant.parameters)
         return expression.constant if expression.is_constant else expression.render()
 
-    def _interface(self, interface: Interface) -> Item:
+    def _interface_data(self, interface: Interface) -> Item:
         """Return an interface with its kind and the names of its layouts. Members that it lacks have their defaults."""
         interface_data: Item = self.plain(interface, interface.source)
         # In the data, these objects are a word, and their source is a member of the interface.
@@ -238,45 +238,45 @@ class _Dump:
                 interface_data[f"{name}_source"] = fact_data["source"]
         interface_data["kind"] = interface.name
         interface_data["layouts"] = [layout.name for layout in interface.layouts]
-        return filled(interface_data, "interface")
+        return fill_members(interface_data, "interface")
 
-    def _layout(self, layout: Layout, interface: str, inherited: Sources) -> Item:
+    def _layout_data(self, layout: Layout, interface: str, inherited: Sources) -> Item:
         """Return a frame with its interface, the questions that it depends on, its joined numbers and its fields."""
         own_sources = layout.source or inherited
         # The fields are added at the end, in a shape of their own.
         layout_data: Item = self.plain(replace(layout, fields=()), own_sources)
         layout_data |= {"carried_as": layout.carried_as, "interface": interface}
         layout_data["alternatives"] = [alternative.name for alternative in self.device.alternatives_of(layout)]
-        layout_data["join"] = [self._join(join, layout) | _cited(own_sources) for join in layout.joins]
-        layout_data["fields"] = self._fields(layout, own_sources)
+        layout_data["join"] = [self._join_data(join, layout) | _sources_data(own_sources) for join in layout.joins]
+        layout_data["fields"] = self._fields_data(layout, own_sources)
         return layout_data
 
-    def _fields(self, layout: Layout, inherited: Sources) -> list[Item]:
+    def _fields_data(self, layout: Layout, inherited: Sources) -> list[Item]:
         """Return the fields of a layout, each with its highest bit. An order code has only those that have bits."""
         fields_data: list[Item] = []
         if self.variant is None:
             for field in layout.fields:
                 high = field.low + field.width - Expression(1)
-                fields_data.append(self._field(field, high, inherited))
+                fields_data.append(self._field_data(field, high, inherited))
         else:
             for placed_field in layout.place(self.variant.parameters).fields:
-                fields_data.append(self._field(placed_field.field, Expression(placed_field.high), inherited))
+                fields_data.append(self._field_data(placed_field.field, Expression(placed_field.high), inherited))
         return fields_data
 
-    def _field(self, field: Field, high: Expression, inherited: Sources) -> Item:
+    def _field_data(self, field: Field, high: Expression, inherited: Sources) -> Item:
         """Return a field with the name and the members of its kind, which are members of the field in the data."""
         # A plain number has no members that would get in the way of those of the real kind.
         field_data: Item = self.plain(replace(field, kind=Number()), inherited)
-        field_data["high"] = self._number(high)
+        field_data["high"] = self._number_or_text(high)
         if isinstance(field.equals, str):
             field_data["equals"] = None
             field_data["equals_text"] = field.equals
         else:
             field_data["equals_text"] = ""
-        field_data["kind"], members_of_kind = self._kind(field.kind, field.source or inherited)
-        return filled(field_data | members_of_kind, "field")
+        field_data["kind"], members_of_kind = self._kind_data(field.kind, field.source or inherited)
+        return fill_members(field_data | members_of_kind, "field")
 
-    def _kind(self, kind: Kind, inherited: Sources) -> tuple[str, Item]:
+    def _kind_data(self, kind: Kind, inherited: Sources) -> tuple[str, Item]:
         """Return the name of a kind in the data, and its own members: ``("unused", {"unused": 0, …})``."""
         match kind:
             case Number(signed, zero_means, power_of_two):
@@ -301,34 +301,34 @@ class _Dump:
             case _:
                 assert_never(kind)
 
-    def _join(self, join: Join, layout: Layout) -> Item:
+    def _join_data(self, join: Join, layout: Layout) -> Item:
         """Return a number that is joined from fields, with the sum of their widths."""
         width = Expression(0)
         for name in join.fields:
             width += layout.field(name).width
-        return {"name": join.name, "fields": list(join.fields), "width": self._number(width)}
+        return {"name": join.name, "fields": list(join.fields), "width": self._number_or_text(width)}
 
-    def _register(self, register: Register) -> Item:
+    def _register_data(self, register: Register) -> Item:
         """Return a register with its default as hex bytes, the condition for writing it, its joins and its fields."""
         register_data: Item = self.plain(register, ())
         default_bytes = register.default_bytes()
         register_data["default_bytes"] = default_bytes.hex(" ").upper() if default_bytes is not None else ""
-        register_data["opened_by"] = _opened_by(register) if register.opened_by else None
+        register_data["opened_by"] = _opening_condition_data(register) if register.opened_by else None
         register_data["other_bits"] = register.layout.gaps
         layout = register.layout
-        citation = _cited(register.source)
-        register_data["join"] = [self._join(join, layout) | citation for join in layout.joins]
-        register_data["fields"] = self._fields(layout, register.source)
+        citation = _sources_data(register.source)
+        register_data["join"] = [self._join_data(join, layout) | citation for join in layout.joins]
+        register_data["fields"] = self._fields_data(layout, register.source)
         return register_data
 
-    def _step(self, step: Step, inherited: Sources) -> Item:
-        return filled(self.plain(step, inherited), "step")
+    def _step_data(self, step: Step, inherited: Sources) -> Item:
+        return fill_members(self.plain(step, inherited), "step")
 
-    def _example(self, example: Example) -> Item:
+    def _example_data(self, example: Example) -> Item:
         # In the data, a layout that is not a frame has always had the encoder as its sender.
-        return filled({"from": "encoder"} | self.plain(example, ()), "example")
+        return fill_members({"from": "encoder"} | self.plain(example, ()), "example")
 
-    def _timings(self) -> list[Item]:
+    def _timings_data(self) -> list[Item]:
         """Return the times of the device, whose ``interface`` is empty, and those of each interface."""
         timings = [self.plain(timing, ()) | {"interface": ""} for timing in self.device.timings]
         for interface in self.device.interfaces:
@@ -353,11 +353,11 @@ def _flag_members(flag: Flag) -> Item:
     }
 
 
-def _opened_by(register: Register) -> Item:
+def _opening_condition_data(register: Register) -> Item:
     return {"register": register.opened_by, "field": register.opened_by_field, "value": register.opened_by_value}
 
 
-def _cited(sources: Sources) -> Item:
+def _sources_data(sources: Sources) -> Item:
     """Return ``{"source": first}``, where None means no source, and also ``"sources"`` with all if they are several."""
     sources_data = [_source_data(source) for source in sources]
     if len(sources_data) < 2:

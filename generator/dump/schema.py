@@ -119,10 +119,10 @@ def _schema_or_null(notation: str) -> JsonSchema:
 
 def schema_text() -> str:
     """Return the schema as text, with one member per line."""
-    return "".join(_lines(show_schema(), "")) + "\n"
+    return "".join(_schema_lines(show_schema(), "")) + "\n"
 
 
-def _lines(value: Any, indent: str) -> Iterator[str]:
+def _schema_lines(value: Any, indent: str) -> Iterator[str]:
     """Yield pieces of the text of a schema, in which only object schemas and maps of schemas take several lines.
 
     ``indent`` is the white space in front of the closing brace.
@@ -136,7 +136,7 @@ def _lines(value: Any, indent: str) -> Iterator[str]:
     for index, (key, member) in enumerate(value.items()):
         is_last = index == len(value) - 1
         yield f"{indent}  {json.dumps(key)}: "
-        yield from _lines(member, f"{indent}  ")
+        yield from _schema_lines(member, f"{indent}  ")
         yield "\n" if is_last else ",\n"
     yield indent + "}"
 
@@ -169,7 +169,7 @@ class DataMember:
     @property
     def types(self) -> tuple[str, ...]:
         """JSON types of the value."""
-        return types_of(self.shape)
+        return json_types_of(self.shape)
 
     @property
     def empty(self) -> Any:
@@ -183,7 +183,7 @@ class DataMember:
         return self.shape.get("default", "")
 
 
-def filled(dumped: Mapping[str, Any], type_name: str) -> dict[str, Any]:
+def fill_members(dumped: Mapping[str, Any], type_name: str) -> dict[str, Any]:
     """Return an object with every member of its type, in schema order, and then its sources.
 
     A missing member has the value ``DataMember.empty``, which is an empty list, map or text, null, or the default.
@@ -200,7 +200,7 @@ def members(shape: Shape) -> Iterator[DataMember]:
             yield _data_member(name, inner)
 
 
-def resolved(shape: Shape) -> tuple[Shape, str]:
+def resolve_reference(shape: Shape) -> tuple[Shape, str]:
     """Return the shape to which a reference leads, and its name, or the shape itself and an empty name.
 
     Of a shape that may also be null, it is the other alternative.
@@ -214,18 +214,18 @@ def resolved(shape: Shape) -> tuple[Shape, str]:
 
 def _data_member(name: str, unresolved: Shape) -> DataMember:
     """Return a member with its form in XML. For a list or a map, its shape and its type are those of the values."""
-    shape, type_name = resolved(unresolved)
+    shape, type_name = resolve_reference(unresolved)
     if type_name == "text":
         return DataMember(name, Kind.TEXT, shape)
     if shape.get("type") == "array":
-        value_shape, value_type = resolved(shape["items"])
+        value_shape, value_type = resolve_reference(shape["items"])
         return DataMember(name, _kind_of_list(value_shape, value_type), value_shape, value_type)
     if "properties" in shape:
         return DataMember(name, Kind.OBJECT, shape, type_name)
     if "additionalProperties" in shape:
         # With ``x-key``, the values are objects, and the keys of the map are a member of them.
         if "x-key" in shape:
-            value_shape, value_type = resolved(shape["additionalProperties"])
+            value_shape, value_type = resolve_reference(shape["additionalProperties"])
             return DataMember(name, Kind.KEYED, {**value_shape, "x-key": shape["x-key"]}, value_type)
         return DataMember(name, Kind.MAP, shape["additionalProperties"])
     return DataMember(name, Kind.ATTRIBUTE, shape, type_name)
@@ -237,7 +237,7 @@ def _kind_of_list(value_shape: Shape, value_type: str) -> Kind:
     return Kind.OBJECTS if "properties" in value_shape else Kind.LIST
 
 
-def types_of(shape: Shape) -> tuple[str, ...]:
+def json_types_of(shape: Shape) -> tuple[str, ...]:
     """Return the JSON types of a value of this shape, such as ``("integer", "null")``. A list of words is a string."""
     if "type" not in shape:
         return ("integer",) if isinstance(shape.get("const"), int) else ("string",)

@@ -24,7 +24,7 @@ from typing import Any
 
 from lxml import etree
 
-from .schema import DataMember, Kind, Shape, is_hexadecimal, members, resolved, show_schema, types_of
+from .schema import DataMember, Kind, Shape, is_hexadecimal, json_types_of, members, resolve_reference, show_schema
 
 NAMESPACE = "urn:codewheel:device-description:1"
 XSD_NAME = "device-description.xsd"
@@ -34,12 +34,12 @@ _XSI = "http://www.w3.org/2001/XMLSchema-instance"
 _NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
-def _tag(name: str) -> str:
+def _tag_in_namespace(name: str) -> str:
     """Return the name of an element in our namespace, in the notation of lxml: ``{urn:...}name``."""
     return f"{{{NAMESPACE}}}{name}"
 
 
-def clean(text: str) -> str:
+def without_invalid_characters(text: str) -> str:
     """Return ``text`` without characters that XML does not allow."""
     return _NOT_XML.sub("\ufffd", text)
 
@@ -48,13 +48,13 @@ def _scalar_text(value: object, *, as_hexadecimal: bool = False) -> str:
     """Return a number, Boolean or string as in XML. ``as_hexadecimal`` applies only to whole numbers: ``0x1F``."""
     if as_hexadecimal and isinstance(value, int):
         return f"0x{value:02X}"
-    return str(value).lower() if isinstance(value, bool) else clean(str(value))
+    return str(value).lower() if isinstance(value, bool) else without_invalid_characters(str(value))
 
 
 def to_xml(dump: Mapping[str, Any]) -> str:
     """Return the data of a device as an XML document."""
     namespaces: Any = {None: NAMESPACE, "xsi": _XSI}
-    root = etree.Element(_tag("device_description"), nsmap=namespaces)
+    root = etree.Element(_tag_in_namespace("device_description"), nsmap=namespaces)
     root.set(f"{{{_XSI}}}schemaLocation", f"{NAMESPACE} {XSD_NAME}")
     definitions = dump["parameter_definitions"]
     hexadecimal_parameters = frozenset(parameter["name"] for parameter in definitions if parameter["hexadecimal"])
@@ -104,17 +104,17 @@ def _write_object(
             words = [_scalar_text(word, as_hexadecimal=as_hexadecimal) for word in value]
             element.set(member.name, " ".join(words))
         elif member.kind is Kind.OBJECT:
-            member_element = etree.SubElement(element, _tag(member.name))
+            member_element = etree.SubElement(element, _tag_in_namespace(member.name))
             _write_object(member_element, value, member.shape, sources, hexadecimal_parameters)
         else:
-            member_element = etree.SubElement(element, _tag(member.name))
+            member_element = etree.SubElement(element, _tag_in_namespace(member.name))
             _write_content(member_element, value, member, sources, hexadecimal_parameters)
 
 
 def _write_sources(element: Any, sources: Sources) -> None:
     for source in sources:
         attributes = {key: _scalar_text(value) for key, value in source if value not in ("", None)}
-        etree.SubElement(element, _tag("source"), attributes)
+        etree.SubElement(element, _tag_in_namespace("source"), attributes)
 
 
 def _is_omitted(member: DataMember, value: object) -> bool:
@@ -133,16 +133,16 @@ def _write_content(
     so only the objects are written.
     """
     if member.kind is Kind.TEXT:
-        element.text = clean(value)
+        element.text = without_invalid_characters(value)
     elif member.kind is Kind.TEXTS:
         for text in value:
-            etree.SubElement(element, _tag("text")).text = clean(text)
+            etree.SubElement(element, _tag_in_namespace("text")).text = without_invalid_characters(text)
     elif member.kind is Kind.MAP:
         _write_map(element, value, member, hexadecimal_parameters)
     else:
         objects = value.values() if member.kind is Kind.KEYED else value
         for dumped_object in objects:
-            object_element = etree.SubElement(element, _tag(member.type_name))
+            object_element = etree.SubElement(element, _tag_in_namespace(member.type_name))
             _write_object(object_element, dumped_object, member.shape, sources, hexadecimal_parameters)
 
 
@@ -154,10 +154,10 @@ def _write_map(
     It has the type of its value if the values may have several. Numbers are in hexadecimal if the key is a hexadecimal
     parameter.
     """
-    value_shape, _ = resolved(member.shape)
-    value_types = types_of(value_shape)
+    value_shape, _ = resolve_reference(member.shape)
+    value_types = json_types_of(value_shape)
     for key, value in map_values.items():
-        entry_element = etree.SubElement(element, _tag("entry"), {"name": _scalar_text(key)})
+        entry_element = etree.SubElement(element, _tag_in_namespace("entry"), {"name": _scalar_text(key)})
         if isinstance(value, list):
             entry_element.text = " ".join(map(_scalar_text, value))
         else:
@@ -192,8 +192,8 @@ def schema_text() -> str:
     root.set("targetNamespace", NAMESPACE)
     root.set("elementFormDefault", "qualified")
     root.set("version", "1")
-    _document(root, _ABOUT)
-    _add(root, "element", name="device_description", type="device_description")
+    _add_documentation(root, _ABOUT)
+    _add_schema_element(root, "element", name="device_description", type="device_description")
     _add_word_types(root)
     _add_type(root, "device_description", show_schema(), show_schema()["description"])
     for name, shape in show_schema()["$defs"].items():
@@ -203,47 +203,47 @@ def schema_text() -> str:
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + document_text
 
 
-def _add(parent: Any, tag: str, **attributes: str) -> Any:
+def _add_schema_element(parent: Any, tag: str, **attributes: str) -> Any:
     """Add an element of XML Schema, and return it."""
     return etree.SubElement(parent, f"{{{_XS}}}{tag}", attributes)
 
 
-def _document(parent: Any, text: str) -> None:
+def _add_documentation(parent: Any, text: str) -> None:
     """Add a text that explains the parent."""
-    annotation = _add(parent, "annotation")
-    _add(annotation, "documentation").text = text
+    annotation = _add_schema_element(parent, "annotation")
+    _add_schema_element(annotation, "documentation").text = text
 
 
 def _add_word_types(root: Any) -> None:
     """Add the types of expressions, hexadecimal and other numbers, and of lists of words and of numbers."""
-    expression = _add(root, "simpleType", name="expression")
-    _document(expression, show_schema()["$defs"]["expression"]["description"])
+    expression = _add_schema_element(root, "simpleType", name="expression")
+    _add_documentation(expression, show_schema()["$defs"]["expression"]["description"])
     _restrict_to_pattern(expression, base="xs:string", pattern=_EXPRESSION)
-    hexadecimal = _add(root, "simpleType", name="hexadecimal")
-    _document(
+    hexadecimal = _add_schema_element(root, "simpleType", name="hexadecimal")
+    _add_documentation(
         hexadecimal,
         "A whole number in hexadecimal, such as 0x11; a parameter that is written so has the attribute hexadecimal.",
     )
     _restrict_to_pattern(hexadecimal, base="xs:token", pattern="0x[0-9A-F]{2,}")
-    number_type = _add(root, "simpleType", name="number")
-    _add(number_type, "union", memberTypes="xs:integer hexadecimal")
+    number_type = _add_schema_element(root, "simpleType", name="number")
+    _add_schema_element(number_type, "union", memberTypes="xs:integer hexadecimal")
     for name, type_of_words in (("words", "xs:token"), ("numbers", "number")):
-        list_type = _add(root, "simpleType", name=name)
-        _add(list_type, "list", itemType=type_of_words)
+        list_type = _add_schema_element(root, "simpleType", name=name)
+        _add_schema_element(list_type, "list", itemType=type_of_words)
 
 
 def _restrict_to_pattern(simple_type: Any, base: str, pattern: str) -> None:
-    restriction = _add(simple_type, "restriction", base=base)
-    _add(restriction, "pattern", value=pattern)
+    restriction = _add_schema_element(simple_type, "restriction", base=base)
+    _add_schema_element(restriction, "pattern", value=pattern)
 
 
 def _add_type(root: Any, name: str, shape: Shape, description: str) -> None:
     """Add the type of an object: its sources, and an attribute or an element for each member."""
-    complex_type = _add(root, "complexType", name=name)
-    _document(complex_type, description)
-    sequence = _add(complex_type, "sequence")
+    complex_type = _add_schema_element(root, "complexType", name=name)
+    _add_documentation(complex_type, description)
+    sequence = _add_schema_element(complex_type, "sequence")
     if "source" in shape["properties"]:
-        _add(sequence, "element", name="source", type="source", minOccurs="0", maxOccurs="unbounded")
+        _add_schema_element(sequence, "element", name="source", type="source", minOccurs="0", maxOccurs="unbounded")
     for member in members(shape):
         description_of_member = shape["properties"][member.name]["description"]
         if member.kind in (Kind.ATTRIBUTE, Kind.LIST):
@@ -260,33 +260,35 @@ def _add_element(sequence: Any, member: DataMember, description: str) -> None:
 
     These are texts, objects or the entries of a map, in any number.
     """
-    element = _add(sequence, "element", name=member.name, minOccurs="0")
-    _document(element, description)
+    element = _add_schema_element(sequence, "element", name=member.name, minOccurs="0")
+    _add_documentation(element, description)
     if member.kind is Kind.TEXT:
         element.set("type", "xs:string")
         return
     if member.kind is Kind.OBJECT:
         element.set("type", member.type_name)
         return
-    container_type = _add(element, "complexType")
-    inner_elements = _add(container_type, "sequence")
+    container_type = _add_schema_element(element, "complexType")
+    inner_elements = _add_schema_element(container_type, "sequence")
     if member.kind is Kind.MAP:
         _add_entry_element(inner_elements, member)
     elif member.kind is Kind.TEXTS:
-        _add(inner_elements, "element", name="text", type="xs:string", maxOccurs="unbounded")
+        _add_schema_element(inner_elements, "element", name="text", type="xs:string", maxOccurs="unbounded")
     else:
-        _add(inner_elements, "element", name=member.type_name, type=member.type_name, maxOccurs="unbounded")
+        _add_schema_element(
+            inner_elements, "element", name=member.type_name, type=member.type_name, maxOccurs="unbounded"
+        )
 
 
 def _add_entry_element(inner_elements: Any, member: DataMember) -> None:
     """Add the ``entry`` of a map. It contains a value, and has a name and, if values have several types, a type."""
-    entry_element = _add(inner_elements, "element", name="entry", maxOccurs="unbounded")
-    content = _add(_add(entry_element, "complexType"), "simpleContent")
-    extension = _add(content, "extension", base=_entry_type(member))
-    _add(extension, "attribute", name="name", type="xs:string", use="required")
+    entry_element = _add_schema_element(inner_elements, "element", name="entry", maxOccurs="unbounded")
+    content = _add_schema_element(_add_schema_element(entry_element, "complexType"), "simpleContent")
+    extension = _add_schema_element(content, "extension", base=_entry_type(member))
+    _add_schema_element(extension, "attribute", name="name", type="xs:string", use="required")
     if len(member.types) > 1:
-        type_attribute = _add(extension, "attribute", name="type", use="required")
-        _enumerate(type_attribute, member.types)
+        type_attribute = _add_schema_element(extension, "attribute", name="type", use="required")
+        _restrict_to_values(type_attribute, member.types)
 
 
 def _entry_type(member: DataMember) -> str:
@@ -296,11 +298,11 @@ def _entry_type(member: DataMember) -> str:
     return {"integer": "number", "array": "words"}.get(member.types[0], "xs:string")
 
 
-def _enumerate(parent: Any, values: Iterable[str]) -> None:
+def _restrict_to_values(parent: Any, values: Iterable[str]) -> None:
     """Restrict the attribute ``parent`` to these values."""
-    restriction = _add(_add(parent, "simpleType"), "restriction", base="xs:string")
+    restriction = _add_schema_element(_add_schema_element(parent, "simpleType"), "restriction", base="xs:string")
     for value in values:
-        _add(restriction, "enumeration", value=value)
+        _add_schema_element(restriction, "enumeration", value=value)
 
 
 def _add_attribute(complex_type: Any, member: DataMember, description: str) -> None:
@@ -309,7 +311,7 @@ def _add_attribute(complex_type: Any, member: DataMember, description: str) -> N
     It has a default if the schema gives one, and is required if its value is never omitted, or if it is a name. Its
     type is either a list of the possible words, without the empty one, or a named type.
     """
-    attribute = _add(complex_type, "attribute", name=member.name)
+    attribute = _add_schema_element(complex_type, "attribute", name=member.name)
     if "default" in member.shape:
         attribute.set("default", str(member.shape["default"]).lower())
     elif member.kind is Kind.ATTRIBUTE and (_is_always_present(member) or member.name == "name"):
@@ -319,9 +321,9 @@ def _add_attribute(complex_type: Any, member: DataMember, description: str) -> N
         attribute.set("type", _attribute_type(member))
     if "const" in member.shape:
         attribute.set("fixed", str(member.shape["const"]))
-    _document(attribute, description)
+    _add_documentation(attribute, description)
     if words:
-        _enumerate(attribute, words)
+        _restrict_to_values(attribute, words)
 
 
 def _is_always_present(member: DataMember) -> bool:

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..say.markdown import anchor, code, link, paragraph, table, text
+from ..say.markdown import anchor, code, escape, link, paragraph, table
 from .problems import listed
 from .schema_files import NO_FACTS, ONLY_SECOND, PROSE, load_schema
 
@@ -85,7 +85,7 @@ def spec_page() -> str:
     lines += [
         "## The device file",
         "",
-        paragraph(text(device["description"])),
+        paragraph(escape(device["description"])),
         "",
         _format_table(device, device["$defs"]),
         "",
@@ -101,7 +101,7 @@ def _other_files(maker: Mapping[str, Any], overlay: Mapping[str, Any]) -> list[s
     return [
         "## The manufacturer file",
         "",
-        paragraph(text(maker["description"])),
+        paragraph(escape(maker["description"])),
         "",
         "It is in the same folder as the device files and is called `manufacturer.yaml`.",
         "",
@@ -109,7 +109,7 @@ def _other_files(maker: Mapping[str, Any], overlay: Mapping[str, Any]) -> list[s
         "",
         "## The overlay",
         "",
-        paragraph(text(overlay["description"])),
+        paragraph(escape(overlay["description"])),
         "",
         "See [Overlays](how-to-revise.md#overlays-facts-from-outside-the-manual) for an example.",
         "",
@@ -158,7 +158,7 @@ def _definitions_in_order(schema: Shape) -> list[str]:
 
 def _describe_definition(name: str, shape: Shape, definitions: Shape) -> list[str]:
     """Return the lines of the section on a definition: its meaning, and its keys or else its type and limits."""
-    lines = [anchor(name), "", f"### {code(name)}", "", paragraph(text(shape.get("description", ""))), ""]
+    lines = [anchor(name), "", f"### {code(name)}", "", paragraph(escape(shape.get("description", ""))), ""]
     if "properties" in shape:
         lines.append(_format_table(shape, definitions))
     else:
@@ -191,7 +191,7 @@ def _yield_rows(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[
         type_and_limits = f"{_describe_type(inner)}, {limits}" if limits else _describe_type(inner)
         definition = definitions.get(_definition_name(inner), {})
         meaning = inner.get("description") or definition.get("description", "")
-        yield code(prefix + name), "required" if name in required_keys else "", type_and_limits, text(meaning)
+        yield code(prefix + name), "required" if name in required_keys else "", type_and_limits, escape(meaning)
         is_one_or_more = "properties" in inner and "items" in inner
         if not is_one_or_more:  # Otherwise, the section of its items has the keys.
             yield from _yield_rows(inner, definitions, f"{prefix}{name}.")

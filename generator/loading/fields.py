@@ -274,6 +274,7 @@ def pieces(field: Field, length: int, low_first: bool) -> tuple[Piece, ...]:
         byte_above_lowest, low_bit_in_byte = divmod(field.low.constant + bits_done, 8)
         bits_in_byte = min(8 - low_bit_in_byte, bits_with_padding - bits_done)
         byte = byte_above_lowest if low_first else length - 1 - byte_above_lowest
-        pieces.append(Piece(byte=byte, right=low_bit_in_byte, mask=(1 << bits_in_byte) - 1, left=bits_done))
+        mask = (1 << bits_in_byte) - 1
+        pieces.append(Piece(byte=byte, low_in_byte=low_bit_in_byte, mask=mask, low_in_number=bits_done))
         bits_done += bits_in_byte
     return tuple(pieces)

@@ -70,7 +70,7 @@ def _constant_bits(layout: Layout) -> dict[tuple[int, int], int]:
         if not isinstance(field.kind, Constant):
             continue
         for piece in field.pieces:
-            value_in_byte = field.kind.value >> piece.left
+            value_in_byte = field.kind.value >> piece.low_in_number
             for bit in range(piece.mask.bit_length()):
-                constant_bits[piece.byte, piece.right + bit] = (value_in_byte >> bit) & 1
+                constant_bits[piece.byte, piece.low_in_byte + bit] = (value_in_byte >> bit) & 1
     return constant_bits

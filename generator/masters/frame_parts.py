@@ -66,7 +66,7 @@ def frame_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: 
         if field.high + 1 != unread_bits:
             raise NoRecord(f"the bits of '{layout.name}' above '{field.name}' have no meaning in the spec")
         unread_bits = field.low
-        role = _role(field, placed_layout, position_field_names, stage)
+        role = _role_of_field(field, placed_layout, position_field_names, stage)
         if role == "position":
             yield from _position_parts(field, turn_bits[field.name])
         else:
@@ -113,7 +113,9 @@ def rough_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: 
         yield _part_without_position(field, role)
 
 
-def _role(field: PlacedField, placed_layout: PlacedLayout, position_field_names: Sequence[str], stage: str) -> str:
+def _role_of_field(
+    field: PlacedField, placed_layout: PlacedLayout, position_field_names: Sequence[str], stage: str
+) -> str:
     """Return the role of a field, with ``before`` and ``after`` for zero bits.
 
     ``stage`` is the last role of the common frame that has been reached. A field that the common frame cannot have
@@ -232,15 +234,15 @@ def _active_level(field: Field) -> str:
     return "low" if field.kind.active_low else "high"
 
 
-def parity_of_frame(placed_layout: PlacedLayout, parts: Sequence[Part]) -> str:
+def parity_of_frame(placed_layout: PlacedLayout, frame_parts: Sequence[Part]) -> str:
     """Return ``odd`` or ``even`` for a frame that ends in a parity bit over the whole of it, or else ``none``."""
     kind = placed_layout.fields[-1].field.kind
-    if parts[-1].role != "parity" or not isinstance(kind, Parity):
+    if frame_parts[-1].role != "parity" or not isinstance(kind, Parity):
         return "none"
     return "odd" if kind.odd else "even"
 
 
-def position_coding(placed_layout: PlacedLayout, measurement: Measurement, parts: Sequence[Part]) -> str:
+def position_coding(placed_layout: PlacedLayout, measurement: Measurement, frame_parts: Sequence[Part]) -> str:
     """Return the code of the position: ``binary``, ``gray``, or a variety of Gray code.
 
     It is ``gray_with_status`` if the bits in Gray code are the position and all status bits, ``gray_excess`` if
@@ -253,24 +255,24 @@ def position_coding(placed_layout: PlacedLayout, measurement: Measurement, parts
     position_names = {field.name for field in placed_layout.find_fields(layout.names_in(measurement.of))}
     if gray_names == position_names:
         return "gray_excess" if placed_layout.gray_excess else "gray"
-    status_names = {part.name for part in parts if part.role == "status"}
+    status_names = {part.name for part in frame_parts if part.role == "status"}
     if gray_names == position_names | status_names:
         return "gray_with_status"
     return "other"
 
 
-def _bits_of_role(parts: Sequence[Part], role: str) -> int:
-    return sum(part.bits for part in parts if part.role == role)
+def _bits_of_role(frame_parts: Sequence[Part], role: str) -> int:
+    return sum(part.bits for part in frame_parts if part.role == role)
 
 
-def bit_counts(parts: Sequence[Part]) -> dict[str, int | None]:
+def bit_counts(frame_parts: Sequence[Part]) -> dict[str, int | None]:
     """Return the numbers of bits of a frame by the names of the items for rules: ``{"crc_bits": 6, ...}``.
 
     Left is what is sent before the position. ``frame_bits`` leaves out the parity bit.
     """
     roles = ("multiturn", "singleturn", "padding", "status", "crc", "other", "parity")
-    bits = {role: _bits_of_role(parts, role) for role in roles}
-    parts_left = _parts_before_position(parts)
+    bits = {role: _bits_of_role(frame_parts, role) for role in roles}
+    parts_left = _parts_before_position(frame_parts)
     padding_left = _bits_of_role(parts_left, "padding")
     other_left = _bits_of_role(parts_left, "other")
     position = bits["multiturn"] + bits["singleturn"]
@@ -287,25 +289,25 @@ def bit_counts(parts: Sequence[Part]) -> dict[str, int | None]:
         "crc_bits": bits["crc"],
         "other_bits_left": other_left,
         "other_bits_right": bits["other"] - other_left,
-        "other_bits_after_status": _bits_of_role(_parts_after_status(parts), "other"),
+        "other_bits_after_status": _bits_of_role(_parts_after_status(frame_parts), "other"),
         "parity_bits": bits["parity"],
         "bits_without_crc": data + bits["status"] + bits["other"],
         "frame_bits": data + bits["status"] + bits["crc"] + bits["other"],
     }
 
 
-def _parts_before_position(parts: Sequence[Part]) -> Sequence[Part]:
-    roles = [part.role for part in parts]
+def _parts_before_position(frame_parts: Sequence[Part]) -> Sequence[Part]:
+    roles = [part.role for part in frame_parts]
     position_indices = [roles.index(role) for role in ("multiturn", "singleturn") if role in roles]
-    return parts[: min(position_indices)]
+    return frame_parts[: min(position_indices)]
 
 
-def _parts_after_status(parts: Sequence[Part]) -> Sequence[Part]:
+def _parts_after_status(frame_parts: Sequence[Part]) -> Sequence[Part]:
     """Return the parts from the first status bit on, or none without a status bit."""
-    roles = [part.role for part in parts]
+    roles = [part.role for part in frame_parts]
     if "status" not in roles:
         return ()
-    return parts[roles.index("status") :]
+    return frame_parts[roles.index("status") :]
 
 
 #: iC-Haus, application note AN15, BiSS C master operation details, revision A3, table 1: clock on MA with RS-422.

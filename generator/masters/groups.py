@@ -24,7 +24,7 @@ class Group:
     record: Record
 
 
-def groups_of(device: Device, interface: Interface) -> list[Group]:
+def order_code_groups(device: Device, interface: Interface) -> list[Group]:
     """Return the order codes of an interface in groups, each once for each choice on which its frame depends.
 
     Order codes are in one group if their records are equal apart from the code.
@@ -33,10 +33,10 @@ def groups_of(device: Device, interface: Interface) -> list[Group]:
     for code_record in records_of(device, interface):
         facts_without_code = repr(replace(code_record, code=""))
         records_by_facts.setdefault(facts_without_code, []).append(code_record)
-    return [_group(device, records) for records in records_by_facts.values()]
+    return [_build_group(device, records) for records in records_by_facts.values()]
 
 
-def _group(device: Device, records: Sequence[Record]) -> Group:
+def _build_group(device: Device, records: Sequence[Record]) -> Group:
     codes = tuple(code_record.code for code_record in records)
     return Group(device, codes, record=records[0])
 
@@ -79,7 +79,7 @@ _SHEETS_OF_LAST_FAMILIES: deque[_FamilySheets] = deque(maxlen=32)
 
 def _compute_sheets(device: Device, masters: Sequence[Master]) -> Iterator[GroupSheets]:
     for interface in device.interfaces:
-        groups = tuple(groups_of(device, interface))
+        groups = tuple(order_code_groups(device, interface))
         if groups:
             master_sheets = tuple((master, _sheets_for(master, groups)) for master in masters)
             yield GroupSheets(interface, groups, master_sheets)

@@ -37,7 +37,7 @@ def _register_in_words(device: Device, name: str) -> str:
 
 
 def frame_notes(
-    device: Device, position_name: str, placed_layout: PlacedLayout, parts: Sequence[Part], as_delivered: bool
+    device: Device, position_name: str, placed_layout: PlacedLayout, frame_parts: Sequence[Part], as_delivered: bool
 ) -> Iterator[str]:
     """Yield sentences about registers that change the frame, about a signed position, and about fixed status bits."""
     yield from _register_notes(device, "widths depend", set(placed_layout.layout.bits.parameters), as_delivered)
@@ -49,7 +49,7 @@ def frame_notes(
             f"The position is signed, in two's complement: {lowest} to {highest}. A master that reads it as unsigned "
             f"shows -1 as {(1 << position.width) - 1}."
         )
-    fixed = [part.name for part in parts if part.role == "status" and not part.active]
+    fixed = [part.name for part in frame_parts if part.role == "status" and not part.active]
     if fixed:
         yield f"{' and '.join(fixed)}: always 1, which a master treats as an inactive status bit."
 

@@ -70,9 +70,9 @@ class Place:
         return f"{words}, bits {self.high_bit}:{self.low_bit}"
 
 
-def devices_of(data: Raw) -> tuple[MasterDevice, ...]:
+def devices_of(master_data: Raw) -> tuple[MasterDevice, ...]:
     """Return the devices of a description, or the master itself as the only one."""
-    device_descriptions = data.get("devices", ({"name": data["title"]},))
+    device_descriptions = master_data.get("devices", ({"name": master_data["title"]},))
     devices: list[MasterDevice] = []
     for description in device_descriptions:
         channels = tuple(description.get("channels", ("",)))
@@ -353,8 +353,8 @@ def _write_condition(
     rule: Raw, settings: tuple[str, ...], after: tuple[str, ...], devices: Sequence[MasterDevice], standing: str
 ) -> WriteCondition:
     """Return a condition with its words. ``settings`` and ``after`` are those of its names that the sheet has."""
-    needs = _writes(rule, "needs", devices, standing)
-    then = _writes(rule, "then", devices, standing)
+    needs = _writes_of_rule(rule, "needs", devices, standing)
+    then = _writes_of_rule(rule, "then", devices, standing)
     effect = Effect(**rule["takes_effect"]) if "takes_effect" in rule else None
     return WriteCondition(
         of=settings,
@@ -368,7 +368,7 @@ def _write_condition(
     )
 
 
-def _writes(rule: Raw, key: str, devices: Sequence[MasterDevice], standing: str) -> tuple[Write, ...]:
+def _writes_of_rule(rule: Raw, key: str, devices: Sequence[MasterDevice], standing: str) -> tuple[Write, ...]:
     """Return the values to write that a rule lists under ``needs`` or ``then``."""
     return tuple(_write_from_rule(raw_write, devices, standing) for raw_write in rule.get(key, ()))
 

@@ -134,7 +134,7 @@ def record(
     deciding_alternatives = device.alternatives_of(frame.placed_layout.layout)
     parts, obstacle = _parts_and_obstacle(frame)
     crc_obstacle = _crc_obstacle(device, frame.placed_layout)
-    numbers = _numbers(frame, parts)
+    numbers = _numbers_by_name(frame, parts)
     cables = cable_table(device, frame.interface, variant.code)
     needed_answers = {alternative.name: answers[alternative.name] for alternative in deciding_alternatives}
     notes = (
@@ -146,9 +146,9 @@ def record(
         *filter(None, (obstacle, crc_obstacle)),
     )
     # Without the limit of a cable.
-    unlimited = _record(frame, parts, numbers, cables, notes, needed_answers)
+    unlimited = _build_record(frame, parts, numbers, cables, notes, needed_answers)
     unlimited = replace(unlimited, obstacle=obstacle, crc_obstacle=crc_obstacle)
-    return unlimited if cable_m is None else _with_cable(unlimited, cable_m)
+    return unlimited if cable_m is None else _limit_to_cable(unlimited, cable_m)
 
 
 def _position_frame(device: Device, variant: Variant, answers: Mapping[str, str]) -> _PositionFrame:
@@ -202,9 +202,9 @@ def _is_common_form(device: Device, crc: Crc) -> bool:
     return not is_reflected and crc.xorout in (0, crc.mask) and bool(crc.poly & 1)
 
 
-def _record(
+def _build_record(
     frame: _PositionFrame,
-    parts: tuple[Part, ...],
+    frame_parts: tuple[Part, ...],
     numbers: Mapping[str, int | None],
     cables: CableTable,
     notes: tuple[str, ...],
@@ -217,9 +217,9 @@ def _record(
     return Record(
         code=frame.variant.code,
         family=device.name,
-        words=_words(frame, parts, numbers),
+        words=_words_by_name(frame, frame_parts, numbers),
         numbers=numbers,
-        parts=parts,
+        parts=frame_parts,
         timeout=timeout_words(timeout) if timeout is not None else "",
         cables=cables,
         notes=notes,
@@ -233,11 +233,11 @@ def _record(
     )
 
 
-def _numbers(frame: _PositionFrame, parts: Sequence[Part]) -> dict[str, int | None]:
+def _numbers_by_name(frame: _PositionFrame, frame_parts: Sequence[Part]) -> dict[str, int | None]:
     """Return the numbers of a record by name, in the order of ``NUMBERS``."""
     variant = frame.variant
     crc = frame.device.crc_of(frame.placed_layout)
-    widths = bit_counts(parts)
+    widths = bit_counts(frame_parts)
     numbers = (
         widths
         | _crc_numbers(crc)
@@ -248,29 +248,31 @@ def _numbers(frame: _PositionFrame, parts: Sequence[Part]) -> dict[str, int | No
     return {name: numbers[name] for name in NUMBERS}
 
 
-def _words(frame: _PositionFrame, parts: Sequence[Part], numbers: Mapping[str, int | None]) -> dict[str, str]:
+def _words_by_name(
+    frame: _PositionFrame, frame_parts: Sequence[Part], numbers: Mapping[str, int | None]
+) -> dict[str, str]:
     """Return the facts of a record that are words, by name: ``{"coding": "gray", "parity": "none", ...}``."""
     movement = frame.device.movement
     return {
         "interface": frame.variant.interface,
         "movement": movement,
-        "coding": position_coding(frame.placed_layout, frame.measurement, parts),
-        "status_active": _status_active(parts),
-        "parity": parity_of_frame(frame.placed_layout, parts),
+        "coding": position_coding(frame.placed_layout, frame.measurement, frame_parts),
+        "status_active": _status_active(frame_parts),
+        "parity": parity_of_frame(frame.placed_layout, frame_parts),
         "singleturn_codes": _singleturn_codes(movement, numbers["singleturn_bits"], numbers["counts_per_turn"]),
     }
 
 
-def _status_active(parts: Sequence[Part]) -> str:
+def _status_active(frame_parts: Sequence[Part]) -> str:
     """Return the level at which the status bits are active, ``mixed`` if they differ, or ``none``."""
     # A bit that is always 1 is an active-low bit that is never active.
-    levels = {part.active or "low" for part in parts if part.role == "status"}
+    levels = {part.active or "low" for part in frame_parts if part.role == "status"}
     if not levels:
         return "none"
     return levels.pop() if len(levels) == 1 else "mixed"
 
 
-def _with_cable(unlimited: Record, metres: int) -> Record:
+def _limit_to_cable(unlimited: Record, metres: int) -> Record:
     """Return the record with the highest clock for this cable length, or with the clocks in use if that is not known.
 
     The row of the table is kept only if it limits the clock, and not the encoder.

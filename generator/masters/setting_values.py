@@ -39,7 +39,7 @@ class UnsupportedFeature(Exception):
     """The master does not support a feature that the encoder needs."""
 
 
-def applies(rule: Raw, record: Record) -> bool:
+def rule_applies(rule: Raw, record: Record) -> bool:
     """Return whether all conditions in ``when`` of a rule are known to hold."""
     return all(_condition_holds(condition, record) for condition in rule.get("when", ()))
 
@@ -92,7 +92,7 @@ _COUNTED_BITS: Mapping[str, tuple[str, str]] = {
 def actual_value(name: str, record: Record) -> str:
     """Return an item of a record in words of a manual, such as ``Gray code`` or ``4 zero bits before the position``."""
     if name in record.words:
-        return filled(WORDS[name][record.words[name]], record)
+        return fill_template(WORDS[name][record.words[name]], record)
     number = record.known_numbers[name]
     if name in _COUNTED_BITS:
         bit, place = _COUNTED_BITS[name]
@@ -115,7 +115,7 @@ def value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | None
     if "unknown" in rule:
         raise UnknownValue(rule["unknown"])
     if "value" in rule:
-        number = _evaluate(rule["value"], rule["name"], record, may_be_negative=rule.get("as") == "signed")
+        number = _evaluate_expression(rule["value"], rule["name"], record, may_be_negative=rule.get("as") == "signed")
         if rule.get("as") == "boolean":
             text = "TRUE" if number else "FALSE"
             return bool(number), text, ""
@@ -136,7 +136,7 @@ def value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | None
     return text, text, ""
 
 
-def _evaluate(value: int | str, setting_name: str, record: Record, *, may_be_negative: bool = False) -> int:
+def _evaluate_expression(value: int | str, setting_name: str, record: Record, *, may_be_negative: bool = False) -> int:
     """Return the value of an expression for a record.
 
     Raises:
@@ -281,10 +281,10 @@ def _filled_if_known(text: str, record: Record) -> str:
         is_known = record.numbers[name] is not None or (name == "step_um" and record.step)
         if is_in_text and not is_known:
             raise _unknown_number(name, record.step)
-    return filled(text, record)
+    return fill_template(text, record)
 
 
-def filled(text: str, record: Record) -> str:
+def fill_template(text: str, record: Record) -> str:
     """Return the text with the items in braces filled in, with ``unknown`` for those without a value."""
     if "{" not in text:
         return text
@@ -307,7 +307,7 @@ def _field_texts(rule: Raw, setting_name: str, record: Record) -> Iterator[str]:
     # The first rule for a kind that applies is used.
     template_by_kind: dict[str, str] = {}
     for field_rule in rule["fields"]:
-        if applies(field_rule, record):
+        if rule_applies(field_rule, record):
             template_by_kind.setdefault(field_rule["of"], field_rule["text"])
     yield _filled_if_known(rule.get("start", ""), record)
     parts = _with_whole_position(record) if "position" in template_by_kind else _with_two_parts_of_position(record)
@@ -318,7 +318,7 @@ def _field_texts(rule: Raw, setting_name: str, record: Record) -> Iterator[str]:
         if part.role == "status":
             kind = f"status_active_{part.active or 'low'}"
         if kind not in template_by_kind:
-            raise UnsupportedFeature(f"{filled(setting_name, record)} cannot express '{part.name}'")
+            raise UnsupportedFeature(f"{fill_template(setting_name, record)} cannot express '{part.name}'")
         template = template_by_kind[kind]
         part_text = template.replace("{bits}", str(part.bits)).replace("{name}", part.name)
         yield _filled_if_known(part_text, record)
@@ -336,10 +336,10 @@ def _with_two_parts_of_position(record: Record) -> Sequence[Part]:
     return _with_neighbours_merged(record.parts, ("multiturn", "singleturn"))
 
 
-def _with_neighbours_merged(parts: Sequence[Part], roles: Collection[str]) -> Sequence[Part]:
+def _with_neighbours_merged(frame_parts: Sequence[Part], roles: Collection[str]) -> Sequence[Part]:
     """Return the parts with neighbours that have the same one of these roles merged, under the name of that role."""
     merged_parts: list[Part] = []
-    for part in parts:
+    for part in frame_parts:
         if part.role not in roles:
             merged_parts.append(part)
         elif merged_parts and merged_parts[-1].role == part.role:

@@ -30,11 +30,11 @@ from .setting_values import (
     UnknownValue,
     UnsupportedFeature,
     actual_value,
-    applies,
     best_listed_clock,
     best_selectable_clock,
-    filled,
+    fill_template,
     is_within_limits,
+    rule_applies,
     value_of_setting,
 )
 
@@ -166,18 +166,18 @@ def shipped_masters() -> tuple[Master, ...]:
     return masters
 
 
-def _master_from_spec(data: Raw) -> Master:
+def _master_from_spec(master_data: Raw) -> Master:
     """Return the master that a checked description describes. Lists of rules that it lacks are empty."""
-    documents = tuple(Document(key, row["title"], row.get("url", "")) for key, row in data["documents"].items())
+    documents = tuple(Document(key, row["title"], row.get("url", "")) for key, row in master_data["documents"].items())
     return Master(
-        name=data["master"],
-        title=data["title"],
-        takes=tuple(data["takes"]),
+        name=master_data["master"],
+        title=master_data["title"],
+        takes=tuple(master_data["takes"]),
         documents=documents,
-        devices=devices_of(data),
-        standing=data.get("standing", "documented"),
-        several_channels=data.get("several_channels", {}).get("text", ""),
-        **{name: tuple(data.get(name, ())) for name in _RULE_LISTS},
+        devices=devices_of(master_data),
+        standing=master_data.get("standing", "documented"),
+        several_channels=master_data.get("several_channels", {}).get("text", ""),
+        **{name: tuple(master_data.get(name, ())) for name in _RULE_LISTS},
     )
 
 
@@ -192,7 +192,7 @@ def sheet(master: Master, record: Record) -> Sheet:
     uncovered = _uncovered_parts(master, record)
     settings, device_refusals = _settings_and_device_refusals(master, record, uncovered)
     unusable_devices = frozenset[str]().union(*(devices for _, devices in device_refusals))
-    applicable_limits = [rule for rule in master.limits if applies(rule, record)]
+    applicable_limits = [rule for rule in master.limits if rule_applies(rule, record)]
     violated_limits = [rule for rule in applicable_limits if not is_within_limits(rule, record)]
     refusals = [_limit_refusal(rule, master, record) for rule in violated_limits]
     refusals += _refusals_of_crc(master, record)
@@ -207,13 +207,13 @@ def sheet(master: Master, record: Record) -> Sheet:
     if refusals:
         return _refusing_sheet(master, *refusals)
     device_notes = [f"Not for {listed(sorted(devices))}. {refusal.reason}" for refusal, devices in device_refusals]
-    notes = [filled(note["text"], record) for note in master.notes if applies(note, record)]
-    gaps = [_gap(uncovered)] if uncovered else []
+    notes = [fill_template(note["text"], record) for note in master.notes if rule_applies(note, record)]
+    gaps = [_refusal_of_gap(uncovered)] if uncovered else []
     if record.channels and master.several_channels:
         notes.insert(0, master.several_channels)
     elif record.channels:
         gaps.append(Refusal(reason=record.channels.gap, standing="inferred", source=""))
-    writing_rules = [_with_setting_names(rule, record) for rule in master.writing if applies(rule, record)]
+    writing_rules = [_with_setting_names(rule, record) for rule in master.writing if rule_applies(rule, record)]
     setting_names = [setting.name for setting in settings]
     return Sheet(
         master=master,
@@ -249,7 +249,7 @@ def _settings_and_device_refusals(
     settings: list[Setting] = []
     device_refusals: list[tuple[Refusal, set[str]]] = []
     for rule in master.settings:
-        if not applies(rule, record):
+        if not rule_applies(rule, record):
             continue
         try:
             unknown_parts = uncovered if _depends_on_whole_frame(rule) else ""
@@ -258,7 +258,7 @@ def _settings_and_device_refusals(
             refusal = Refusal(
                 reason=f"{reason}.", standing=rule.get("standing", master.standing), source=rule["source"]
             )
-            device_refusals.append((refusal, _devices_of(rule, master)))
+            device_refusals.append((refusal, _devices_with_setting(rule, master)))
     return settings, device_refusals
 
 
@@ -319,18 +319,18 @@ def _uncovered_parts(master: Master, record: Record) -> str:
     return listed(f"'{name}'" for name in uncovered_names)
 
 
-def _gap(uncovered: str) -> Refusal:
+def _refusal_of_gap(uncovered: str) -> Refusal:
     reason = f"The description of this master does not say how it handles {uncovered} in the frame."
     return Refusal(reason=reason, standing="inferred", source="")
 
 
-def _items_of_parts(parts: Sequence[Part]) -> Iterator[str]:
+def _items_of_parts(frame_parts: Sequence[Part]) -> Iterator[str]:
     """Yield, for each part, the item that counts its bits, such as ``parity_bits``.
 
     For the parts of the common frame, which every master has, yield an empty string.
     """
     is_after_position = False
-    for part in parts:
+    for part in frame_parts:
         if part.role in ("multiturn", "singleturn"):
             is_after_position = True
         if part.role == "other":
@@ -357,7 +357,7 @@ def _mentioned_items(rule: Any) -> set[str]:
     return items
 
 
-def _devices_of(rule: Raw, master: Master) -> set[str]:
+def _devices_with_setting(rule: Raw, master: Master) -> set[str]:
     """Return the names of the devices that have a setting. A place without ``on`` is on all of them."""
     all_names = [device.name for device in master.devices]
     names_with_setting: set[str] = set()
@@ -371,7 +371,7 @@ def _with_setting_names(rule: Raw, record: Record) -> Raw:
     named_rule = dict(rule)
     for key in ("of", "after"):
         if key in rule:
-            named_rule[key] = [filled(name, record) for name in rule[key]]
+            named_rule[key] = [fill_template(name, record) for name in rule[key]]
     return named_rule
 
 
@@ -391,15 +391,15 @@ def _setting_of_rule(rule: Raw, master: Master, record: Record, unknown_parts: s
         bound = ""
     notes = (rule.get("note", ""), _start_note(bound, record), _cable_note(rule, value, record))
     return Setting(
-        name=filled(rule["name"], record),
-        at=filled(rule.get("at", ""), record),
+        name=fill_template(rule["name"], record),
+        at=fill_template(rule.get("at", ""), record),
         value=value,
         text=text,
         bound=bound,
         standing=rule.get("standing", master.standing),
         source=rule["source"],
         note=" ".join(filter(None, notes)),
-        places=places_of(rule, value, master.devices, master.standing, lambda symbol: filled(symbol, record)),
+        places=places_of(rule, value, master.devices, master.standing, lambda symbol: fill_template(symbol, record)),
     )
 
 

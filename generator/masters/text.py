@@ -13,8 +13,8 @@ from ..model import INTERFACES, Biss, Device
 from ..order_codes.labels import Match
 from ..say.evidence import Subject, grade_below_manual, origin
 from ..say.order_code import clocks_in_use
-from ..say.plain_text import WIDTH, pairs, wrapped
-from ..say.text import BY_NAME, counted, hertz, microseconds, volts
+from ..say.plain_text import WIDTH, two_columns, wrapped
+from ..say.text import PLAIN_STYLE, counted, hertz, microseconds, volts
 from .places import WriteCondition, place_lines, write_order
 from .record import Record
 from .sheet import Master, Refusal, Setting, Sheet
@@ -33,7 +33,7 @@ _WIDEST_NAME, _WIDEST_VALUE = 40, 18
 _MARKS = {"documented": "", "inferred": " *", "tried": " +"}
 
 
-def facts(record: Record) -> Iterator[tuple[str, str]]:
+def record_facts(record: Record) -> Iterator[tuple[str, str]]:
     """Yield the record in words, one fact per row."""
     yield "Interface", INTERFACES[record.words["interface"]].title
     yield from _frame_facts(record)
@@ -163,7 +163,7 @@ def _crc_text(record: Record) -> str:
     return f"{numbers['crc_bits']} bits, polynomial {notations}, start value {numbers['crc_start']}, {form}"
 
 
-def legend(masters: Sequence[Master], sheets: Sequence[Sheet], with_places: bool) -> str:
+def legend_of_marks(masters: Sequence[Master], sheets: Sequence[Sheet], with_places: bool) -> str:
     """Return a sentence on each mark that ``standing_mark`` adds to a rule, and on tests on hardware.
 
     ``with_places`` is true if the places of settings are shown, which also have marks.
@@ -234,15 +234,15 @@ def _setting_text(setting: Setting) -> str:
     return f"{bound_in_words(setting)}{setting.text}{standing_mark(setting)}"
 
 
-def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sheet]) -> str:
+def sheet_text(device: Device, code_match: Match, record: Record, sheets: Sequence[Sheet]) -> str:
     """Return the record and each master's settings or refusals as text, at most 80 columns wide.
 
     With a single master, places and documents follow. If no master can take the position, only the record is returned.
     """
-    lines = _record_lines(device, match, record)
+    lines = _record_lines(device, code_match, record)
     if record.obstacle:
         return "\n".join(lines)
-    lines += ["", wrapped(legend([sheet.master for sheet in sheets], sheets, len(sheets) == 1), WIDTH)]
+    lines += ["", wrapped(legend_of_marks([sheet.master for sheet in sheets], sheets, len(sheets) == 1), WIDTH)]
     usable_sheets = [sheet for sheet in sheets if not sheet.refusals]
     for sheet in usable_sheets:
         lines += ["", *_sheet_lines(sheet, with_documents=len(sheets) == 1)]
@@ -263,18 +263,20 @@ def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sh
     return "\n".join(lines)
 
 
-def _record_lines(device: Device, match: Match, record: Record) -> list[str]:
+def _record_lines(device: Device, code_match: Match, record: Record) -> list[str]:
     """Return the order code, notes about how its label is written, and the record."""
-    lines = [wrapped(f"{match.variant.code}: {device.title}", WIDTH, "  ", "")]
-    if match.written_as_in:
-        lines.append(wrapped(f"the label is written as in {match.written_as_in}", WIDTH, "  "))
-    if match.unlisted:
-        lines.append(wrapped(f"accepted, although not listed in the manual: {', '.join(match.unlisted)}", WIDTH, "  "))
+    lines = [wrapped(f"{code_match.variant.code}: {device.title}", WIDTH, "  ", "")]
+    if code_match.written_as_in:
+        lines.append(wrapped(f"the label is written as in {code_match.written_as_in}", WIDTH, "  "))
+    if code_match.unlisted:
+        lines.append(
+            wrapped(f"accepted, although not listed in the manual: {', '.join(code_match.unlisted)}", WIDTH, "  ")
+        )
     statements = (*grade_below_manual(device), *origin(device))
-    lines += [wrapped(BY_NAME.sentence(statement), WIDTH, "  ") for statement in statements]
-    if match.special:
+    lines += [wrapped(PLAIN_STYLE.sentence(statement), WIDTH, "  ") for statement in statements]
+    if code_match.special:
         lines.append(wrapped("A code that ends in /Sxxx may differ from the manual.", WIDTH, "  "))
-    lines += pairs(facts(record), 2)
+    lines += two_columns(record_facts(record), 2)
     lines += [wrapped(note, WIDTH, "  ") for note in record.notes]
     return lines
 
@@ -338,7 +340,7 @@ def _lines_of_files_and_documents(master: Master) -> list[str]:
 def masters_text(masters: Sequence[Master]) -> str:
     """Return the list of masters, one per line."""
     rows = ((master.name, f"{master.title}: {_interface_titles(master)}") for master in masters)
-    return "\n".join(pairs(rows, 0))
+    return "\n".join(two_columns(rows, 0))
 
 
 def _interface_titles(master: Master) -> str:
@@ -352,18 +354,18 @@ def masters_data(masters: Sequence[Master]) -> dict[str, Any]:
     }
 
 
-def sheet_data(device: Device, match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[str, Any]:
+def sheet_data(device: Device, code_match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[str, Any]:
     """Return the record and the settings as plain data, in the shape of ``language/master_settings.schema.json``."""
     return {
         "version": VERSION,
         "order_code": record.code,
         "family": record.family,
         "label": {
-            "code": match.variant.code,
-            "unlisted": list(match.unlisted),
-            "tail": match.tail,
-            "special": match.special,
-            "written_as_in": match.written_as_in,
+            "code": code_match.variant.code,
+            "unlisted": list(code_match.unlisted),
+            "tail": code_match.tail,
+            "special": code_match.special,
+            "written_as_in": code_match.written_as_in,
         },
         "evidence": device.evidence.grade,
         "placeholders": list(device.evidence.placeholders),

@@ -124,12 +124,12 @@ class Crc:
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """Part of a field in one byte: ``((byte >> right) & mask) << left``."""
+    """Part of a field in one byte: ``((byte >> low_in_byte) & mask) << low_in_number``."""
 
     byte: int
-    right: int
+    low_in_byte: int
     mask: int
-    left: int
+    low_in_number: int
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from ..model import Alternative, Device, Fault, Field, Layout, Piece
 from ..model.expressions import Expression
 from ..model.kinds import Constant, CrcValue, Flag, Parity, Text, Unused
 from ..model.record import dataclass
-from .crcs import checks_whole_words, divides, fold_steps
+from .crcs import checks_whole_words, fold_steps, is_checked_by_division
 from .operations import (
     AlwaysIs,
     Bits,
@@ -21,6 +21,7 @@ from .operations import (
     Gray,
     IsBetween,
     IsOneOf,
+    JoinedNumber,
     NotAbove,
     ParityIs,
     ParityOf,
@@ -29,7 +30,6 @@ from .operations import (
     ReservedBits,
     Term,
     ValueOfField,
-    Whole,
     ZerosAbove,
     checks_of_meaning,
 )
@@ -51,7 +51,7 @@ class Codec:
     crcs: tuple[FrameCrc, ...]
     gray: Gray | None
     parts: tuple[Part, ...]
-    wholes: tuple[Whole, ...]
+    joined_numbers: tuple[JoinedNumber, ...]
     alternatives: tuple[Alternative, ...]
     reserved: tuple[Reserved, ...]
     checks: tuple[Check, ...]
@@ -132,7 +132,7 @@ def codec_of(device: Device, layout: Layout) -> Codec:
         crcs=tuple(_plan_crc(device, layout, field) for field in layout.crc_fields),
         gray=_find_gray(layout),
         parts=tuple(_yield_parts(layout)),
-        wholes=tuple(_yield_wholes(layout, by_word)),
+        joined_numbers=tuple(_yield_joined_numbers(layout, by_word)),
         alternatives=device.alternatives_of(layout),
         reserved=tuple(_yield_reserved(layout)),
         checks=(
@@ -177,8 +177,8 @@ def only_value(layout: Layout, field: Field) -> int | None:
 
 def bits_of(layout: Layout, field: Field) -> Bits:
     """Return the bits of a field. In bytes, a padded field has no pieces for bytes that contain only padding."""
-    occupied_pieces = tuple(piece for piece in field.pieces if not field.container or piece.left < field.widest)
-    return _locate_bits(layout, field.low, field.width, field.widest, occupied_pieces)
+    pieces = tuple(piece for piece in field.pieces if not field.container or piece.low_in_number < field.widest)
+    return _locate_bits(layout, field.low, field.width, field.widest, pieces)
 
 
 def _locate_bits(
@@ -221,21 +221,21 @@ def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
         covered=layout.bits - Expression(crc.width),
         low=crc.width,
         is_part=False,
-        divides=is_of_whole_words and divides(crc, layout),
+        divides=is_of_whole_words and is_checked_by_division(crc, layout),
         steps=fold_steps(crc, layout.widest) if is_of_whole_words else (),
     )
 
 
 def _bits_at_end(layout: Layout, width: int) -> Bits:
-    """Return the last ``width`` bits of a frame. They are those of a CRC that only some order codes have."""
-    low = layout.bits - Expression(width) if layout.byte_order == "low_byte_first" else Expression(0)
+    """Return the last ``width`` bits, those of a CRC that only some order codes have, in bytes with their pieces."""
+    low_byte_first = layout.byte_order == "low_byte_first"
+    low = layout.bits - Expression(width) if low_byte_first else Expression(0)
     byte_count = layout.widest // 8
     pieces = []
-    # A frame of bits has no pieces. ``left`` is the position of the byte's lowest bit in the CRC.
-    for left in range(0, width, 8) if layout.in_bytes else ():
-        byte = byte_count - (width - left) // 8 if layout.byte_order == "low_byte_first" else byte_count - 1 - left // 8
-        mask = (1 << min(8, width - left)) - 1
-        pieces.append(Piece(byte=byte, right=0, mask=mask, left=left))
+    for low_in_crc in range(0, width, 8) if layout.in_bytes else ():
+        byte = byte_count - (width - low_in_crc) // 8 if low_byte_first else byte_count - 1 - low_in_crc // 8
+        low_bits = (1 << min(8, width - low_in_crc)) - 1
+        pieces.append(Piece(byte=byte, low_in_byte=0, mask=low_bits, low_in_number=low_in_crc))
     return _locate_bits(layout, low, Expression(width), width, tuple(pieces))
 
 
@@ -248,7 +248,7 @@ def _find_gray(layout: Layout) -> Gray | None:
     return Gray(fields[-1].low, width, layout.gray_when, layout.gray_excess or Expression(0))
 
 
-def _yield_wholes(layout: Layout, by_word: bool) -> Iterator[Whole]:
+def _yield_joined_numbers(layout: Layout, by_word: bool) -> Iterator[JoinedNumber]:
     """Yield the numbers made of several fields. If one shift extracts adjacent fields from a word, set ``bits``."""
     for join in layout.joins:
         fields = tuple(layout.field(name) for name in join.fields)  # most significant first
@@ -260,7 +260,7 @@ def _yield_wholes(layout: Layout, by_word: bool) -> Iterator[Whole]:
         if by_word and are_adjacent:
             lowest_field = fields[-1]
             adjacent_bits = _locate_bits(layout, lowest_field.low, total_width, widest)
-        yield Whole(join=join, fields=fields, width=total_width, widest=widest, bits=adjacent_bits)
+        yield JoinedNumber(join=join, fields=fields, width=total_width, widest=widest, bits=adjacent_bits)
 
 
 def _checks_of_constants_and_parity(layout: Layout, by_word: bool) -> Iterator[Check]:
@@ -389,13 +389,13 @@ def characters(field: Field) -> tuple[tuple[int, int], ...]:
 
     If the characters do not fill whole bytes, or the field is not a text, return an empty tuple.
     """
-    fills_whole_bytes = all(piece.right == 0 and piece.mask == 0xFF for piece in field.pieces)
+    fills_whole_bytes = all(piece.low_in_byte == 0 and piece.mask == 0xFF for piece in field.pieces)
     if not isinstance(field.kind, Text) or not fills_whole_bytes:
         return ()
     indices = []
     last_index = field.widest // 8 - 1
     for piece in reversed(field.pieces):
-        bytes_after = piece.left // 8
+        bytes_after = piece.low_in_number // 8
         indices.append((last_index - bytes_after, piece.byte))
     return tuple(indices)
 
@@ -445,6 +445,6 @@ def _shifted_bits(reserved: Reserved, by_word: bool) -> Iterator[ShiftedBits]:
         return
     for piece in reserved.bits.pieces:
         # Position of the byte's lowest bit in ``unused``. A negative shift moves the bits up.
-        bit_in_unused = reserved.place + piece.left
+        bit_in_unused = reserved.place + piece.low_in_number
         mask = piece.mask << bit_in_unused
-        yield ShiftedBits(byte=piece.byte, shift=piece.right - bit_in_unused, mask=mask, value=value & mask)
+        yield ShiftedBits(byte=piece.byte, shift=piece.low_in_byte - bit_in_unused, mask=mask, value=value & mask)

@@ -34,7 +34,7 @@ class Residual:
         return comb(self.bits, self.distance)
 
 
-def residual(crc: Crc, bits: int) -> Residual:
+def residual_of(crc: Crc, bits: int) -> Residual:
     """Return what ``crc`` misses in a frame of ``bits`` bits, including the CRC itself.
 
     Start value, final XOR and order of the bits do not matter, since they are the same in the frame that was sent and
@@ -77,7 +77,7 @@ def reflect(value: int, width: int) -> int:
     return int(f"{value:0{width}b}"[::-1], 2)
 
 
-def table(width: int, poly: int, reflected: bool = False) -> tuple[int, ...]:
+def byte_table(width: int, poly: int, reflected: bool = False) -> tuple[int, ...]:
     """Return the remainder of each byte from 0 to 255, shifted left by the width of the CRC.
 
     With ``reflected``, the CRC register has its bits in reverse order, as needed for reflected input.
@@ -222,7 +222,7 @@ def function_of(device: Device, layout: Layout, crc: Crc) -> CrcFunction:
     return next(function for function in functions if function.crc == crc)
 
 
-def folds(crc: Crc) -> bool:
+def can_be_folded(crc: Crc) -> bool:
     """Return whether a word with this CRC can be reduced to its remainder without a table."""
     has_two_or_three_terms = bool(crc.poly & 1) and crc.poly.bit_count() <= 2
     is_plain = crc.init == 0 and not crc.refin and not crc.refout
@@ -231,22 +231,22 @@ def folds(crc: Crc) -> bool:
 
 def fold_steps(crc: Crc, bits: int) -> tuple[FoldStep, ...]:
     """Return the steps that fold a frame of at most ``bits`` bits, or none if the CRC cannot be folded."""
-    return fold_plan(crc.width, crc.poly, bits) if folds(crc) and bits <= _WORD else ()
+    return fold_plan(crc.width, crc.poly, bits) if can_be_folded(crc) and bits <= _WORD else ()
 
 
-def divides(crc: Crc, layout: Layout) -> bool:
+def is_checked_by_division(crc: Crc, layout: Layout) -> bool:
     """Return whether code checks a word, with its final XOR removed, by dividing it by the polynomial.
 
     The CRC must be the remainder of the word, and be folded or have 8 to 32 bits.
     """
     is_remainder_of_word = not layout.in_bytes and crc.init == 0 and not crc.refout
-    return is_remainder_of_word and (folds(crc) or 8 <= crc.width <= 32)
+    return is_remainder_of_word and (can_be_folded(crc) or 8 <= crc.width <= 32)
 
 
 def form_of(crc: Crc, carrier: Carrier) -> Form:
     """Return the form in which code computes a CRC over this carrier. A wide CRC is not folded."""
     if carrier is Carrier.BITS:
-        return Form.FOLD if folds(crc) and crc.width <= _WIDEST_FOLD else Form.TABLE
+        return Form.FOLD if can_be_folded(crc) and crc.width <= _WIDEST_FOLD else Form.TABLE
     return Form.XOR if crc.is_xor else Form.TABLE
 
 

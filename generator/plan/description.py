@@ -27,11 +27,11 @@ from .operations import (
     Gray,
     IsBetween,
     IsOneOf,
+    JoinedNumber,
     NotAbove,
     ParityIs,
     ParityOf,
     Reserved,
-    Whole,
     ZerosAbove,
 )
 from .operations import Check as PlannedCheck
@@ -115,7 +115,7 @@ class Check:
 
 
 @dataclass(frozen=True, slots=True)
-class Speaks:
+class DescribedVerdictCause:
     """Cause of a verdict: a flag, unless certain other flags are active, or any of the reserved bits in ``mask``.
 
     With ``when``, it is the values of these fields together, and ``flag`` is only their name. 1 is an active flag.
@@ -140,8 +140,8 @@ class Answered:
 
 
 @dataclass(frozen=True, slots=True)
-class Tells:
-    """Cause of a report: a flag, any of the reserved bits in ``mask``, or the values ``when`` as in ``Speaks``.
+class DescribedReportCause:
+    """Cause of a report: a flag, any of the reserved bits in ``mask``, or the values ``when`` of a verdict's cause.
 
     ``answered`` is the verdict of the report if an answer of the user changes it.
     """
@@ -171,8 +171,8 @@ class Description:
     unused: tuple[Unused, ...]
     checks: tuple[Check, ...]
     parities: tuple[Check, ...]
-    speaks: tuple[Speaks, ...]
-    tells: tuple[Tells, ...]
+    verdict_causes: tuple[DescribedVerdictCause, ...]
+    report_causes: tuple[DescribedReportCause, ...]
     fields: tuple[BitField, ...]
     crcs: tuple[FrameCrc, ...]
     gray: Gray | None
@@ -188,7 +188,7 @@ def _describe_unused(reserved: Reserved) -> Unused:
 def describe(codec: Codec, reporting: reports.Reporting | None = None) -> Description:
     """Return the description of a frame or register. ``reporting`` contains the reports and the verdict of a frame.
 
-    Without it, ``tells`` and ``speaks`` are empty. ``speaks`` is also empty in a frame without the position.
+    Without it, there are no causes. In a frame without the position, there are only causes of reports.
     """
     layout = codec.layout
     power_of_two_names = powers_of_two(codec)
@@ -197,12 +197,12 @@ def describe(codec: Codec, reporting: reports.Reporting | None = None) -> Descri
         length=codec.length if codec.in_bytes else 0,
         order=_byte_order(codec),
         columns=tuple(_describe_column(field, field.name in power_of_two_names) for field in layout.fields),
-        joins=tuple(_describe_join(whole) for whole in codec.wholes),
+        joins=tuple(_describe_join(whole) for whole in codec.joined_numbers),
         unused=tuple(_describe_unused(reserved) for reserved in codec.reserved),
         checks=tuple(_describe_check(check) for check in codec.checks),
         parities=tuple(_computed_parities(codec)),
-        speaks=(),
-        tells=(),
+        verdict_causes=(),
+        report_causes=(),
         fields=tuple(BitField(field.name, field.low, field.width) for field in layout.fields),
         crcs=codec.crcs,
         gray=codec.gray,
@@ -212,13 +212,14 @@ def describe(codec: Codec, reporting: reports.Reporting | None = None) -> Descri
     )
     if reporting is None:
         return description
-    description = replace(description, tells=tuple(_describe_report_cause(cause) for cause in reporting.causes))
+    report_causes = tuple(_describe_report_cause(cause) for cause in reporting.causes)
+    description = replace(description, report_causes=report_causes)
     judgement = reporting.judgement
     if judgement is None:
         return description
     return replace(
         description,
-        speaks=tuple(_describe_verdict_causes(judgement)),
+        verdict_causes=tuple(_describe_verdict_causes(judgement)),
         otherwise=judgement.otherwise,
         judging_bits=judgement.judging_bits if judgement.may_be_unknown else None,
     )
@@ -291,9 +292,9 @@ def _describe_check(check: PlannedCheck) -> Check:
             assert_never(check)
 
 
-def _describe_join(whole: Whole) -> Join:
-    fields_from_low = tuple((Name(field.name), low) for field, low in whole.from_low)
-    return Join(name=Name(whole.join.name), fields=fields_from_low)
+def _describe_join(joined_number: JoinedNumber) -> Join:
+    fields_from_low = tuple((Name(field.name), low) for field, low in joined_number.from_low)
+    return Join(name=Name(joined_number.join.name), fields=fields_from_low)
 
 
 def _describe_parity(parity_bit: Field, parity: ParityOf) -> Check:
@@ -312,12 +313,12 @@ def _list_places(fields: tuple[Field, ...]) -> tuple[Place, ...]:
     return tuple(Place(field.low, field.width) for field in fields)
 
 
-def _describe_verdict_causes(judgement: verdicts.Judgement) -> Iterator[Speaks]:
+def _describe_verdict_causes(judgement: verdicts.Judgement) -> Iterator[DescribedVerdictCause]:
     """Yield the causes of the verdict as data, those of the worst verdict first."""
     for verdict, verdict_causes in judgement.worst_first:
         for verdict_cause in verdict_causes:
             cause = verdict_cause.by
-            yield Speaks(
+            yield DescribedVerdictCause(
                 verdict=verdict,
                 flag=Name(cause.field.name),
                 unless=tuple(Name(flag.field.name) for flag in verdict_cause.unless),
@@ -328,10 +329,10 @@ def _describe_verdict_causes(judgement: verdicts.Judgement) -> Iterator[Speaks]:
             )
 
 
-def _describe_report_cause(report_cause: reports.ReportCause) -> Tells:
+def _describe_report_cause(report_cause: reports.ReportCause) -> DescribedReportCause:
     """Return the cause of a report as data."""
     cause = report_cause.by
-    return Tells(
+    return DescribedReportCause(
         report=report_cause.report.name,
         flag=Name(cause.field.name),
         mask=_find_reserved_mask(cause),

@@ -111,14 +111,14 @@ def reply_to(device: Device, interface: str, data_id: str) -> Reply | None:
     if not isinstance(rs485, Rs485):
         return None
     request = member_named(rs485.data_ids, data_id, "data ID")
-    layout = answer(rs485, request.id)
+    layout = reply_to_data_id(rs485, request.id)
     if layout is None or not layout.bits.is_constant:
         return None
     is_xor = layout.always_has_crc and all(crc.is_xor for crc in device.crcs_of(layout))
     return Reply(length=layout.bits.constant // 8, is_xor=is_xor)
 
 
-def answer(interface: Rs485, data_id: int) -> Layout | None:
+def reply_to_data_id(interface: Rs485, data_id: int) -> Layout | None:
     """Return the frame with which the encoder answers a data ID, or None if the spec has none.
 
     It is the frame that the selector identifies by this ID, or the fallback. Without a selector, it is the only frame
@@ -157,10 +157,10 @@ def exchanges(interface: Interface) -> tuple[Exchanged, ...]:
     """Return the requests of an interface with their replies. T-format requests have data IDs instead."""
     spec_exchanges = interface.exchanges if isinstance(interface, (Rs485, Spi)) else ()
     layouts = {layout.name: layout for layout in interface.layouts}
-    return tuple(_with_reply(spec, layouts[spec.request], layouts.get(spec.reply)) for spec in spec_exchanges)
+    return tuple(_exchange_with_frames(spec, layouts[spec.request], layouts.get(spec.reply)) for spec in spec_exchanges)
 
 
-def _with_reply(exchange: Exchange, request: Layout, reply: Layout | None) -> Exchanged:
+def _exchange_with_frames(exchange: Exchange, request: Layout, reply: Layout | None) -> Exchanged:
     """Return the exchange with its frames.
 
     The reply repeats the first byte of the request if the same constants and fields have the same bits in both.
@@ -197,7 +197,7 @@ def _contents_of_first_byte(layout: Layout) -> frozenset[_ContentOfBits]:
         for piece in field.pieces:
             if piece.byte == 0:
                 content_of_bits = _ContentOfBits(
-                    lowest_bit=piece.right, mask=piece.mask, bits_above=piece.left, content=content
+                    lowest_bit=piece.low_in_byte, mask=piece.mask, bits_above=piece.low_in_number, content=content
                 )
                 contents.append(content_of_bits)
     known_bits = sum(content_of_bits.mask.bit_count() for content_of_bits in contents)
@@ -230,7 +230,7 @@ class FrameSize:
     answers: tuple[Answer, ...] = ()
 
 
-def received(device: Device, interface: Interface) -> Iterator[FrameSize]:
+def received_sizes(device: Device, interface: Interface) -> Iterator[FrameSize]:
     """Yield the frames that the encoder sends as bits on this interface, by order code.
 
     A frame whose length depends on a question that the manual leaves open is yielded once for each answer. Nothing is

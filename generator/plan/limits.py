@@ -11,7 +11,7 @@ from ..model.kinds import Choice, Constant, CrcValue, Decimal, Flag, Number, Par
 from ..model.lookup import assert_never
 from ..model.record import dataclass
 from .codec import Codec, allowed_values
-from .operations import IsBetween, NotAbove, Whole
+from .operations import IsBetween, JoinedNumber, NotAbove
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,10 +197,10 @@ class DigitsDisagree:
 
 
 @dataclass(frozen=True, slots=True)
-class WholeDisagrees:
+class JoinDisagrees:
     """The fields of a join do not match its number, in languages that keep both."""
 
-    whole: Whole
+    whole: JoinedNumber
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,7 +221,7 @@ Refusal = (
     | NotBetween
     | DigitTooHigh
     | DigitsDisagree
-    | WholeDisagrees
+    | JoinDisagrees
     | OutsideLimits
 )
 
@@ -240,7 +240,7 @@ def refusals(codec: Codec) -> Iterator[Refusal]:
                 yield NotBetween(part.field, lowest, highest)
             case None:
                 yield from _field_refusals(codec.layout, part.field)
-    yield from (WholeDisagrees(whole) for whole in codec.wholes)
+    yield from (JoinDisagrees(whole) for whole in codec.joined_numbers)
 
 
 def powers_of_two(codec: Codec) -> frozenset[str]:
@@ -263,7 +263,7 @@ def outside(codec: Codec, limits: Limits) -> OutsideLimits | None:
     return OutsideLimits(limits.member, bounds) if bounds else None
 
 
-def depends(refusal: Refusal) -> bool:
+def depends_on_order_code(refusal: Refusal) -> bool:
     """Return whether a check depends on the order code."""
     match refusal:
         case NotSigned(field) | NotZeroFor(field):
@@ -274,7 +274,7 @@ def depends(refusal: Refusal) -> bool:
             return not highest.is_constant
         case NotBetween(lowest=lowest, highest=highest):
             return not (lowest.is_constant and highest.is_constant)
-        case WholeDisagrees(whole):
+        case JoinDisagrees(whole):
             return whole.depends
         case OutsideLimits(bounds=bounds):
             return not all(limit.is_constant for _, limit in bounds)

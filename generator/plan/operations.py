@@ -228,7 +228,7 @@ class Part:
 
 
 @dataclass(frozen=True, slots=True)
-class Whole:
+class JoinedNumber:
     """A join: several fields as one number, most significant first. ``bits`` is set if they are adjacent."""
 
     join: Join

@@ -86,10 +86,10 @@ Source = FixedNumber | InField | AsNumber | AsMember
 class Writes:
     """Write a register, or one of its fields while keeping the others as read.
 
-    ``pieces`` are the affected bytes: bits ``mask << right`` of the byte become ``(number >> left) & mask``. They are
-    empty if the position of the field depends on the order code. ``teaches`` are the run-time parameters in the
-    register on which limits of later steps depend. Those steps use the written value. ``closes`` is true if the write
-    undoes an earlier opening step. It is then also done if a step between the two fails.
+    ``pieces`` are the affected bytes, whose bits ``mask << low_in_byte`` become ``(number >> low_in_number) & mask``,
+    or empty if the position of the field depends on the order code. ``determines_limits`` are the run-time parameters
+    in the register on which limits of later steps depend. Those steps use the written value. ``closes`` is true if the
+    write undoes an earlier opening step. It is then also done if a step between the two fails.
     """
 
     step: WriteStep | ModifyStep
@@ -97,7 +97,7 @@ class Writes:
     field: Field | None
     pieces: tuple[Piece, ...]
     value: Source
-    teaches: tuple[Parameter, ...] = ()
+    determines_limits: tuple[Parameter, ...] = ()
     closes: bool = False
 
     @property
@@ -256,12 +256,12 @@ def _changes_frames(device: Device, write: Writes) -> bool:
 
 
 def _with_taught_parameters(device: Device, operations: Sequence[Operation]) -> Iterator[Operation]:
-    """Yield the operations. Those that write an argument to a whole register get ``teaches``, see ``Writes``."""
+    """Yield the operations. Writes of an argument to a whole register get ``determines_limits``, see ``Writes``."""
     for index, operation in enumerate(operations):
         if isinstance(operation, Writes) and operation.field is None and not isinstance(operation.value, FixedNumber):
             later_operations = operations[index + 1 :]
             taught_parameters = _taught_parameters(device, operation, later_operations)
-            yield replace(operation, teaches=tuple(taught_parameters))
+            yield replace(operation, determines_limits=tuple(taught_parameters))
         else:
             yield operation
 
@@ -321,7 +321,7 @@ def _can_be_read_back(write: Writes) -> bool:
 def _meaningful_pieces(write: Writes) -> Iterator[Piece]:
     """Yield the pieces without reserved bits, which can have any value when read. A whole access keeps all bytes."""
     for piece in write.pieces:
-        unused_in_piece = _unused_bits(write.register, piece.byte) >> piece.right
+        unused_in_piece = _unused_bits(write.register, piece.byte) >> piece.low_in_byte
         meaningful_mask = piece.mask & ~unused_in_piece
         if meaningful_mask or write.register.is_accessed_whole:
             yield replace(piece, mask=meaningful_mask)
@@ -372,12 +372,12 @@ def pieces_of(register: Register, field: Field | None = None) -> tuple[Piece, ..
         pieces_by_byte = {piece.byte: piece for piece in field.pieces}
         if pieces_by_byte and register.is_accessed_whole:
             for byte in range(register.length):
-                pieces_by_byte.setdefault(byte, Piece(byte, right=0, mask=0, left=0))
+                pieces_by_byte.setdefault(byte, Piece(byte, low_in_byte=0, mask=0, low_in_number=0))
         return tuple(pieces_by_byte[byte] for byte in sorted(pieces_by_byte))
     pieces = []
     for byte in range(register.length):
         bytes_below = byte if register.byte_order == "low_byte_first" else register.length - 1 - byte
-        pieces.append(Piece(byte, right=0, mask=0xFF, left=8 * bytes_below))
+        pieces.append(Piece(byte, low_in_byte=0, mask=0xFF, low_in_number=8 * bytes_below))
     return tuple(pieces)
 
 

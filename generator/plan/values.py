@@ -138,7 +138,7 @@ def _equals_quantity(device: Device, parameter: Parameter) -> bool:
             continue
         parameter_value = variant.parameters.get(parameter.name)
         measurement = device.measurement_of(variant.interface)
-        factors = counts(measurement) if measurement is not None else ()
+        factors = count_factors(measurement) if measurement is not None else ()
         if parameter_value is None or measurement is None or not factors:
             continue
         # The quantity is not the same in all frames.
@@ -160,7 +160,7 @@ def _equals_quantity(device: Device, parameter: Parameter) -> bool:
     return bool(equal_in_all)
 
 
-def counts(measurement: Measurement) -> tuple[Expression, ...]:
+def count_factors(measurement: Measurement) -> tuple[Expression, ...]:
     """Return the factors of the number of counts after which a position wraps around.
 
     Return an empty tuple if it is unknown. Factors that are 1 are omitted unless all are.

@@ -170,7 +170,7 @@ def _flag_by_order_code(field: Field) -> Iterator[tuple[Flag, Only | None]]:
     A flag that the manual explains only for some order codes is yielded twice, as explained and as unexplained, unless
     both have the same verdicts and combine the same flags.
     """
-    kinds_by_codes = [(variant_field.kind, only) for variant_field, only in by_code(field)]
+    kinds_by_codes = [(variant_field.kind, only) for variant_field, only in by_order_code(field)]
     # All of them are flags. The check is for the types.
     flags_by_codes = [(kind, only) for kind, only in kinds_by_codes if isinstance(kind, Flag)]
     verdict_properties = {(flag.makes_position, flag.sums_up, flag.verdict_if_set) for flag, _ in flags_by_codes}
@@ -230,7 +230,7 @@ def verdict_causes(codec: Codec) -> Iterator[Cause]:
         yield Match(sign.flag, tuple((part_by_name[name], value) for name, value in sign.conditions))
 
 
-def by_code(field: Field) -> Iterator[tuple[Field, Only | None]]:
+def by_order_code(field: Field) -> Iterator[tuple[Field, Only | None]]:
     """Yield the field with the order codes for which it applies, or with None for all of them.
 
     If the manual explains a flag only for some order codes, yield it with these, and then the unexplained flag with the
@@ -239,12 +239,12 @@ def by_code(field: Field) -> Iterator[tuple[Field, Only | None]]:
     match field.kind:
         case Flag(only_while=parameter, only=codes) if parameter:
             yield field, Only(parameter, holds=True, codes=codes)
-            yield unexplained(field), Only(parameter, holds=False, codes=codes)
+            yield unexplained_flag(field), Only(parameter, holds=False, codes=codes)
         case _:
             yield field, None
 
 
-def unexplained(field: Field) -> Field:
+def unexplained_flag(field: Field) -> Field:
     """Return a flag such as ``overheat``, named ``overheat_unexplained``, for order codes without an explanation."""
     return replace(field.unexplained, name=f"{field.name}_unexplained")
 
@@ -286,7 +286,7 @@ class ReportCause:
     def made_of(self) -> Field:
         """The field as it is for these order codes."""
         is_explained = self.only is None or self.only.holds
-        return self.by.field if is_explained else unexplained(self.by.field)
+        return self.by.field if is_explained else unexplained_flag(self.by.field)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -315,7 +315,7 @@ def reportings(device: Device) -> Iterator[Reporting]:
         codec = codec_of(device, layout)
         causes: list[ReportCause] = []
         for cause in verdict_causes(codec):
-            for field, only in by_code(cause.field):
+            for field, only in by_order_code(cause.field):
                 if _is_reported(field):
                     causes.append(ReportCause(reports[layout.name, field.name], by=cause, only=only))
         judgement = judgement_of(codec) if device.has_verdict(interface.name, layout) else None
@@ -328,14 +328,14 @@ def _sent_layouts(device: Device) -> Iterator[tuple[Interface, Layout]]:
     return ((interface, layout) for interface, layout in device.layouts() if layout.sender == "encoder")
 
 
-def explained(field: Field) -> Only | None:
+def codes_with_explanation(field: Field) -> Only | None:
     """Return the order codes for which the manual explains a flag, or None if it does so for all."""
     # The first of them is the field as the manual explains it.
-    _, explained_codes = next(by_code(field))
+    _, explained_codes = next(by_order_code(field))
     return explained_codes
 
 
-def sums_up(field: Field) -> tuple[str, ...]:
+def combined_flag_names(field: Field) -> tuple[str, ...]:
     """Return the names of the flags that a flag combines."""
     return field.kind.sums_up if isinstance(field.kind, Flag) else ()
 
@@ -351,7 +351,7 @@ def _is_reported(field: Field) -> bool:
 def _fields_by_code(layout: Layout) -> Iterator[tuple[Field, Only | None]]:
     """Yield the fields and signs that report a problem, each with the order codes for which it does."""
     for field in (*layout.fields, *(sign.flag for sign in layout.signs)):
-        for coded_field, only in by_code(field):
+        for coded_field, only in by_order_code(field):
             if _is_reported(coded_field):
                 yield coded_field, only
 

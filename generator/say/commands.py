@@ -31,8 +31,8 @@ from ..model import (
 from ..model.record import dataclass
 from .errata import errata, erratum
 from .names_and_places import heading, register_at, register_field
-from .names_and_places import register as named
-from .text import Code, Part, Ref, Statement, listed, microseconds, sentence, spec_text, statement
+from .names_and_places import register as reference_to_register
+from .text import Code, Part, Ref, Statement, list_parts, microseconds, sentence, spec_text, statement
 
 
 def procedure(device: Device, sequence: Procedure) -> Iterator[Statement]:
@@ -51,7 +51,7 @@ def about_procedure(sequence: Procedure) -> Iterator[Statement]:
 def argument(device: Device, parameter: Argument) -> Statement:
     """Return the meaning of an argument, the register to which it is written, and which of its meanings applies."""
     sentence_parts: list[Part] = [f"{sentence(parameter.meaning)} Written to " if parameter.meaning else "Written to "]
-    sentence_parts.append(named(device, parameter.of))
+    sentence_parts.append(reference_to_register(device, parameter.of))
     if parameter.meant_as:
         sentence_parts += [" as its ", Code(parameter.meant_as)]
     return statement(*sentence_parts)
@@ -104,7 +104,13 @@ def _register_access(device: Device, procedure_step: RegisterStep) -> Iterator[P
             yield from ("Poll ", _register_or_field(device, register.name, field))
             yield f"{address_text}, until it is {value}"
         case WriteStep(value_name=name, value=value):
-            yield from ("Write ", *_value_or_argument(name, value), " to ", named(device, register.name), address_text)
+            yield from (
+                "Write ",
+                *_value_or_argument(name, value),
+                " to ",
+                reference_to_register(device, register.name),
+                address_text,
+            )
             if value is not None:
                 yield from (": ", Code(register.bytes_of(value).hex(" ").upper()))
         case ModifyStep(field=field, value_name=name, value=value):
@@ -162,12 +168,12 @@ class Commands:
         """True if something here, other than a reset, may change the position."""
         if self.settings or self.inputs:
             return True
-        return any(_PRESET.search(text) for text in (*self._texts(), *self._request_texts()))
+        return any(_PRESET.search(text) for text in (*self._texts_on_commands(), *self._request_texts()))
 
     @property
     def may_save(self) -> bool:
         """True if something here may keep settings."""
-        if self.settings or any(_SAVE_TO.search(text) for text in self._texts()):
+        if self.settings or any(_SAVE_TO.search(text) for text in self._texts_on_commands()):
             return True
         return any(_SAVE.search(text) for text in self._request_texts())
 
@@ -176,7 +182,7 @@ class Commands:
         """Requests that reset the encoder or its position."""
         return tuple(request for request in self.requests if isinstance(request, DataId) and request.purpose == "reset")
 
-    def _texts(self) -> Iterator[str]:
+    def _texts_on_commands(self) -> Iterator[str]:
         """Yield the names and texts of procedures, registers and inputs, without procedures that only send resets."""
         resets = {request.name for request in self.resets}
         for procedure in self.procedures:
@@ -186,7 +192,7 @@ class Commands:
                 yield from (procedure.name, procedure.title, procedure.result, procedure.note)
         for register in (*self.registers, *self.settings):
             yield from (register.name, register.printed_name, register.meaning, register.note)
-            for value in _values(register):
+            for value in _named_values(register):
                 yield from (value.name, value.printed_name, value.meaning)
         for pin in self.inputs:
             yield from (pin.name, pin.printed_name, pin.meaning, pin.low, pin.high, pin.note)
@@ -223,7 +229,7 @@ def commands_over(device: Device, interface: Interface) -> Commands:
         procedures=tuple(procedure for procedure in procedures if _changes_encoder(procedure)),
         registers=tuple(command_registers),
         settings=tuple(settings),
-        requests=tuple(request for request in _requests(interface) if request.purpose not in _READING),
+        requests=tuple(request for request in _requests_of_interface(interface) if request.purpose not in _READING),
         inputs=device.inputs,
         has_control_data=isinstance(interface, Biss) and bool(interface.control_data),
     )
@@ -232,10 +238,10 @@ def commands_over(device: Device, interface: Interface) -> Commands:
 def holds_commands(register: Register) -> bool:
     """Return whether the named values of a register are commands: those written once, not settings that are kept."""
     is_written_once = not register.readable or register.clears_itself
-    return register.writable and is_written_once and bool(_values(register))
+    return register.writable and is_written_once and bool(_named_values(register))
 
 
-def _values(register: Register) -> tuple[Value, ...]:
+def _named_values(register: Register) -> tuple[Value, ...]:
     """Return the named values of all fields."""
     return tuple(value for field in register.layout.fields for value in field.values)
 
@@ -245,7 +251,7 @@ def _changes_encoder(procedure: Procedure) -> bool:
     return any(isinstance(step, (WriteStep, ModifyStep, SendStep)) for step in procedure.steps)
 
 
-def _requests(interface: Interface) -> Iterator[DataId | Exchange]:
+def _requests_of_interface(interface: Interface) -> Iterator[DataId | Exchange]:
     """Yield the T-format requests and the other exchanges of an interface."""
     if isinstance(interface, Rs485):
         yield from interface.data_ids
@@ -258,7 +264,7 @@ def remedied(text: str, names: Sequence[str]) -> Iterator[Statement]:
     if not names:
         yield from spec_text(text, label="Remedy")
         return
-    steps = listed([Ref("by-hand", name, heading(name)) for name in names], " or ")
+    steps = list_parts([Ref("by-hand", name, heading(name)) for name in names], " or ")
     introduction = f"{sentence(text)} Steps: " if text else "Steps: "
     yield statement(introduction, *steps, label="Remedy")
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Sequence, Set
 
 from ..model import INTERFACES, LEFT_OUT, NOT_KNOWN, Alternative, Answer, Device, Erratum, Layout, layer_in_words
-from .text import Code, Part, Ref, Statement, listed, sentence, statement
+from .text import Code, Part, Ref, Statement, list_parts, sentence, statement
 
 #: Top-level parts of a spec that are not lists of named items.
 _TOP = {
@@ -77,7 +77,7 @@ def paths_in_words(paths: str) -> str:
     phrases = [_path_in_words(listed_path.split(".")) for listed_path in listed_paths]
     if number_of_more is not None:
         phrases.append(number_of_more[1])
-    return "".join(map(str, listed(phrases)))
+    return "".join(map(str, list_parts(phrases)))
 
 
 def change_in_words(printed: str) -> str:
@@ -261,14 +261,14 @@ def answer(choice: Answer) -> Statement:
 def needed_answers(device: Device, layout: Layout) -> Iterator[Statement]:
     """Yield a statement for each choice that is needed to read or write a frame of this layout, with its answers."""
     for alternative in device.alternatives_of(layout):
-        answers = listed([Code(choice.name) for choice in alternative.answers], " or ")
+        answers = list_parts([Code(choice.name) for choice in alternative.answers], " or ")
         choice = Ref("alternative", alternative.name, alternative.name)
         yield statement("The positions of its fields depend on your choice of ", choice, ": ", *answers)
 
 
 def answer_names(answers: Sequence[Answer]) -> Iterator[Part]:
     """Yield the names of the answers as parts, such as ``as_printed``."""
-    yield from listed([Code(choice.name) for choice in answers])
+    yield from list_parts([Code(choice.name) for choice in answers])
 
 
 def deciding_alternatives(alternatives: Sequence[Alternative], parameters: Set[str]) -> list[Alternative]:

@@ -170,7 +170,7 @@ def mentions(device: Device, interface: Interface, subject: Subject) -> bool:
 
     The texts are those about times, characteristics, tables and notes, not about frames and registers.
     """
-    return _has_words(subject, tuple(_texts(device, interface)))
+    return _has_words(subject, tuple(_interface_texts(device, interface)))
 
 
 @lru_cache
@@ -180,7 +180,7 @@ def _has_words(subject: Subject, manual_texts: tuple[str, ...]) -> bool:
     return any(map(words_of_subject.search, manual_texts))
 
 
-def _texts(device: Device, interface: Interface) -> Iterator[str]:
+def _interface_texts(device: Device, interface: Interface) -> Iterator[str]:
     """Yield the texts that are not about a frame or a register. Of the cells of tables, only the first column is."""
     yield interface.note
     for timing in (*interface.timings, *device.timings):

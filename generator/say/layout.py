@@ -24,7 +24,7 @@ from ..model.expressions import Expression
 from .errata import answer_names, deciding_alternatives, errata, erratum, needed_answers
 from .plain_text import counted
 from .report import conditions
-from .text import WORTH, Code, Part, Statement, listed, parted, sentence, spec_text, statement
+from .text import VERDICT_CLAUSES, Code, Part, Statement, join_groups, list_parts, sentence, spec_text, statement
 
 
 def head(interface: Interface, layout: Layout, name: Part, alternatives: Sequence[Alternative] = ()) -> Statement:
@@ -67,7 +67,7 @@ def _number_of_bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iter
     for answers, answered_parameters in choices(deciding):
         bits = layout.bits.value(answered_parameters)
         possible_lengths.append([f"{bits} (", *answer_names(answers), ")"])
-    yield from parted(possible_lengths, " or ")
+    yield from join_groups(possible_lengths, " or ")
 
 
 def layout(device: Device, interface: Interface, frame: Layout) -> Iterator[Statement]:
@@ -154,7 +154,7 @@ def combination(layout: Layout, sign: Sign, value_combination: Combination) -> S
     return statement(
         "While ",
         *value_parts,
-        f", {WORTH[value_combination.makes_position]}: ",
+        f", {VERDICT_CLAUSES[value_combination.makes_position]}: ",
         description,
         label=value_combination.name,
         source=value_combination.source,
@@ -174,7 +174,7 @@ def carries(interface: Interface, layout: Layout) -> Iterator[Statement]:
     selector_values = []
     for value in layout.selects:
         selector_values.append(f"{value:X} ({data_id_names[value]})" if value in data_id_names else f"{value:X}")
-    yield statement("Its ", Code(layout.selector), " is ", *listed(selector_values, " or "))
+    yield statement("Its ", Code(layout.selector), " is ", *list_parts(selector_values, " or "))
 
 
 def joins(layout: Layout) -> Iterator[Statement]:
@@ -187,7 +187,7 @@ def joins(layout: Layout) -> Iterator[Statement]:
 
 def join(joined_number: Join) -> Statement:
     """Return the fields that form a number."""
-    names = listed([Code(name) for name in joined_number.fields])
+    names = list_parts([Code(name) for name in joined_number.fields])
     return statement(Code(joined_number.name), " consists of ", *names, ", most significant first")
 
 

@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from html import escape
+from html import escape as escape_xml
 
 from ..model import Source, Sources, cite
 from .plain_text import one_line, plain
@@ -21,13 +21,13 @@ _WIDTH = 132
 _BLOCK_START = re.compile(r"^(\d+)([.)])(?=\s|$)|^([-+#=])")
 
 
-def text(value: object) -> str:
+def escape(value: object) -> str:
     """Return one line of text with all Markdown and HTML markup escaped."""
-    return _escaped(plain(value))
+    return _escape_markdown(plain(value))
 
 
 @lru_cache(4096)
-def _escaped(value: str) -> str:
+def _escape_markdown(value: str) -> str:
     return _EDGE_UNDERSCORE.sub(r"\\_", value.translate(_MARKS))
 
 
@@ -62,14 +62,14 @@ def _escaped_start(match: re.Match[str]) -> str:
     return f"{item_number}\\{sign_after_number}" if item_number else f"\\{other_sign}"
 
 
-def cited(sources: Sources) -> str:
+def citation(sources: Sources) -> str:
     """Return the sources as ``§6.4 p.35, it: §6.4 p.36``."""
-    return text(_cite_with_section_signs(sources))
+    return escape(_cite_with_section_signs(sources))
 
 
 def cited_html(sources: Sources) -> str:
     """Return the sources for an HTML element."""
-    return html(_cite_with_section_signs(sources))
+    return escape_html(_cite_with_section_signs(sources))
 
 
 def _cite_with_section_signs(sources: Sources) -> str:
@@ -86,9 +86,9 @@ def _with_section_sign(source: Source) -> Source:
 _SECTION_NUMBER = re.compile(r"\d+(?![\dx])")
 
 
-def html(value: object) -> str:
+def escape_html(value: object) -> str:
     """Return one line of text for an HTML element or attribute, with Markdown characters escaped as entities."""
-    return escape(plain(value)).translate(_ENTITIES)
+    return escape_xml(plain(value)).translate(_ENTITIES)
 
 
 def link(label: str, target: str) -> str:
@@ -124,7 +124,7 @@ def _has_text(rows: Sequence[Sequence[str]], column: int) -> bool:
     return any(row[column] for row in rows)
 
 
-def joined(parts: Iterable[str], between: str = "<br>") -> str:
+def join_filled(parts: Iterable[str], between: str = "<br>") -> str:
     """Join the parts that are not empty."""
     return between.join(part for part in parts if part)
 
@@ -132,14 +132,14 @@ def joined(parts: Iterable[str], between: str = "<br>") -> str:
 def reference(ref: Ref) -> str:
     """Return a name with a link to its description. Manual steps are on the hardware page."""
     if ref.kind == "by-hand":
-        return link(text(ref.title), f"hardware.md#{ref.anchor}")
+        return link(escape(ref.title), f"hardware.md#{ref.anchor}")
     return link(code(ref.name), f"#{ref.anchor}")
 
 
 #: Style of statements on a Markdown page.
-STYLE = Style(
-    text=lambda part: _escaped(one_line(part)),
+MARKDOWN = Style(
+    text=lambda part: _escape_markdown(one_line(part)),
     code=code,
     ref=reference,
-    cited=lambda sources: f"({cited(sources)})" if sources else "",
+    cited=lambda sources: f"({citation(sources)})" if sources else "",
 )

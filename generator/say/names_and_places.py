@@ -9,7 +9,7 @@ from ..model import Alternative, Biss, Device, Field, Interface, Layout, Registe
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from .errata import answer_names, deciding_alternatives
-from .text import Code, Part, Ref, Statement, parted, statement
+from .text import Code, Part, Ref, Statement, join_groups, statement
 
 _ACRONYMS = {
     "biss": "BiSS",
@@ -198,7 +198,7 @@ def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative
         place = _place_text(layout, high.value(answered_parameters), field.low.value(answered_parameters))
         explanation: list[Part] = [" (", *answer_names(answers), ")"] if answers else []
         possible_places.append([place, *explanation])
-    yield from parted(possible_places, " or ")
+    yield from join_groups(possible_places, " or ")
 
 
 def _place_text(layout: Layout, high: int, low: int) -> str:

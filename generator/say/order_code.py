@@ -41,7 +41,7 @@ from ..model.expressions import Expression
 from ..model.order_codes import Restricted
 from .errata import errata, erratum
 from .names_and_places import hexadecimal, printed, register_at, register_field, words
-from .names_and_places import register as named
+from .names_and_places import register as reference_to_register
 from .plain_text import counted, number
 from .register import limits, value
 from .text import (
@@ -50,9 +50,9 @@ from .text import (
     Ref,
     Statement,
     hertz,
-    listed,
+    join_groups,
+    list_parts,
     microseconds,
-    parted,
     printed_timeout_words,
     sentence,
     spec_text,
@@ -82,7 +82,7 @@ def not_on_label(device: Device) -> Iterator[Statement]:
 
 def part(code_part: CodePart) -> Statement:
     """Return the meaning of a part, and its values with theirs: ``Output: A = SSI; B = BiSS``."""
-    values = parted([_value_with_meaning(value) for value in code_part.values], "; ")
+    values = join_groups([_value_with_meaning(value) for value in code_part.values], "; ")
     return statement(f"{code_part.meaning}: ", *values, label=code_part.name)
 
 
@@ -266,7 +266,7 @@ def _label_and_content(device: Device, fact: Fact) -> tuple[str, Part]:
         case CableLength(shorter_than_m=metres, below_hz=clock):
             return "Clock", f"below {hertz(clock)} with a cable shorter than {metres} m{_only_with(fact)}"
         case BankSelect(register):
-            return "Bank select", named(device, register)
+            return "Bank select", reference_to_register(device, register)
         case Network():
             return "Network", _network_words(fact)
         case DataChannels():
@@ -326,7 +326,7 @@ def _clock_range(lowest: int | None, highest: int | None) -> str:
 
 def clocks_in_use(clocks: Sequence[int]) -> str:
     """Return a clause about clocks that programs or masters use, such as "1 MHz and 5 MHz are in use"."""
-    clocks_text = "".join(map(str, listed([hertz(hz) for hz in clocks])))
+    clocks_text = "".join(map(str, list_parts([hertz(hz) for hz in clocks])))
     verb = "is" if len(clocks) == 1 else "are"
     return f"{clocks_text} {verb} in use"
 
@@ -431,7 +431,9 @@ def control_field(bits_field: ControlField) -> Statement:
         width_and_meaning += f": {bits_field.meaning}"
     parts_of_values = [value(named_value, bits_field.bits).parts for named_value in bits_field.values]
     label = printed(bits_field) or words(bits_field.name)
-    return statement(*parted([(width_and_meaning,), *parts_of_values], "; "), label=label, source=bits_field.source)
+    return statement(
+        *join_groups([(width_and_meaning,), *parts_of_values], "; "), label=label, source=bits_field.source
+    )
 
 
 def input_facts(device: Device, hardware_input: Input) -> Iterator[Statement]:

@@ -216,7 +216,7 @@ def wrapped(text: object, width: int, prefix: str = "", first: str | None = None
 _WIDEST_NAME = 40
 
 
-def pairs(rows: Iterable[tuple[str, str]], indent: int) -> list[str]:
+def two_columns(rows: Iterable[tuple[str, str]], indent: int) -> list[str]:
     """Return the rows as lines with two columns: a name and a text, which is wrapped and may be empty.
 
     The second column is ``indent`` and the longest name to the right, but not further than for a name of 40 characters.

@@ -31,9 +31,22 @@ from ..model.expressions import Expression
 from .commands import remedied
 from .errata import errata, erratum, needed_answers
 from .names_and_places import Named, hexadecimal, own_names, printed, register_at, register_field
-from .names_and_places import register as named
+from .names_and_places import register as reference_to_register
 from .plain_text import formula
-from .text import WORTH, Amount, Code, Hex, Level, Part, Ref, Statement, listed, parted, spec_text, statement
+from .text import (
+    VERDICT_CLAUSES,
+    Amount,
+    Code,
+    Hex,
+    Level,
+    Part,
+    Ref,
+    Statement,
+    join_groups,
+    list_parts,
+    spec_text,
+    statement,
+)
 
 _ACCESS = {"read_only": "read only", "read_write": "read and write", "write_only": "write only"}
 #: Phrases for registers and fields that only one party may use.
@@ -107,7 +120,7 @@ def _access_rules(device: Device, register: Register) -> Iterator[Statement]:
         facts_of_interface = device.interface(register.interface).facts()
         bank_selects = (fact for fact in facts_of_interface if isinstance(fact, BankSelect))
         bank_select = first_of(bank_selects, f"register that selects the bank of '{register.name}'")
-        yield statement(f"First select bank {register.bank} with ", named(device, bank_select.register))
+        yield statement(f"First select bank {register.bank} with ", reference_to_register(device, bank_select.register))
     if register.reserved:
         yield reserved(register.reserved)
     if register.opened_by:
@@ -121,7 +134,11 @@ def _access_rules(device: Device, register: Register) -> Iterator[Statement]:
     if register.above_max:
         yield statement(_ABOVE_MAX[register.above_max])
     if register.write_clears:
-        yield statement("A write sets ", *listed([named(device, name) for name in register.write_clears]), " to zero")
+        yield statement(
+            "A write sets ",
+            *list_parts([reference_to_register(device, name) for name in register.write_clears]),
+            " to zero",
+        )
 
 
 def reserved(user: str) -> Statement:
@@ -135,7 +152,9 @@ def _registers_at_same_address(device: Device, register: Register) -> Iterator[S
             continue
         if (other_register.address, other_register.bank) == (register.address, register.bank):
             action = "Writing to" if other_register.access == "write_only" else "Reading"
-            yield statement(f"{action} the same address accesses ", named(device, other_register.name), " instead")
+            yield statement(
+                f"{action} the same address accesses ", reference_to_register(device, other_register.name), " instead"
+            )
 
 
 def _opening_condition(device: Device, register: Register) -> Statement:
@@ -211,7 +230,7 @@ def rules(device: Device, frame_field: Field) -> Iterator[Statement]:
         yield statement(Expression(frame_field.default), label="Default")
     if frame_field.explained_by:
         explaining_fields = [register_field(device, field_path) for field_path in frame_field.explained_by]
-        yield statement("For the reason, see ", *listed(explaining_fields))
+        yield statement("For the reason, see ", *list_parts(explaining_fields))
     yield from remedied(frame_field.remedy, frame_field.by_hand)
 
 
@@ -234,7 +253,7 @@ def _rules_of_kind(device: Device, frame_field: Field) -> Iterator[Statement]:
             yield _covered_by_parity(parity)
         case Decimal(runs):
             runs_of_digits = [_run_of_digits(run) for run in runs]
-            yield statement("Decimal digits, most significant first: ", *parted(runs_of_digits))
+            yield statement("Decimal digits, most significant first: ", *join_groups(runs_of_digits))
         case Text():
             yield statement("ASCII text")
         case _ as kind:
@@ -260,7 +279,7 @@ def _covered_by_parity(parity: Parity) -> Statement:
 
 def _names_as_code(names: Iterable[str]) -> list[Part]:
     """Return the parts of a list of names, separated by commas."""
-    return list(parted([Code(name)] for name in names))
+    return list(join_groups([Code(name)] for name in names))
 
 
 def _unused_rules(device: Device, frame_field: Field, unused: Unused) -> Iterator[Statement]:
@@ -298,14 +317,14 @@ def _flag_rules(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
     """
     yield from _flag_levels(flag, is_implemented=is_implemented)
     if flag.sums_up:
-        yield statement("Combines ", *listed([Code(name) for name in flag.sums_up]))
+        yield statement("Combines ", *list_parts([Code(name) for name in flag.sums_up]))
     if is_implemented:
         yield from _flag_verdict(flag)
     if flag.only:
         remark = ". For other order codes the manual does not explain the flag"
         verdict_without_meaning = flag.unexplained.makes_position
         if verdict_without_meaning is not None:
-            remark += f", and {WORTH[verdict_without_meaning]}"
+            remark += f", and {VERDICT_CLAUSES[verdict_without_meaning]}"
         yield statement("This applies only to ", Code(flag.only), remark)
 
 
@@ -314,12 +333,12 @@ def _flag_verdict(flag: Flag) -> Iterator[Statement]:
     if flag.makes_position is Verdict.USABLE:
         yield statement("It does not affect the position")
     elif flag.makes_position:
-        verdict_text = f", {WORTH[flag.makes_position]}"
+        verdict_text = f", {VERDICT_CLAUSES[flag.makes_position]}"
         if flag.sums_up:
             verdict_text += ". If a flag that it combines is active in the same frame, that flag decides instead"
         yield statement("While it is ", Level.WHILE_ACTIVE, verdict_text)
     if flag.verdict_if_set is not None:
-        yield statement("If you set ", Code(flag.verdict_parameter), f" to 1, {WORTH[flag.verdict_if_set]}")
+        yield statement("If you set ", Code(flag.verdict_parameter), f" to 1, {VERDICT_CLAUSES[flag.verdict_if_set]}")
 
 
 def _flag_levels(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
@@ -334,10 +353,10 @@ def _flag_levels(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
         yield statement(Level.INACTIVE, f" when {inactive_level}: {flag.when_inactive}")
 
 
-def _run_of_digits(run: Digits) -> tuple[Part, ...]:
+def _run_of_digits(digit_run: Digits) -> tuple[Part, ...]:
     """Return the name of a run of digits, their number and their meaning, such as ``year 2 (of manufacture)``."""
-    meaning_text = f" ({run.meaning})" if run.meaning else ""
-    return Code(run.name), f" {run.digits}", meaning_text
+    meaning_text = f" ({digit_run.meaning})" if digit_run.meaning else ""
+    return Code(digit_run.name), f" {digit_run.digits}", meaning_text
 
 
 def _hex_digits_for(bits: int) -> int:
@@ -355,7 +374,7 @@ def _expected_value(value: Expression | int | str, bits: int) -> Part:
 def choices(values: tuple[Value, ...]) -> Statement:
     """Return all named values in one statement, such as ``0 off, 1 on, 1Fh test``."""
     numbers_and_names = [(f"{short(named_value.value)} ", Code(named_value.name)) for named_value in values]
-    return statement(*parted(numbers_and_names), label="Values")
+    return statement(*join_groups(numbers_and_names), label="Values")
 
 
 def value(named_value: Value, bits: int) -> Statement:
@@ -370,7 +389,7 @@ def value(named_value: Value, bits: int) -> Statement:
 
 def effect(named_value: Value) -> str:
     """Return the verdict of a named value on the position as the end of a statement, or an empty string."""
-    return f" ({WORTH[named_value.makes_position]})" if named_value.makes_position is not None else ""
+    return f" ({VERDICT_CLAUSES[named_value.makes_position]})" if named_value.makes_position is not None else ""
 
 
 def short(number: int) -> str:
@@ -401,7 +420,7 @@ def measurement(unit_and_range: Measurement) -> Statement:
         quantities.append((Amount(unit_and_range.modulus, "counts"), " in total"))
     if unit_and_range.highest is not None:
         quantities.append(("maximum ", unit_and_range.highest))
-    return statement(*parted(quantities), source=unit_and_range.source)
+    return statement(*join_groups(quantities), source=unit_and_range.source)
 
 
 def position_range(layout_range: LayoutRange) -> Statement:
@@ -415,7 +434,7 @@ def position_range(layout_range: LayoutRange) -> Statement:
         quantities.append((Amount(layout_range.modulus, "counts"), " in total"))
     if layout_range.highest is not None:
         quantities.append(("maximum ", layout_range.highest))
-    return statement(*parted(quantities), source=layout_range.source)
+    return statement(*join_groups(quantities), source=layout_range.source)
 
 
 def own_ranges(device: Device, interface: str) -> Iterator[tuple[str, LayoutRange]]:

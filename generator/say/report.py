@@ -17,7 +17,7 @@ from .commands import remedied, with_steps
 from .errata import errata, erratum
 from .names_and_places import only, register_field, title
 from .register import short
-from .text import Code, Part, Ref, Statement, listed, parted, sentence, spec_text, statement, volts
+from .text import Code, Part, Ref, Statement, join_groups, list_parts, sentence, spec_text, statement, volts
 
 
 def alarm(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
@@ -49,7 +49,7 @@ def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
     yield from only(device_alarm.only)
     if device_alarm.cleared_by:
         procedures = [Ref("procedure", name, name) for name in device_alarm.cleared_by]
-        yield statement(*listed(procedures, " or "), label="Cleared by")
+        yield statement(*list_parts(procedures, " or "), label="Cleared by")
 
 
 def alarm_of(device: Device, field: Field, register: str = "") -> Alarm | None:
@@ -93,7 +93,7 @@ def meaning(field: Field, alarm: Alarm | None) -> str:
     return when_active or field.meaning or alarm_meaning or "active"
 
 
-def deciding(field: Field) -> str:
+def deciding_bits(field: Field) -> str:
     """Return the bits that lead to the verdict: ``1`` of a flag, ``not 5h`` of unused bits, or "" for other fields.
 
     They are the active level of a flag, and anything but the documented value of an unused field.
@@ -113,11 +113,11 @@ def conditions(values: Iterable[tuple[Field, int]]) -> Statement:
 
     In ``values``, 1 stands for an active flag. The text has its bit.
     """
-    phrases = [_condition(field, value) for field, value in values]
-    return statement(*parted(phrases, " and "))
+    phrases = [_condition_parts(field, value) for field, value in values]
+    return statement(*join_groups(phrases, " and "))
 
 
-def _condition(field: Field, value: int) -> tuple[Part, ...]:
+def _condition_parts(field: Field, value: int) -> tuple[Part, ...]:
     """Return a field with its bit or value: ``error is 0`` or ``mode is 5h (test)``.
 
     ``value`` is 1 for an active flag, whose bit is 0 if it is active low.
@@ -131,7 +131,7 @@ def _condition(field: Field, value: int) -> tuple[Part, ...]:
 
 def remedy(field: Field, alarm: Alarm | None) -> str:
     """Return the remedy with the titles of its manual steps, or an empty string."""
-    return with_steps(remedy_text(field, alarm), by_hand(field, alarm))
+    return with_steps(remedy_text(field, alarm), manual_steps(field, alarm))
 
 
 def remedy_text(field: Field, alarm: Alarm | None) -> str:
@@ -139,7 +139,7 @@ def remedy_text(field: Field, alarm: Alarm | None) -> str:
     return field.remedy or (alarm.remedy if alarm is not None else "")
 
 
-def by_hand(field: Field, alarm: Alarm | None) -> tuple[str, ...]:
+def manual_steps(field: Field, alarm: Alarm | None) -> tuple[str, ...]:
     """Return the names of the recommended manual steps."""
     return field.by_hand or (alarm.by_hand if alarm is not None else ())
 

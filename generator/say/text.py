@@ -14,7 +14,7 @@ from .plain_text import with_unit as with_unit
 
 _RULE = {"follows_clock": "varies with the clock", "fixed": "fixed"}
 #: Verdicts on the position, as clauses.
-WORTH = {
+VERDICT_CLAUSES = {
     Verdict.NOT_USABLE: "the position is not usable",
     Verdict.USABLE_WITH_WARNING: "the position is usable, with a warning",
     Verdict.USABLE: "the position is usable",
@@ -173,7 +173,7 @@ def spec_text(text: str, label: str = "", source: Sources = ()) -> Iterator[Stat
         yield statement(text, label=label, source=source)
 
 
-def listed(items: Sequence[Part], last: str = " and ") -> Iterator[Part]:
+def list_parts(items: Sequence[Part], last: str = " and ") -> Iterator[Part]:
     """Yield the items as the parts of a list: ``a, b and c``."""
     for index, part in enumerate(items):
         is_last = index == len(items) - 1
@@ -183,7 +183,7 @@ def listed(items: Sequence[Part], last: str = " and ") -> Iterator[Part]:
         yield part
 
 
-def parted(groups: Iterable[Sequence[Part]], between: str = ", ") -> Iterator[Part]:
+def join_groups(groups: Iterable[Sequence[Part]], between: str = ", ") -> Iterator[Part]:
     """Yield the parts of all non-empty groups, with the separator ``between`` after each group except the last."""
     is_first = True
     for group in groups:
@@ -195,7 +195,7 @@ def parted(groups: Iterable[Sequence[Part]], between: str = ", ") -> Iterator[Pa
         yield from group
 
 
-def _bracketed(sources: Sources) -> str:
+def _bracketed_sources(sources: Sources) -> str:
     return f"[{cite(sources)}]" if sources else ""
 
 
@@ -206,14 +206,14 @@ class Style:
     text: Callable[[str], str]
     code: Callable[[str], str]
     ref: Callable[[Ref], str]
-    cited: Callable[[Sources], str] = _bracketed
+    cited: Callable[[Sources], str] = _bracketed_sources
     #: Function that fills known values into an expression, for an output about one order code.
     resolve: Callable[[Expression], Expression] = lambda expression: expression
     level: Callable[[Level], str] = lambda level: level.value
 
     def phrase(self, statement: Statement) -> str:
         """Return the parts without a label, a source and a full stop."""
-        return "".join(map(self._part, statement.parts))
+        return "".join(map(self._write_part, statement.parts))
 
     def sentence(self, statement: Statement) -> str:
         """Return the statement as a sentence: ``Clock: 100 kHz to 4 MHz [5.3].``
@@ -251,7 +251,7 @@ class Style:
             return number(resolved.constant)
         return self.code(resolved.render())
 
-    def _part(self, part: Part) -> str:
+    def _write_part(self, part: Part) -> str:
         """Return a part of a statement in the syntax of the output."""
         match part:
             case str():
@@ -274,11 +274,11 @@ class Style:
 
 
 #: For readers who know the names used in the spec, such as on a terminal.
-BY_NAME = Style(text=str, code=str, ref=lambda ref: ref.name)
+PLAIN_STYLE = Style(text=str, code=str, ref=lambda ref: ref.name)
 #: For readers who know the names used in the manual, such as in a comment.
-BY_TITLE = Style(text=str, code=str, ref=lambda ref: ref.title)
+TITLE_STYLE = Style(text=str, code=str, ref=lambda ref: ref.title)
 #: For docstrings, where names are code and a flag is a Boolean.
-AS_LITERAL = Style(
+DOCSTRING_STYLE = Style(
     text=str,
     code=lambda text: f"``{text}``",
     ref=lambda ref: f"``{ref.name}``",

@@ -216,7 +216,7 @@ def our_runtime(language: str) -> Path:
     return Path(str(resources.files("codewheel.runtime"))) / language
 
 
-def copied(folder: Path, to: str) -> dict[str, str]:
+def copied_files(folder: Path, to: str) -> dict[str, str]:
     """Return the text of each file in a folder and its subfolders, keyed by its path in the folder ``to``."""
     paths = [path for path in sorted(folder.rglob("*")) if path.is_file() and "__pycache__" not in path.parts]
     return {f"{to}/{path.relative_to(folder).as_posix()}": path.read_text(encoding="utf-8") for path in paths}

@@ -94,10 +94,10 @@ class BissLine(ByLevels):
     @property
     def bits(self) -> int:
         """Number of bits of the single cycle data, CRCs included."""
-        return sum(self.encoder.place(layout).bits for layout in self._channels)
+        return sum(self.encoder.place(layout).bits for layout in self._channel_layouts)
 
     @cached_property
-    def _channels(self) -> tuple[Layout, ...]:
+    def _channel_layouts(self) -> tuple[Layout, ...]:
         """The data channels of a frame, in the order in which they are sent. Mostly there is a single one."""
         frame = channel_frame(self.encoder.device.interface("biss"))
         return frame.layouts if frame is not None else self.encoder.layouts("encoder")[:1]
@@ -105,7 +105,7 @@ class BissLine(ByLevels):
     def _compose_word(self) -> int:
         """Return the bits of all data channels with the current values."""
         word = 0
-        for layout in self._channels:
+        for layout in self._channel_layouts:
             word = (word << self.encoder.place(layout).bits) | self.encoder.frame(layout)
         return word
 
@@ -312,10 +312,10 @@ class SsiLine(ByLevels):
     @property
     def bits(self) -> int:
         """Number of bits of a word."""
-        return self.encoder.place(self._layout).bits
+        return self.encoder.place(self._frame_layout).bits
 
     @property
-    def _layout(self) -> Layout:
+    def _frame_layout(self) -> Layout:
         return self.encoder.layouts("encoder")[0]
 
     @property
@@ -329,7 +329,7 @@ class SsiLine(ByLevels):
         fault = self.encoder.faults.draw()
         if fault == "busy":
             self.encoder.be_busy(BUSY_S)
-        word = 0 if self._is_not_ready else self.encoder.frame(self._layout)
+        word = 0 if self._is_not_ready else self.encoder.frame(self._frame_layout)
         return word_with_fault(self.encoder, fault, word, self.bits)
 
     def clock(self, level: int) -> int:

@@ -24,7 +24,7 @@ def _load_families(specs: tuple[Path, ...]) -> tuple[Family, ...]:
     return valid_families
 
 
-def _is_special(device: Device, text: str) -> bool:
+def _has_special_code(device: Device, text: str) -> bool:
     """Return whether the text of an order code contains that of a special model of the family."""
     return any(overlay.special and overlay.special in text for overlay in device.overlays)
 
@@ -43,7 +43,7 @@ def find_order_code(text: str, specs: tuple[Path, ...], edition: str) -> tuple[D
             raise ValueError("an encoder in one line has no editions; leave the edition out")
         return device_of_line(text)
     reason = ""
-    special_families = [family for family in _load_families(specs) if _is_special(family.device, text)]
+    special_families = [family for family in _load_families(specs) if _has_special_code(family.device, text)]
     ordinary_families = [family for family in _load_families(specs) if not family.device.base]
     for family in (*special_families, *ordinary_families):
         try:

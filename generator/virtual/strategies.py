@@ -32,7 +32,7 @@ def frames(draw: st.DrawFn, encoder: VirtualEncoder, layout: str = "") -> tuple[
         The position, and the frame: bytes over RS-485, otherwise a number whose highest bit is sent first.
     """
     encoder.position = draw(positions(encoder))
-    return encoder.position, _frame_of(encoder, _frame_layout(encoder, layout))
+    return encoder.position, _frame_or_bytes(encoder, _frame_layout(encoder, layout))
 
 
 @st.composite
@@ -49,7 +49,7 @@ def disturbed_frames(draw: st.DrawFn, encoder: VirtualEncoder, layout: str = "")
     """
     frame_layout = _frame_layout(encoder, layout)
     encoder.position = draw(positions(encoder))
-    frame = _frame_of(encoder, frame_layout)
+    frame = _frame_or_bytes(encoder, frame_layout)
     inverted_bit = 1 << draw(st.integers(0, encoder.place(frame_layout).bits - 1))
     if isinstance(frame, int):
         return frame ^ inverted_bit
@@ -73,7 +73,7 @@ def _frame_layout(encoder: VirtualEncoder, name: str) -> Layout:
     raise ValueError(f"{encoder.variant.code} has no frame '{name}'; it has: {known_names}")
 
 
-def _frame_of(encoder: VirtualEncoder, layout: Layout) -> Any:
+def _frame_or_bytes(encoder: VirtualEncoder, layout: Layout) -> Any:
     """Return the current frame with this layout as bytes over RS-485, otherwise as a number.
 
     The selector has the first of the values that identify the frame.

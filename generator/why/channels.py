@@ -33,7 +33,7 @@ def _readings_with_bits_around(device: Device, frame: PlacedChannels, number: in
     for bits_before in range(bits_around + 1 if bits_around > 0 else 0):
         bits_after = bits_around - bits_before
         frame_bits = (number >> bits_after) & ((1 << frame.bits) - 1)
-        if _is_valid(device, frame, frame_bits):
+        if _is_valid_frame(device, frame, frame_bits):
             yield f"with {bits_before} other bits before the frame and {bits_after} after it"
 
 
@@ -41,9 +41,9 @@ def _readings_in_other_order(device: Device, frame: PlacedChannels, number: int)
     """Yield each other order of the channels with which their CRCs are correct."""
     for channels in permutations(frame.channels):
         other_frame = replace(frame, channels=channels)
-        if channels != frame.channels and _is_valid(device, other_frame, number):
+        if channels != frame.channels and _is_valid_frame(device, other_frame, number):
             yield f"with the channels in the order {', '.join(channel.name for channel in channels)}"
 
 
-def _is_valid(device: Device, frame: PlacedChannels, number: int) -> bool:
+def _is_valid_frame(device: Device, frame: PlacedChannels, number: int) -> bool:
     return not any(decoded.problems for decoded in decode_channels(device, frame, number))

@@ -87,7 +87,7 @@ def diagnose_without_crc(device: Device, hypotheses: Iterable[Hypothesis], missi
     unmerged: list[Explanation] = []
     likeliest_by_frame: dict[int | str, Explanation] = {}
     for hypothesis in fitting_hypotheses:
-        explanation = _explanation(device, hypothesis, undecided_parameters=frozenset())
+        explanation = _explain_hypothesis(device, hypothesis, undecided_parameters=frozenset())
         unmerged.append(explanation)
         has_frame = hypothesis.frame_layout is not None
         resulting_frame = hypothesis.frame if has_frame else hypothesis.description
@@ -124,17 +124,17 @@ def diagnose(
     tried_hypotheses = _distinct_hypotheses(significant)
     if not tried_hypotheses:
         return None
-    explanations = _explanations(device, tried_hypotheses, undecided_parameters)
+    explanations = _explain_hypotheses(device, tried_hypotheses, undecided_parameters)
     repeated_hypotheses = significant_hypotheses(repeated, refuted)
-    unmerged = _explanations(device, [*significant, *repeated_hypotheses], undecided_parameters)
+    unmerged = _explain_hypotheses(device, [*significant, *repeated_hypotheses], undecided_parameters)
     is_unexplained = all(explanation.kind == FRAME_INSIDE for explanation in explanations)
     if with_pairs or is_unexplained:
         single_count = len(tried_hypotheses)
         pairs = significant_hypotheses(_paired_with_inversion(significant), refuted)
         tried_hypotheses = _distinct_hypotheses((*tried_hypotheses, *pairs))
         distinct_pairs = tried_hypotheses[single_count:]
-        explanations += _explanations(device, distinct_pairs, undecided_parameters, by_two_mistakes=True)
-        unmerged += _explanations(device, pairs, undecided_parameters, by_two_mistakes=True)
+        explanations += _explain_hypotheses(device, distinct_pairs, undecided_parameters, by_two_mistakes=True)
+        unmerged += _explain_hypotheses(device, pairs, undecided_parameters, by_two_mistakes=True)
     explanations.sort(key=lambda explanation: -explanation.score)
     unmerged.sort(key=lambda explanation: -explanation.score)
     return Diagnosis(
@@ -192,12 +192,12 @@ def _distinct_hypotheses(hypotheses: Iterable[Hypothesis]) -> list[Hypothesis]:
     for hypothesis in hypotheses:
         result_key = hypothesis.match_key, _resulting_frame(hypothesis)
         known_hypothesis = likeliest_by_result.get(result_key)
-        if known_hypothesis is None or _likeliness(hypothesis) > _likeliness(known_hypothesis):
+        if known_hypothesis is None or _ranking_key(hypothesis) > _ranking_key(known_hypothesis):
             likeliest_by_result[result_key] = hypothesis
     return list(likeliest_by_result.values())
 
 
-def _likeliness(hypothesis: Hypothesis) -> tuple[bool, float]:
+def _ranking_key(hypothesis: Hypothesis) -> tuple[bool, float]:
     """Return a key that puts hypotheses with wrong determined bits below all others."""
     return hypothesis.are_determined_right, hypothesis.score
 
@@ -214,7 +214,7 @@ def _resulting_frame(hypothesis: Hypothesis) -> object:
     return hypothesis.frame, placed_layout.bits, field_positions
 
 
-def _explanations(
+def _explain_hypotheses(
     device: Device,
     hypotheses: Iterable[Hypothesis],
     undecided_parameters: frozenset[str],
@@ -225,12 +225,12 @@ def _explanations(
     explanations: list[Explanation] = []
     for hypothesis in hypotheses:
         if hypothesis.fits:
-            explanation = _explanation(device, hypothesis, undecided_parameters)
+            explanation = _explain_hypothesis(device, hypothesis, undecided_parameters)
             explanations.append(replace(explanation, twice=by_two_mistakes))
     return explanations
 
 
-def _explanation(device: Device, hypothesis: Hypothesis, undecided_parameters: frozenset[str]) -> Explanation:
+def _explain_hypothesis(device: Device, hypothesis: Hypothesis, undecided_parameters: frozenset[str]) -> Explanation:
     """Return a hypothesis that fits as an explanation, with the numbers in its frame if it changes the frame."""
     numbers: Mapping[str, int] = {}
     if hypothesis.frame_layout is not None:

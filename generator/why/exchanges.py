@@ -51,12 +51,12 @@ class ExchangedFrame:
         return f"{self.role} {self.placed_layout.name}"
 
 
-def exchange_hypotheses(device: Device, variant: Variant, data: bytes) -> Iterator[Hypothesis]:
+def exchange_hypotheses(device: Device, variant: Variant, received_bytes: bytes) -> Iterator[Hypothesis]:
     """Yield one hypothesis that bytes over RS-485 are whole frames, unless they are a single reply or no whole frames.
 
     Its frame is the last reply, unless the manual leaves open what that means.
     """
-    frames = _frames_in(device, variant, data) if variant.interface == Rs485.name else None
+    frames = _frames_in(device, variant, received_bytes) if variant.interface == Rs485.name else None
     if not frames:
         return
     is_one_reply = len(frames) == 1 and not frames[0].is_request
@@ -76,8 +76,8 @@ def exchange_hypotheses(device: Device, variant: Variant, data: bytes) -> Iterat
         kind=mistake_kind,
         description=description,
         crc=None,
-        covered_data=int.from_bytes(data, "big"),
-        covered_bits=8 * len(data),
+        covered_data=int.from_bytes(received_bytes, "big"),
+        covered_bits=8 * len(received_bytes),
         received_crc=0,
         received_crc_bits=0,
         determined_bits=evidence,
@@ -105,12 +105,12 @@ def _mistake_kind(frames: Sequence[ExchangedFrame]) -> str:
     return "bytes_in_front" if frames[0].is_request else "bytes_behind"
 
 
-def _frames_in(device: Device, variant: Variant, data: bytes) -> tuple[ExchangedFrame, ...] | None:
+def _frames_in(device: Device, variant: Variant, received_bytes: bytes) -> tuple[ExchangedFrame, ...] | None:
     """Return the fewest valid frames that the bytes consist of, in order, or None if other bytes remain.
 
     ``()`` is the result for no bytes. More than 64 bytes are not searched.
     """
-    if len(data) > MOST_BYTES:
+    if len(received_bytes) > MOST_BYTES:
         return None
     byte_layouts = [layout for layout in device.interface(variant.interface).layouts if layout.in_bytes]
     placed_layouts = [layout.place(variant.parameters) for layout in byte_layouts]
@@ -118,8 +118,8 @@ def _frames_in(device: Device, variant: Variant, data: bytes) -> tuple[Exchanged
     replies = [placed_layout for placed_layout in placed_layouts if placed_layout.layout.sender != "master"]
     # The fewest frames from each byte to the end, by the index of the byte. It is filled from the end, so the frames
     # behind a byte are known.
-    fewest_frames_from: dict[int, tuple[ExchangedFrame, ...]] = {len(data): ()}
-    for start in reversed(range(len(data))):
+    fewest_frames_from: dict[int, tuple[ExchangedFrame, ...]] = {len(received_bytes): ()}
+    for start in reversed(range(len(received_bytes))):
         # A request is in front of its reply, even if both have the same form.
         likeliest_first = requests + replies if start == 0 else replies + requests
         for placed_layout in likeliest_first:
@@ -132,20 +132,22 @@ def _frames_in(device: Device, variant: Variant, data: bytes) -> tuple[Exchanged
             )
             if not has_fewer_frames:
                 continue
-            frame = _valid_frame(device, variant.interface, placed_layout, data[start:end])
+            frame = _valid_frame(device, variant.interface, placed_layout, received_bytes[start:end])
             if frame is not None:
                 fewest_frames_from[start] = (frame, *following_frames)
     return fewest_frames_from.get(0)
 
 
-def _valid_frame(device: Device, interface: str, placed_layout: PlacedLayout, data: bytes) -> ExchangedFrame | None:
+def _valid_frame(
+    device: Device, interface: str, placed_layout: PlacedLayout, received_bytes: bytes
+) -> ExchangedFrame | None:
     """Return the bytes as a frame with this layout, or None if it is not valid, or has no expected bits."""
-    frame_number = number_from_bytes(placed_layout.layout, data)
+    frame_number = number_from_bytes(placed_layout.layout, received_bytes)
     usual_values = usual_values_of(device, interface, placed_layout.layout)
     evidence = _expected_bits(device, placed_layout, frame_number, usual_values)
-    if not evidence or codec.decode_placed(device, placed_layout, data).problems:
+    if not evidence or codec.decode_placed(device, placed_layout, received_bytes).problems:
         return None
-    return ExchangedFrame(placed_layout=placed_layout, data=data, evidence=evidence)
+    return ExchangedFrame(placed_layout=placed_layout, data=received_bytes, evidence=evidence)
 
 
 def echo_hypotheses(device: Device, variant: Variant, placed_layout: PlacedLayout, frame: int) -> Iterator[Hypothesis]:

@@ -149,26 +149,27 @@ def explain_bytes(
     variant: Variant,
     sender: str,
     placed_layout: PlacedLayout | None,
-    data: bytes,
+    received_bytes: bytes,
     *,
     with_pairs: bool = False,
 ) -> Diagnosis | None:
-    """Explain the wrong CRC of ``data``, which should be a frame of the layout ``placed_layout`` if that is known.
+    """Explain the wrong CRC of ``received_bytes``, which should be a frame of the layout ``placed_layout`` if that is
+    known.
 
     ``with_pairs`` also lists pairs of mistakes if a single one matches.
 
     Return None if there is no mistake to try. Single bits that would make the frame valid are only searched if the
     layout is known and has the length of the data.
     """
-    number = int.from_bytes(data, "big")
+    number = int.from_bytes(received_bytes, "big")
     crc = device.crc_of(placed_layout) if placed_layout is not None else None
     doubt = _doubt_about_dead_line(placed_layout, crc, number, is_valid=False)
-    dead_line = _diagnose_equal_bits(variant, number, 8 * len(data), doubt)
+    dead_line = _diagnose_equal_bits(variant, number, 8 * len(received_bytes), doubt)
     if dead_line is not None:
         return dead_line
     # Only what an encoder sends is searched for whole frames.
-    whole_frames = list(exchange_hypotheses(device, variant, data)) if sender == "encoder" else []
-    hypotheses = [*whole_frames, *byte_hypotheses(device, variant, sender, placed_layout, data)]
+    whole_frames = list(exchange_hypotheses(device, variant, received_bytes)) if sender == "encoder" else []
+    hypotheses = [*whole_frames, *byte_hypotheses(device, variant, sender, placed_layout, received_bytes)]
     if not _has_crc_in_bytes(device, variant, sender):
         return diagnose_without_crc(device, hypotheses, missing="")
     crc_names = dict.fromkeys(hypothesis.crc.name for hypothesis in hypotheses if hypothesis.crc is not None)
@@ -185,9 +186,9 @@ def explain_bytes(
         with_pairs=with_pairs,
         repeated=repeated,
     )
-    if diagnosis is None or placed_layout is None or 8 * len(data) != placed_layout.bits:
+    if diagnosis is None or placed_layout is None or 8 * len(received_bytes) != placed_layout.bits:
         return diagnosis
-    return replace(diagnosis, disturbed=tuple(_bits_of_bytes_to_invert(device, placed_layout, data)))
+    return replace(diagnosis, disturbed=tuple(_bits_of_bytes_to_invert(device, placed_layout, received_bytes)))
 
 
 def _has_crc_in_bytes(device: Device, variant: Variant, sender: str) -> bool:
@@ -207,12 +208,12 @@ def _repeats_frame(hypothesis: Hypothesis, whole_frames: Sequence[Hypothesis]) -
     return (hypothesis.frame, hypothesis.frame_layout) in frames
 
 
-def _bits_of_bytes_to_invert(device: Device, placed_layout: PlacedLayout, data: bytes) -> list[int]:
+def _bits_of_bytes_to_invert(device: Device, placed_layout: PlacedLayout, received_bytes: bytes) -> list[int]:
     """Return the bits, counted from the last as 0, of which each makes the frame valid if it alone is inverted."""
     bits_to_invert: list[int] = []
-    number = int.from_bytes(data, "big")
+    number = int.from_bytes(received_bytes, "big")
     for bit in range(placed_layout.bits):
-        frame_with_flip = (number ^ (1 << bit)).to_bytes(len(data), "big")
+        frame_with_flip = (number ^ (1 << bit)).to_bytes(len(received_bytes), "big")
         if is_valid_in_bytes(device, placed_layout, frame_with_flip):
             bits_to_invert.append(bit)
     return bits_to_invert

@@ -27,12 +27,12 @@ _MOST_ECHOED_BYTES = 4
 
 
 def byte_hypotheses(
-    device: Device, variant: Variant, sender: str, expected_layout: PlacedLayout | None, data: bytes
+    device: Device, variant: Variant, sender: str, expected_layout: PlacedLayout | None, received_bytes: bytes
 ) -> Iterator[Hypothesis]:
-    """Yield every single mistake that could have turned a valid frame of the sender into ``data``.
+    """Yield every single mistake that could have turned a valid frame of the sender into ``received_bytes``.
 
     All layouts in bytes of the sender are tried, without a CRC or with one of 8 bits. Other CRCs are tried only for
-    ``expected_layout``, the layout of ``data``, or None if that is not known.
+    ``expected_layout``, the layout of ``received_bytes``, or None if that is not known.
     """
     expected_name = expected_layout.name if expected_layout is not None else None
     for layout in device.interface(variant.interface).layouts:
@@ -43,20 +43,20 @@ def byte_hypotheses(
         if crc is not None and crc.width != 8:
             continue
         is_expected_layout = placed_layout.name == expected_name
-        has_frame_length = 8 * len(data) == placed_layout.bits
+        has_frame_length = 8 * len(received_bytes) == placed_layout.bits
         if crc is not None and is_expected_layout and has_frame_length:
-            yield from _other_crc_hypotheses(placed_layout, crc, data)
+            yield from _other_crc_hypotheses(placed_layout, crc, received_bytes)
         usual_values = usual_values_of(device, variant.interface, layout)
         first_bytes = tuple(_possible_first_bytes(placed_layout, usual_values))
-        yield from _displaced_byte_hypotheses(placed_layout, crc, data, first_bytes)
+        yield from _displaced_byte_hypotheses(placed_layout, crc, received_bytes, first_bytes)
 
 
-def is_valid_in_bytes(device: Device, placed_layout: PlacedLayout, data: bytes) -> bool:
+def is_valid_in_bytes(device: Device, placed_layout: PlacedLayout, received_bytes: bytes) -> bool:
     """Return whether the frame has an 8-bit CRC, and the CRC and the constants of the frame are correct."""
     crc = device.crc_of(placed_layout)
     if crc is None or crc.width != 8:
         return False
-    return _frame_hypothesis(kind="", description="", placed_layout=placed_layout, crc=crc, frame=data).fits
+    return _frame_hypothesis(kind="", description="", placed_layout=placed_layout, crc=crc, frame=received_bytes).fits
 
 
 def _other_crc_hypotheses(placed_layout: PlacedLayout, crc: Crc, frame: bytes) -> Iterator[Hypothesis]:
@@ -79,7 +79,7 @@ def _other_crc_hypotheses(placed_layout: PlacedLayout, crc: Crc, frame: bytes) -
 
 
 def _displaced_byte_hypotheses(
-    placed_layout: PlacedLayout, crc: Crc | None, data: bytes, first_bytes: Sequence[int]
+    placed_layout: PlacedLayout, crc: Crc | None, received_bytes: bytes, first_bytes: Sequence[int]
 ) -> Iterator[Hypothesis]:
     """Yield hypotheses in which the bytes do not begin and end with the frame, or are inverted.
 
@@ -87,19 +87,21 @@ def _displaced_byte_hypotheses(
     ``first_bytes``, and then an extra byte may follow the frame.
     """
     frame_length = placed_layout.bits // 8
-    extra_bytes = len(data) - frame_length
+    extra_bytes = len(received_bytes) - frame_length
     if 0 < extra_bytes <= _MOST_ECHOED_BYTES:
         counted_bytes = TEXTS["extra_bytes" if extra_bytes > 1 else "extra_byte"].format(extra_bytes)
         before, after = TEXTS["before"].format(counted_bytes), TEXTS["after"].format(counted_bytes)
-        yield _frame_hypothesis("bytes_in_front", before, placed_layout, crc, data[extra_bytes:])
-        yield _frame_hypothesis("bytes_behind", after, placed_layout, crc, data[:frame_length])
+        yield _frame_hypothesis("bytes_in_front", before, placed_layout, crc, received_bytes[extra_bytes:])
+        yield _frame_hypothesis("bytes_behind", after, placed_layout, crc, received_bytes[:frame_length])
     if extra_bytes == -1:
-        yield from _missing_first_byte_hypotheses(placed_layout, crc, data, first_bytes, TEXTS["byte_missing"])
+        yield from _missing_first_byte_hypotheses(
+            placed_layout, crc, received_bytes, first_bytes, TEXTS["byte_missing"]
+        )
     if extra_bytes == 0:
         # The first byte is missing, and a byte follows the frame, so the length is right.
         template = TEXTS["and_follows"].format(TEXTS["byte_missing"])
-        yield from _missing_first_byte_hypotheses(placed_layout, crc, data[:-1], first_bytes, template)
-        inverted_frame = bytes(byte ^ 0xFF for byte in data)
+        yield from _missing_first_byte_hypotheses(placed_layout, crc, received_bytes[:-1], first_bytes, template)
+        inverted_frame = bytes(byte ^ 0xFF for byte in received_bytes)
         yield _frame_hypothesis("all_inverted", TEXTS["bytes_inverted"], placed_layout, crc, inverted_frame)
 
 

@@ -78,7 +78,7 @@ def _too_long_hypothesis(
         are_determined_right=are_zero_bits_right,
         order_codes=shape.order_codes,
     )
-    return _with_template(hypothesis, length_text, mistake_text)
+    return _with_common_template(hypothesis, length_text, mistake_text)
 
 
 def _too_short_hypothesis(
@@ -102,7 +102,7 @@ def _too_short_hypothesis(
         lost_bits=lost_bits,
         order_codes=shape.order_codes,
     )
-    return _with_template(hypothesis, length_text, mistake_text)
+    return _with_common_template(hypothesis, length_text, mistake_text)
 
 
 def _complete_frame_hypotheses(
@@ -140,10 +140,10 @@ def _complete_frame_hypotheses(
         typed_frame.number,
         order_codes=order_codes,
     )
-    yield _with_template(hypothesis, length_text, mistake_text="")
+    yield _with_common_template(hypothesis, length_text, mistake_text="")
 
 
-def _with_template(hypothesis: Hypothesis, length_text: str, mistake_text: str) -> Hypothesis:
+def _with_common_template(hypothesis: Hypothesis, length_text: str, mistake_text: str) -> Hypothesis:
     """Return the hypothesis with a template without the order codes, which can differ between frames of one encoder."""
     if not hypothesis.order_codes:
         return hypothesis

@@ -90,7 +90,7 @@ _BISS_SLIPS = (
     *(
         FrameOffset(
             "first_bit_missing",
-            "started one clock late: the first bit ({0}) is missing, and an extra bit follows",
+            text="started one clock late: the first bit ({0}) is missing, and an extra bit follows",
             missing=missing,
             behind=1,
         )
@@ -98,29 +98,29 @@ _BISS_SLIPS = (
     ),
     FrameOffset(
         "bits_in_front",
-        "started one clock early: an extra bit such as CDS is in front, and the last bit is missing",
+        text="started one clock early: an extra bit such as CDS is in front, and the last bit is missing",
         front="~",
         lost=1,
     ),
     FrameOffset(
         "bits_in_front",
-        "started two clocks early: start bit and CDS are in front, and the last two bits are missing",
+        text="started two clocks early: start bit and CDS are in front, and the last two bits are missing",
         front="1~",
         lost=2,
     ),
-    FrameOffset("bits_in_front", "an extra bit in front, such as CDS", front="~"),
-    FrameOffset("bits_behind", "an extra bit at the end, such as the stop bit", behind=1),
-    FrameOffset("bits_in_front", "two extra bits in front: start bit and CDS", front="1~"),
+    FrameOffset("bits_in_front", text="an extra bit in front, such as CDS", front="~"),
+    FrameOffset("bits_behind", text="an extra bit at the end, such as the stop bit", behind=1),
+    FrameOffset("bits_in_front", text="two extra bits in front: start bit and CDS", front="1~"),
     FrameOffset(
         "bits_in_front",
-        "an extra bit in front, such as CDS, and one at the end, such as the stop bit",
+        text="an extra bit in front, such as CDS, and one at the end, such as the stop bit",
         front="~",
         behind=1,
     ),
-    FrameOffset("bits_behind", "two extra bits at the end", behind=2),
-    *(FrameOffset("first_bit_missing", "the first bit ({0}) is missing", missing=missing) for missing in "01"),
-    FrameOffset("last_bits_missing", "the last bit is missing", lost=1),
-    FrameOffset("last_bits_missing", "the last two bits are missing", lost=2),
+    FrameOffset("bits_behind", text="two extra bits at the end", behind=2),
+    *(FrameOffset("first_bit_missing", text="the first bit ({0}) is missing", missing=missing) for missing in "01"),
+    FrameOffset("last_bits_missing", text="the last bit is missing", lost=1),
+    FrameOffset("last_bits_missing", text="the last two bits are missing", lost=2),
 )
 
 _BISS = Line(
@@ -194,7 +194,7 @@ _OTHERS_IN_FRONT = Recording("bits_in_front", "other bits come first, and then t
 _TOO_SHORT = Incomplete("it is too short: it has {0} of the {1} bits. Clocks still needed: {2}", "^(?P<frame>[01]*)$")
 
 
-def _shifts(cause: str) -> tuple[FrameOffset, ...]:
+def _one_clock_offsets(cause: str) -> tuple[FrameOffset, ...]:
     """Return the offsets by one clock, in which the number of received bits is that of the frame.
 
     ``cause`` continues the text after "one clock late" or "one clock early". A missing first bit is tried as 0 and 1.
@@ -202,8 +202,8 @@ def _shifts(cause: str) -> tuple[FrameOffset, ...]:
     late_text = f"started one clock late{cause}: the first bit ({{0}}) is missing, and an extra bit follows"
     early_text = f"started one clock early{cause}: an extra bit is in front, and the last bit is missing"
     return (
-        FrameOffset("bits_in_front", early_text, front="?", lost=1),
-        *(FrameOffset("first_bit_missing", late_text, missing=missing, behind=1) for missing in "01"),
+        FrameOffset("bits_in_front", text=early_text, front="?", lost=1),
+        *(FrameOffset("first_bit_missing", text=late_text, missing=missing, behind=1) for missing in "01"),
     )
 
 
@@ -212,11 +212,15 @@ LINES: Mapping[str, Line] = MappingProxyType(
     {
         "biss": _BISS,
         "ssi_msb_left": Line(
-            _shifts(""), (_WORD_TWICE, _WORD_FIRST, _BIT_IN_FRONT, _OTHERS_BEHIND, _BITS_AROUND), (_TOO_SHORT,)
+            _one_clock_offsets(""),
+            (_WORD_TWICE, _WORD_FIRST, _BIT_IN_FRONT, _OTHERS_BEHIND, _BITS_AROUND),
+            (_TOO_SHORT,),
         ),
-        "ssi_lsb_right": Line(_shifts(""), (_WORD_LAST, _WORD_TWICE, _BIT_IN_FRONT, _OTHERS_IN_FRONT), (_TOO_SHORT,)),
+        "ssi_lsb_right": Line(
+            _one_clock_offsets(""), (_WORD_LAST, _WORD_TWICE, _BIT_IN_FRONT, _OTHERS_IN_FRONT), (_TOO_SHORT,)
+        ),
         "spi": Line(
-            _shifts(", as with the other clock edge"),
+            _one_clock_offsets(", as with the other clock edge"),
             (_WORD_FIRST, _BIT_IN_FRONT, _WORD_LAST, _OTHERS_BEHIND, _OTHERS_IN_FRONT),
             (_TOO_SHORT,),
         ),

@@ -8,13 +8,13 @@ let idCounter = 0;
 function createLabelledInput(text, input, hint = "") {
   idCounter += 1;
   input.id = `${CLASS}-${idCounter}`;
-  const hintElement = hint && element("span", { class: `${CLASS}-hint`, id: `${input.id}-hint` }, hint);
+  const hintElement = hint && createElement("span", { class: `${CLASS}-hint`, id: `${input.id}-hint` }, hint);
   if (hint) input.setAttribute("aria-describedby", hintElement.id);
-  return part("p", "item", element("label", { for: input.id }, text), input, hintElement);
+  return createPart("p", "item", createElement("label", { for: input.id }, text), input, hintElement);
 }
 
 /** Create an option of a selection or list, with its value and text. */
-const createOption = (name, text = "") => element("option", { value: name }, text);
+const createOption = (name, text = "") => createElement("option", { value: name }, text);
 
 /**
  * Fill an element with a box: ``data-code`` fills in an order code and ``data-frame`` frames. ``data-link`` follows the
@@ -25,15 +25,16 @@ const createOption = (name, text = "") => element("option", { value: name }, tex
 function box(root) {
   const marksByCode = new Map(TABLE.families.flatMap(
     (family) => family.codes.map((row) => [row[0], family.mark ?? ""])));
-  const codeList = element("datalist", { id: `${CLASS}-codes-${idCounter}` },
+  const codeList = createElement("datalist", { id: `${CLASS}-codes-${idCounter}` },
     [...marksByCode].map(([name, mark]) => createOption(name, mark)));
-  const codeInput = element("input", { list: codeList.id, autocomplete: "off", spellcheck: "false" });
+  const codeInput = createElement("input", { list: codeList.id, autocomplete: "off", spellcheck: "false" });
   codeInput.value = root.dataset.code ?? "";
-  const typeSelect = element("select");
-  const frameInput = element("textarea", { rows: "3", spellcheck: "false", autocomplete: "off" });
+  const typeSelect = createElement("select");
+  const frameInput = createElement("textarea", { rows: "3", spellcheck: "false", autocomplete: "off" });
   frameInput.value = root.dataset.frame ?? "";
-  const [questionArea, formArea, resultArea] = ["asks", "form", "result"].map((name) => part("div", name));
-  const frameLink = element("a", {}, root.dataset.page ? "All about this frame, and a link to it" : "Link to this");
+  const [questionArea, formArea, resultArea] = ["asks", "form", "result"].map((name) => createPart("div", name));
+  const linkText = root.dataset.page ? "All about this frame, and a link to it" : "Link to this";
+  const frameLink = createElement("a", {}, linkText);
   resultArea.setAttribute("role", "status");
   const builder = root.hasAttribute("data-link") ? createLineBuilder(() => codeInput.value, (line) => {
     codeInput.value = line;
@@ -42,29 +43,34 @@ function box(root) {
   const pictureSection = root.dataset.picture ? document.getElementById(root.dataset.picture) : null;
   const picture = pictureSection && createFramePicture(pictureSection);
   let isSetUp = false;
-  const state = { found: null, what: "encoder", answers: named(), held: named(), asked: "", fill: null };
+  const state = {
+    orderCode: null, frameType: "encoder", answers: mergeByName(), registerContents: mergeByName(), questionsKey: "",
+    fillForm: null };
 
   /** Return the selected register, if any. */
-  const selectedRegister = () => state.found?.interface.registers?.find(({ name }) => `=${name}` === state.what);
+  const selectedRegister = () => (
+    state.orderCode?.interface.registers?.find(({ name }) => `=${name}` === state.frameType));
 
   /** Read the order code, offer its frames and registers to choose from, and update the rest of the box. */
   function updateFromCode() {
     builder?.follow();
     const orderCode = findCode(codeInput.value);
-    if (orderCode?.code !== state.found?.code) Object.assign(state, { answers: named(), held: named(), asked: "" });
-    state.found = orderCode;
+    if (orderCode?.code !== state.orderCode?.code) {
+      Object.assign(state, { answers: mergeByName(), registerContents: mergeByName(), questionsKey: "" });
+    }
+    state.orderCode = orderCode;
     const senders = [...new Set((orderCode?.interface.frames ?? []).map((layout) => layout.sender))];
     const registers = orderCode?.interface.registers ?? [];
     const frameChoices = senders.flatMap((sender) => createFrameChoices(orderCode.interface, sender));
     const registerChoices = registers.map(({ name, title, place }) => createOption(`=${name}`, `${title}, ${place}`));
     const registerGroups = registerChoices.length
-      ? [element("optgroup", { label: "the bytes of a register" }, registerChoices)] : [];
+      ? [createElement("optgroup", { label: "the bytes of a register" }, registerChoices)] : [];
     typeSelect.replaceChildren(...frameChoices, ...registerGroups);
     const choiceValues = [...frameChoices, ...registerChoices].map((choice) => choice.value);
-    if (!choiceValues.includes(state.what)) {
-      state.what = choiceValues.find((choice) => choice.startsWith("encoder")) ?? choiceValues[0] ?? "encoder";
+    if (!choiceValues.includes(state.frameType)) {
+      state.frameType = choiceValues.find((choice) => choice.startsWith("encoder")) ?? choiceValues[0] ?? "encoder";
     }
-    typeSelect.value = state.what;
+    typeSelect.value = state.frameType;
     typeSelect.parentElement.hidden = choiceValues.length < 2;
     updateFromType();
   }
@@ -74,21 +80,21 @@ function box(root) {
     const { parts, fill } = selectedRegister()
       ? createRegisterForm(state, selectedRegister(), frameInput, showResult) : { parts: [], fill: null };
     formArea.replaceChildren(...parts);
-    state.fill = fill;
+    state.fillForm = fill;
     showResult();
   }
 
   /** Decode a text as the selected register or frame. */
   function decodeText(frameText) {
-    const { found: orderCode, held: registerContents, answers } = state;
+    const { orderCode, registerContents, answers } = state;
     if (selectedRegister()) return decodeRegister(orderCode, selectedRegister(), frameText, registerContents, answers);
-    return decodeFrame(orderCode, state.what, frameText, registerContents, answers);
+    return decodeFrame(orderCode, state.frameType, frameText, registerContents, answers);
   }
 
   /** Return {line, found} with the decoded frame of a line, or {line, error} with the reason why it is unreadable. */
   function decodeLine(line) {
     try {
-      return { line, found: decodeText(line.text) };
+      return { line, decoded: decodeText(line.text) };
     } catch (error) {
       if (!(error instanceof FrameText)) throw error;
       return { line, error: error.message };
@@ -102,62 +108,64 @@ function box(root) {
   function showResult(isForm = false) {
     updateAddress();
     frameInput.rows = Math.min(12, Math.max(3, frameInput.value.split("\n").length));
-    if (!state.found) {
+    if (!state.orderCode) {
       questionArea.replaceChildren();
       resultArea.replaceChildren(...helpToFindCode());
       return;
     }
     const rows = linesOf(frameInput.value).map(decodeLine);
-    const layout = rows.find(({ found: decoded }) => decoded?.at)?.found.at.layout ?? selectedRegister();
+    const layout = rows.find(({ decoded }) => decoded?.placedLayout)?.decoded.placedLayout.layout ?? selectedRegister();
     askQuestions(layout);
     const openQuestions = unansweredQuestions(layout);
-    const evidence = root.hasAttribute("data-evidence-above") ? [] : [part("p", "note", state.found.family.evidence)];
+    const evidence = root.hasAttribute("data-evidence-above") ? []
+      : [createPart("p", "note", state.orderCode.family.evidence)];
     const resultParts = rows.length > 1 ? resultOfLines(rows, openQuestions) : rows.flatMap(resultOfLine);
     const expectedLayout = rows.length ? null : findExpectedLayout();
     resultArea.replaceChildren(
-      ...listNotes(), ...resultParts, ...(expectedLayout ? [emptyFrame(expectedLayout)] : []), ...evidence);
+      ...listNotes(), ...resultParts, ...(expectedLayout ? [drawEmptyFrame(expectedLayout)] : []), ...evidence);
     picture?.follow(resultArea, findExpectedLayout);
-    if (rows.length === 1 && rows[0].found && !isForm && !openQuestions.length) state.fill?.(rows[0].found);
+    if (rows.length === 1 && rows[0].decoded && !isForm && !openQuestions.length) state.fillForm?.(rows[0].decoded);
   }
 
   /** Return the layout to paste: the one with the position, of those to choose from. Null if a question is open. */
   function findExpectedLayout() {
     if (selectedRegister()) return null;
-    const [sender, layoutName] = state.what.split(":");
-    const { interface: interface_ } = state.found;
+    const [sender, layoutName] = state.frameType.split(":");
+    const { interface: interface_ } = state.orderCode;
     const layouts = interface_.frames.filter(
       (layout) => layout.sender === sender && (!layoutName || layout.name === layoutName));
     const decidedLayouts = layouts.filter((layout) => !unansweredQuestions(layout).length);
-    const placedLayouts = decidedLayouts.map((layout) => placedFor(state.found, layout, state.held, state.answers));
+    const placedLayouts = decidedLayouts.map(
+      (layout) => placedFor(state.orderCode, layout, state.registerContents, state.answers));
     return placedLayouts.find((placedLayout) => hasPosition(placedLayout, interface_.measure))
       ?? (layouts.length === 1 ? placedLayouts[0] : null) ?? null;
   }
 
   /** All about one frame, or the reason why it is not one. */
-  function resultOfLine({ line, found: decoded, error }) {
-    if (error) return [part("div", "bad", element("p", {}, sentence(error)))];
-    if (unansweredQuestions(decoded.at?.layout).length && decoded.fields.length) {
-      return [part("div", "warning", element("p", {}, UNANSWERED_QUESTION))];
+  function resultOfLine({ line, decoded, error }) {
+    if (error) return [createPart("div", "bad", createElement("p", {}, toSentence(error)))];
+    if (unansweredQuestions(decoded.placedLayout?.layout).length && decoded.fields.length) {
+      return [createPart("div", "warning", createElement("p", {}, UNANSWERED_QUESTION))];
     }
-    if (decoded.channels) return wholeResultOf(decoded, state.found.interface.measure);
-    const [sender] = state.what.split(":");
+    if (decoded.channels) return createWholeResult(decoded, state.orderCode.interface.measure);
+    const [sender] = state.frameType.split(":");
     const otherLayouts = selectedRegister() ? []
-      : otherFrames(state.found, sender, line.text, decoded, state.held, state.answers);
-    return resultOf(decoded, state.found.interface.measure, otherLayouts);
+      : otherFrames(state.orderCode, sender, line.text, decoded, state.registerContents, state.answers);
+    return createResult(decoded, state.orderCode.interface.measure, otherLayouts);
   }
 
   /** Return the table of many frames, and one of them in full below it. */
   function resultOfLines(rows, openQuestions) {
-    if (openQuestions.length) return [part("div", "warning", element("p", {}, UNANSWERED_QUESTION))];
-    const fullResult = part("div", "full");
+    if (openQuestions.length) return [createPart("div", "warning", createElement("p", {}, UNANSWERED_QUESTION))];
+    const fullResult = createPart("div", "full");
     const showInFull = (row) => {
-      fullResult.replaceChildren(element("h3", {}, `Line ${row.line.number}`), ...resultOfLine(row));
+      fullResult.replaceChildren(createElement("h3", {}, `Line ${row.line.number}`), ...resultOfLine(row));
       fullResult.scrollIntoView({ block: "nearest" });
     };
-    const { measure } = state.found.interface;
+    const { measure } = state.orderCode.interface;
     return [
-      ...togetherOf(rows), tableOf(rows, measure, showInFull), ...doubtsOfAll(rows, measure), exportsOf(rows),
-      fullResult,
+      ...listCommonMistakes(rows), createLineTable(rows, measure, showInFull), ...listCommonDoubts(rows, measure),
+      createExportButtons(rows), fullResult,
     ];
   }
 
@@ -172,23 +180,23 @@ function box(root) {
 
   /** Return the elements that help to find the order code: near codes, and the codes that match the first frame. */
   function helpToFindCode() {
-    const pickCode = (pickedCode, sender = state.what) => {
+    const pickCode = (pickedCode, sender = state.frameType) => {
       codeInput.value = pickedCode;
-      state.what = sender;
+      state.frameType = sender;
       updateFromCode();
       codeInput.focus();
     };
     const helpText = codeInput.value.trim() ? explainUnknownCode(codeInput.value) : "";
     const nearCodes = helpText.split(/[\s,;]+/).filter((word) => marksByCode.has(word));
-    const helpParts = helpText
-      ? [part("div", "bad", element("p", {}, sentence(helpText)), codeButtons(nearCodes, pickCode))] : [];
+    const helpLine = createElement("p", {}, helpText && toSentence(helpText));
+    const helpParts = helpText ? [createPart("div", "bad", helpLine, createCodeButtons(nearCodes, pickCode))] : [];
     const [firstLine] = linesOf(frameInput.value);
-    return firstLine ? [...helpParts, ...guessesOf(firstLine.text, pickCode)] : helpParts;
+    return firstLine ? [...helpParts, ...createGuesses(firstLine.text, pickCode)] : helpParts;
   }
 
   /** Return the notes on how the label differs from the codes in the manual, and on the origin of the family. */
   function listNotes() {
-    const { family, code: codeText, tail, isSpecial, unlisted, writtenAsIn } = state.found;
+    const { family, code: codeText, tail, isSpecial, unlisted, writtenAsIn } = state.orderCode;
     const specNote = isLine(codeText) ? `To write it as a spec: codewheel new my_encoder --line '${codeText}'` : "";
     const spellingNote = writtenAsIn ? `The label is written as in ${writtenAsIn}.` : "";
     const unlistedNote = unlisted.length ? `Accepted, although not listed in the manual: ${unlisted.join(", ")}.` : "";
@@ -196,18 +204,18 @@ function box(root) {
       ? family.special_codes ?? "A code that ends in /Sxxx may differ from the manual." : "";
     const tailNote = tail ? `The label continues with ${tail}.` : "";
     const allNotes = [specNote, spellingNote, unlistedNote, tailNote, specialNote, ...(family.about ?? [])];
-    return allNotes.filter(Boolean).map((noteText) => part("p", "note", noteText));
+    return allNotes.filter(Boolean).map((noteText) => createPart("p", "note", noteText));
   }
 
   /** Show the questions that a layout leaves to the user. The inputs are built again after a change. */
   function askQuestions(layout) {
-    const { family } = state.found;
+    const { family } = state.orderCode;
     const questions = [...layout?.asks ?? [], ...layout?.offers ?? []];
     const openAlternatives = (family.alternatives ?? []).filter(({ name }) => questions.includes(name));
     const heldParameters = (family.held ?? []).filter(({ name }) => layout?.held?.includes(name));
-    const questionsKey = JSON.stringify([state.found.code, openAlternatives, heldParameters]);
-    if (questionsKey === state.asked) return;
-    state.asked = questionsKey;
+    const questionsKey = JSON.stringify([state.orderCode.code, openAlternatives, heldParameters]);
+    if (questionsKey === state.questionsKey) return;
+    state.questionsKey = questionsKey;
     const questionInputs = openAlternatives.map((alternative) => createQuestion(state, alternative, showResult));
     questionArea.replaceChildren(...questionInputs, ...createRegisterInputs(state, heldParameters, showResult));
   }
@@ -218,10 +226,10 @@ function box(root) {
     if (![...parameters.keys()].length) return;
     codeInput.value = parameters.get("code") ?? "";
     frameInput.value = parameters.get("frame") ?? "";
-    state.what = parameters.has("as") ? `=${parameters.get("as")}` : parameters.get("from") ?? "encoder";
+    state.frameType = parameters.has("as") ? `=${parameters.get("as")}` : parameters.get("from") ?? "encoder";
     updateFromCode();
-    state.answers = named(Object.fromEntries(parameters.getAll("choose").map((pair) => pair.split("="))));
-    state.asked = "";
+    state.answers = mergeByName(Object.fromEntries(parameters.getAll("choose").map((pair) => pair.split("="))));
+    state.questionsKey = "";
     showResult();
   }
 
@@ -233,10 +241,10 @@ function box(root) {
     createLabelledInput("Frames, one per line, or the bytes of a register", frameInput,
       "Hex bytes, or one number (0x… or 0b…), in any usual notation. A line can begin with a time. "
       + "Text after # is a comment."),
-    questionArea, formArea, resultArea, part("p", "link", frameLink));
+    questionArea, formArea, resultArea, createPart("p", "link", frameLink));
   codeInput.addEventListener("input", updateFromCode);
   typeSelect.addEventListener("change", () => {
-    state.what = typeSelect.value;
+    state.frameType = typeSelect.value;
     updateFromType();
   });
   frameInput.addEventListener("input", () => showResult());
@@ -260,7 +268,7 @@ const hasPosition = (placedLayout, measure) =>
 function createFramePicture(section) {
   const printedPicture = section.querySelector("picture");
   if (!printedPicture) return null;
-  const drawingArea = element("div", { class: `${CLASS}-picture` });
+  const drawingArea = createElement("div", { class: `${CLASS}-picture` });
   printedPicture.before(drawingArea);
   return {
     follow(resultArea, findExpectedLayout) {
@@ -268,7 +276,7 @@ function createFramePicture(section) {
       const drawings = resultArea.querySelectorAll(`:scope > .${CLASS}-frame-drawing`);
       // The printed picture of a frame of bytes is smaller than its fields in a row.
       const isDrawn = Boolean(expectedLayout) && !expectedLayout.layout.order && drawings.length < 2;
-      drawingArea.replaceChildren(...(isDrawn ? [drawings[0] ?? emptyFrame(expectedLayout)] : []));
+      drawingArea.replaceChildren(...(isDrawn ? [drawings[0] ?? drawEmptyFrame(expectedLayout)] : []));
       printedPicture.classList.toggle(`${CLASS}-printed`, isDrawn);
     },
   };
@@ -302,8 +310,8 @@ function createFrameChoices(interface_, sender) {
 /** Return the part of an address after #, with the inputs of the box. */
 function buildAddress(code, frameText, state) {
   const parameters = new URLSearchParams({ code, frame: frameText.trim() });
-  if (state.what.startsWith("=")) parameters.set("as", state.what.slice(1));
-  else if (state.what !== "encoder") parameters.set("from", state.what);
+  if (state.frameType.startsWith("=")) parameters.set("as", state.frameType.slice(1));
+  else if (state.frameType !== "encoder") parameters.set("from", state.frameType);
   for (const [name, answer] of Object.entries(state.answers)) parameters.append("choose", `${name}=${answer}`);
   return `#${parameters}`;
 }
@@ -311,40 +319,41 @@ function buildAddress(code, frameText, state) {
 /** Create a question that the manual leaves open, with its answers. If it lacks a default, it starts unanswered. */
 function createQuestion(state, alternative, showResult) {
   const answerLabels = alternative.answers.map(([name, meaning]) => {
-    const radio = element("input", { type: "radio", name: `${CLASS}-${idCounter}-${alternative.name}`, value: name });
+    const groupName = `${CLASS}-${idCounter}-${alternative.name}`;
+    const radio = createElement("input", { type: "radio", name: groupName, value: name });
     radio.checked = (state.answers[alternative.name] ?? alternative.default) === name;
     radio.addEventListener("change", () => {
       state.answers[alternative.name] = name;
       showResult();
     });
-    return element("label", {}, radio, ` ${name}: ${meaning}`);
+    return createElement("label", {}, radio, ` ${name}: ${meaning}`);
   });
   idCounter += 1;
-  return element("fieldset", {}, element("legend", {}, sentence(alternative.meaning)), answerLabels);
+  return createElement("fieldset", {}, createElement("legend", {}, toSentence(alternative.meaning)), answerLabels);
 }
 
 /** Create inputs for the register contents that a frame depends on. By default, those of the order code apply. */
 function createRegisterInputs(state, heldParameters, showResult) {
   if (!heldParameters.length) return [];
-  const defaults = computeParameters(state.found);
+  const defaults = computeParameters(state.orderCode);
   const inputs = heldParameters.map(({ name, meaning, at: registerName, min, max, values }) => {
-    const input = element("input", { inputmode: "numeric", autocomplete: "off" });
+    const input = createElement("input", { inputmode: "numeric", autocomplete: "off" });
     input.placeholder = `${defaults[name]}`;
-    const isAllowed = (number) => number >= big(min) && (max === undefined || number <= big(max))
-      && (!values || values.some((allowedNumber) => big(allowedNumber) === number));
+    const isAllowed = (number) => number >= toBigInt(min) && (max === undefined || number <= toBigInt(max))
+      && (!values || values.some((allowedNumber) => toBigInt(allowedNumber) === number));
     input.addEventListener("input", () => {
       const number = parseNumberOrNull(input.value);
       const isValid = number !== null && isAllowed(number);
       input.setAttribute("aria-invalid", `${input.value.trim() !== "" && !isValid}`);
-      delete state.held[name];
-      if (isValid) state.held[name] = number;
+      delete state.registerContents[name];
+      if (isValid) state.registerContents[name] = number;
       showResult();
     });
     const range = values?.join(", ") ?? `${min ?? 0} to ${max ?? "the highest value"}`;
     return createLabelledInput(meaning, input, `${registerName}, ${range}`);
   });
-  const summary = element("summary", {}, "Registers have factory defaults. Enter the contents of yours");
-  return [element("details", {}, summary, inputs)];
+  const summary = createElement("summary", {}, "Registers have factory defaults. Enter the contents of yours");
+  return [createElement("details", {}, summary, inputs)];
 }
 
 /** Return the decimal or hexadecimal number that a text is, otherwise null. */

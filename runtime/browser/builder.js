@@ -2,7 +2,7 @@
 // The form that builds the line of an encoder by clicking.
 
 /** A line to begin with, by interface. */
-const FIRST_LINES = named({
+const FIRST_LINES = mergeByName({
   biss: "biss:position=32,error,warning,crc=6:0x43", ssi: "ssi,gray:multiturn=12,singleturn=13",
   spi: "spi:position=14,error=high,parity=even", rs485: "rs485,low_byte_first:status=8,position=24,crc=8:0x101",
 });
@@ -111,29 +111,29 @@ function addField(form, fieldText) {
 
 /** Create an input with its label. ``onChange`` gets its text. */
 const createSmallInput = (label, text, onChange, attributes = {}) => {
-  const input = element("input", { autocomplete: "off", spellcheck: "false", ...attributes });
+  const input = createElement("input", { autocomplete: "off", spellcheck: "false", ...attributes });
   input.value = text ?? "";
   input.addEventListener("input", () => onChange(input.value.trim()));
-  return element("label", {}, `${label} `, input);
+  return createElement("label", {}, `${label} `, input);
 };
 /** Create a checkbox with its label. ``onChange`` gets whether it is on. */
 const createCheckbox = (label, isOn, onChange) => {
-  const input = element("input", { type: "checkbox" });
+  const input = createElement("input", { type: "checkbox" });
   input.checked = Boolean(isOn);
   input.addEventListener("change", () => onChange(input.checked));
-  return element("label", {}, input, ` ${label}`);
+  return createElement("label", {}, input, ` ${label}`);
 };
 /** Create a selection with its label. A choice is [value, text], and ``onChange`` gets the value. */
 const createSelection = (label, choices, selectedValue, onChange) => {
-  const select = element("select", {},
+  const select = createElement("select", {},
     choices.map(([, choiceText], choiceIndex) => createOption(`${choiceIndex}`, choiceText)));
   select.value = `${Math.max(choices.findIndex(([choiceValue]) => choiceValue === selectedValue), 0)}`;
   select.addEventListener("change", () => onChange(choices[Number(select.value)][0]));
-  return element("label", {}, `${label} `, select);
+  return createElement("label", {}, `${label} `, select);
 };
 /** Create a button. ``ariaLabel`` is its name for screen readers, if its text is a symbol. */
 const createButton = (text, onClick, ariaLabel) => {
-  const button = element("button", { type: "button", "aria-label": ariaLabel }, text);
+  const button = createElement("button", { type: "button", "aria-label": ariaLabel }, text);
   button.addEventListener("click", onClick);
   return button;
 };
@@ -205,12 +205,14 @@ function createFieldRow(form, fieldIndex, onChange, redraw) {
   };
   const fieldLabel = `field ${fieldIndex + 1}, ${title}`;
   const [upButton, downButton] = [
-    createButton("↑", moveBy(-1), `Move up ${fieldLabel}`), createButton("↓", moveBy(1), `Move down ${fieldLabel}`)];
+    createButton("↑", moveBy(-1), `Move up ${fieldLabel}`),
+    createButton("↓", moveBy(1), `Move down ${fieldLabel}`)];
   upButton.disabled = fieldIndex === 0;
   downButton.disabled = fieldIndex === form.fields.length - 1;
-  const buttons = part("span", "moves", upButton, downButton, createButton("✕", remove, `Remove ${fieldLabel}`));
-  return element("li", {}, element("fieldset", {}, element("legend", {}, title),
-    part("div", "row", createLineFieldInputs(field, onChange, redraw), buttons)));
+  const removeButton = createButton("✕", remove, `Remove ${fieldLabel}`);
+  const buttons = createPart("span", "moves", upButton, downButton, removeButton);
+  return createElement("li", {}, createElement("fieldset", {}, createElement("legend", {}, title),
+    createPart("div", "row", createLineFieldInputs(field, onChange, redraw), buttons)));
 }
 
 /** Create the inputs of the options that the interface of the line has. */
@@ -222,7 +224,7 @@ function createOptionRow(form, onChange) {
   };
   const choices = LINE_CHOICES.filter(([, , interfaces]) => interfaces.includes(form.interface));
   const textOptions = LINE_TEXTS.filter(([name]) => LINE_SETTINGS[name][0].includes(form.interface));
-  return part("div", "row",
+  return createPart("div", "row",
     choices.map(([member, legend, , values]) =>
       createSelection(legend, values, form.options[member] ?? "", setterOf(member))),
     textOptions.map(([name, legend]) => createSmallInput(legend, form.options[name], setterOf(name), { size: "9" })));
@@ -235,8 +237,9 @@ function createOptionRow(form, onChange) {
 function createLineBuilder(readBox, writeBox) {
   let form = formOf(FIRST_LINES.biss);
   let writtenLine = "";
-  const body = part("div", "builder");
-  const root = element("details", {}, element("summary", {}, "No order code? Describe the frame by clicking"), body);
+  const body = createPart("div", "builder");
+  const summary = createElement("summary", {}, "No order code? Describe the frame by clicking");
+  const root = createElement("details", {}, summary, body);
 
   /** Write the line of the form into the box. */
   const writeLine = () => {
@@ -279,9 +282,9 @@ function createLineBuilder(readBox, writeBox) {
       }));
     const interfaceChoices = LINE_INTERFACES.map((name) => [name, LINE_TITLES[name]]);
     body.replaceChildren(
-      part("div", "row", createSelection("Interface", interfaceChoices, form.interface, changeInterface)),
-      createOptionRow(form, writeLine), part("p", "hint", "Fields in the order sent, first bit first:"),
-      element("ol", {}, fieldRows), part("div", "new", addButtons));
+      createPart("div", "row", createSelection("Interface", interfaceChoices, form.interface, changeInterface)),
+      createOptionRow(form, writeLine), createPart("p", "hint", "Fields in the order sent, first bit first:"),
+      createElement("ol", {}, fieldRows), createPart("div", "new", addButtons));
   }
 
   /** Follow the text of the box, unless the form wrote it. */

@@ -15,7 +15,8 @@ function decodeChannels(orderCode, text, registerContents, answers) {
   const receivedBits = typedFrame.exact ? typedFrame.bits : Math.max(bits, typedFrame.bits);
   if (receivedBits !== bits) {
     const names = placedChannels.map((placedLayout) => placedLayout.name).join(", ");
-    return { ...otherLength({ ...positionChannel, name: names }, `${bits} bits`, receivedBits), channels: [], bits };
+    const lengthError = createLengthError({ ...positionChannel, name: names }, `${bits} bits`, receivedBits);
+    return { ...lengthError, channels: [], bits };
   }
   return { ...mergeChannels(channels, decodeEachChannel(placedChannels, typedFrame.number, bits)), bits };
 }
@@ -34,10 +35,10 @@ function decodeEachChannel(placedChannels, number, bits) {
 /** Merge the decoded channels into a whole frame: the errors, reports and fields of all, and their worst verdict. */
 function mergeChannels(channels, decodedChannels) {
   const positionChannel = decodedChannels[channels.position];
-  const nameInFrame = ({ at: placedLayout }, fieldName) => (
-    placedLayout === positionChannel.at ? fieldName : `${placedLayout.name}.${fieldName}`);
+  const nameInFrame = ({ placedLayout }, fieldName) => (
+    placedLayout === positionChannel.placedLayout ? fieldName : `${placedLayout.name}.${fieldName}`);
   const problems = decodedChannels.flatMap((channel) => (
-    channel.problems.map((problem) => ({ ...problem, message: `${channel.at.name}: ${problem.message}` }))));
+    channel.problems.map((problem) => ({ ...problem, message: `${channel.placedLayout.name}: ${problem.message}` }))));
   const comparison = problems.length ? null : compareChannels(channels, decodedChannels);
   const verdicts = decodedChannels.filter((channel) => channel === positionChannel || channel.verdict !== "unknown")
     .map((channel) => channel.verdict);
@@ -59,18 +60,19 @@ function mergeChannels(channels, decodedChannels) {
 /** Return whether the compared fields agree, and the sentence about them, or null if nothing is compared. */
 function compareChannels(channels, decodedChannels) {
   if (!channels.compared) return null;
-  const bitCount = Number(value(channels.compared_bits, decodedChannels[channels.position].at.parameters));
+  const { parameters } = decodedChannels[channels.position].placedLayout;
+  const bitCount = Number(evaluateExpression(channels.compared_bits, parameters));
   const namedNumbers = channels.compared.map(([channelIndex, fieldName]) => {
-    const { at: placedLayout, fields } = decodedChannels[channelIndex];
+    const { placedLayout, fields } = decodedChannels[channelIndex];
     const field = fields.find((decodedField) => decodedField.name === fieldName);
     return {
       name: `${fieldName} of ${placedLayout.name}`,
       number: field.value >> BigInt(field.high - field.low + 1 - bitCount),
     };
   });
-  const differs = (number, otherNumber) => BigInt.asUintN(bitCount, number - otherNumber) > big(channels.tolerance)
-    && BigInt.asUintN(bitCount, otherNumber - number) > big(channels.tolerance);
+  const differs = (number, otherNumber) => BigInt.asUintN(bitCount, number - otherNumber) > toBigInt(channels.tolerance)
+    && BigInt.asUintN(bitCount, otherNumber - number) > toBigInt(channels.tolerance);
   const agree = !namedNumbers.some(({ number }) => differs(number, namedNumbers[0].number));
   const numbersText = namedNumbers.map(({ name, number }) => `${name} ${hex(number)}`).join(" and ");
-  return { agree, words: said(agree ? "compared" : "compared_not", bitCount, numbersText) };
+  return { agree, words: messageFor(agree ? "compared" : "compared_not", bitCount, numbersText) };
 }

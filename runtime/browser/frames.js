@@ -6,50 +6,75 @@
  * and a placed field is {field, name, low, width} with the ``field`` of the table.
  */
 function placeLayout(family, layout, parameters) {
-  const evaluate = (expression) => Number(value(expression, parameters));
-  const withMeaning = (field) => (!field.only || parameters[field.only] ? field
-    : { ...field, on: TABLE.unexplained, off: "", meaning: "" });
-  const fields = (layout.fields ?? []).map((index) => withMeaning(family.shared[index]))
+  const evaluate = (expression) => Number(evaluateExpression(expression, parameters));
+  const sharedParts = (indexes = []) => indexes.map((index) => family.shared[index]);
+  const isSatisfied = (condition) => !condition
+    || Boolean(parameters[condition.parameter]) === Boolean(condition.holds);
+  const fields = sharedParts(layout.fields).map((field) => withMeaningForOrderCode(field, parameters))
     .map((field) => ({ field, name: field.name, low: evaluate(field.low), width: evaluate(field.width) }))
-    .filter((placedField) => placedField.width > 0);
-  const gray = layout.gray && (!layout.gray.when || parameters[layout.gray.when]) ? layout.gray : null;
-  const isSatisfied = (only) => !only || Boolean(parameters[only.parameter]) === Boolean(only.holds);
+    .filter(({ width }) => width > 0);
+  const crcFieldName = fields.find(({ field }) => field.crc)?.name;
   return {
     family, layout, parameters, fields, name: layout.name, bits: evaluate(layout.bits),
-    crc: layout.crcs ? layout.crcs[fields.find((placedField) => placedField.field.crc)?.name] : layout.crc,
-    gray: gray
-      && { low: evaluate(gray.low), width: evaluate(gray.width), excess: value(gray.excess ?? 0, parameters) },
-    joins: (layout.joins ?? []).map((join) => ({
-      name: join.name,
-      parts: join.fields.map(([part, low]) => (
-        { item: fields.find((placedField) => placedField.name === part), low: evaluate(low) })),
-    })),
-    checks: (layout.checks ?? []).map((index) => family.shared[index])
-      .map((check) => ({ check, low: evaluate(check.low), width: evaluate(check.width),
-        limit: check.limit === undefined ? undefined : value(check.limit, parameters),
-        lowest: value(check.lowest ?? 0, parameters),
-        of: check.parity_of?.map(([coveredLow, coveredWidth]) => (
-          { low: evaluate(coveredLow), width: evaluate(coveredWidth) })) }))
-      .filter((placedCheck) => placedCheck.width > 0),
-    tells: (layout.tells ?? []).map((index) => family.shared[index]).filter((cause) => isSatisfied(cause.only)),
-    speaks: (layout.speaks ?? []).filter((cause) => isSatisfied(cause.only) && isSatisfied(cause.chosen)),
+    crc: layout.crcs ? layout.crcs[crcFieldName] : layout.crc,
+    gray: placeGray(layout.gray, parameters),
+    joins: (layout.joins ?? []).map((join) => placeJoin(join, fields, parameters)),
+    checks: sharedParts(layout.checks).map((check) => placeCheck(check, parameters))
+      .filter(({ width }) => width > 0),
+    reportCauses: sharedParts(layout.tells).filter(({ only }) => isSatisfied(only)),
+    verdictCauses: (layout.speaks ?? []).filter(({ only, chosen }) => isSatisfied(only) && isSatisfied(chosen)),
+  };
+}
+
+/** Return a field, with the text of an unexplained one if its meaning is that of other order codes. */
+function withMeaningForOrderCode(field, parameters) {
+  const isExplained = !field.only || parameters[field.only];
+  return isExplained ? field : { ...field, on: TABLE.unexplained, off: "", meaning: "" };
+}
+
+/** Return {low, width, excess} of the bits in Gray code, or null if the order code sends binary. */
+function placeGray(gray, parameters) {
+  const isUsed = gray && (!gray.when || parameters[gray.when]);
+  if (!isUsed) return null;
+  const evaluate = (expression) => evaluateExpression(expression, parameters);
+  return { low: Number(evaluate(gray.low)), width: Number(evaluate(gray.width)), excess: evaluate(gray.excess ?? 0) };
+}
+
+/**
+ * Return {name, parts} of a number in several fields. A part is {placedField, low} with the lowest bit in the number.
+ * Its ``placedField`` is undefined if the field has 0 bits.
+ */
+function placeJoin(join, fields, parameters) {
+  const parts = join.fields.map(([fieldName, low]) => ({
+    placedField: fields.find(({ name }) => name === fieldName), low: Number(evaluateExpression(low, parameters)) }));
+  return { name: join.name, parts };
+}
+
+/** Return a check with its place, its limits, and for a parity the {low, width} of the bits that it covers. */
+function placeCheck(check, parameters) {
+  const evaluate = (expression) => Number(evaluateExpression(expression, parameters));
+  return {
+    check, low: evaluate(check.low), width: evaluate(check.width),
+    limit: check.limit === undefined ? undefined : evaluateExpression(check.limit, parameters),
+    lowest: evaluateExpression(check.lowest ?? 0, parameters),
+    coveredPlaces: check.parity_of?.map(([low, width]) => ({ low: evaluate(low), width: evaluate(width) })),
   };
 }
 
 /** Return the decoded number: fields, CRC, errors, reports and verdict. */
 function decode(placedLayout, number) {
   if (number >> BigInt(placedLayout.bits)) {
-    return otherLength(placedLayout, `${placedLayout.bits} bits`, bitLength(number));
+    return createLengthError(placedLayout, `${placedLayout.bits} bits`, bitLength(number));
   }
   const decoded = createEmptyResult(placedLayout, number);
-  const binary = fromGray(placedLayout, number);
+  const binary = convertFromGray(placedLayout, number);
   decoded.fields = placedLayout.fields.flatMap((placedField) => decodeFieldAndRuns(placedField, number, binary));
   decoded.crc = checkCrc(placedLayout, number);
   if (decoded.crc && decoded.crc.received !== decoded.crc.computed) {
-    const message = said("crc", hex(decoded.crc.received, 2), hex(decoded.crc.computed, 2));
+    const message = messageFor("crc", hex(decoded.crc.received, 2), hex(decoded.crc.computed, 2));
     decoded.problems.push({ fault: "crc", field: decoded.crc.field, message: message });
   }
-  decoded.problems.push(...placedLayout.checks.flatMap((placedCheck) => problemOf(placedCheck, number, binary)));
+  decoded.problems.push(...placedLayout.checks.flatMap((placedCheck) => findProblems(placedCheck, number, binary)));
   const rankOf = (problem) => TABLE.faults.indexOf(problem.fault);
   decoded.problems.sort((problem, otherProblem) => rankOf(problem) - rankOf(otherProblem));
   decoded.fields.push(...placedLayout.joins.map((join) => joinFields(join, number, binary)));
@@ -59,29 +84,30 @@ function decode(placedLayout, number) {
 
 /** Create the result of decoding, with its lists still empty. */
 const createEmptyResult = (placedLayout, number) => ({
-  at: placedLayout, number, fields: [], crc: null, problems: [], reports: [], differences: [], verdict: null,
+  placedLayout, number, fields: [], crc: null, problems: [], reports: [], differences: [], verdict: null,
 });
 
 /** Return the result of a frame of another length than the layout needs. */
-function otherLength(placedLayout, neededText, receivedCount) {
+function createLengthError(placedLayout, neededText, receivedCount) {
   const decoded = createEmptyResult(placedLayout, 0n);
   decoded.problems.push(
-    { fault: "length", field: "", message: said("length", placedLayout.name, neededText, receivedCount) });
+    { fault: "length", field: "", message: messageFor("length", placedLayout.name, neededText, receivedCount) });
   return decoded;
 }
 
 /** Decode a frame or register of bytes. */
 function decodeBytes(placedLayout, bytes) {
   if (8 * bytes.length !== placedLayout.bits) {
-    return otherLength(placedLayout, counted(placedLayout.bits / 8, "byte"), bytes.length);
+    return createLengthError(placedLayout, countWithNoun(placedLayout.bits / 8, "byte"), bytes.length);
   }
   return decode(placedLayout, numberOf(placedLayout.layout.order, bytes));
 }
 
 /** Return the number of a frame with the bits in Gray code converted to binary, less the Gray excess. */
-function fromGray(placedLayout, number) {
+function convertFromGray(placedLayout, number) {
   if (!placedLayout.gray) return number;
-  const binary = plainOf(bits(number, placedLayout.gray.low, placedLayout.gray.width)) - placedLayout.gray.excess;
+  const { low, width, excess } = placedLayout.gray;
+  const binary = grayToBinary(extractBits(number, low, width)) - excess;
   return replaceGrayBits(placedLayout, number, binary);
 }
 
@@ -92,31 +118,31 @@ function replaceGrayBits(placedLayout, number, newBits) {
 }
 
 /** Return the number that a number in Gray code stands for. */
-function plainOf(gray) {
+function grayToBinary(gray) {
   let binary = gray;
   for (let shifted = gray >> ONE; shifted; shifted >>= ONE) binary ^= shifted;
   return binary;
 }
 
 /** Return the number of a frame with the position converted to Gray code, with the Gray excess added. */
-function toGray(placedLayout, number) {
+function convertToGray(placedLayout, number) {
   if (!placedLayout.gray) return number;
   const { low, width, excess } = placedLayout.gray;
-  const sumWithExcess = BigInt.asUintN(width, bits(number, low, width) + excess);
+  const sumWithExcess = BigInt.asUintN(width, extractBits(number, low, width) + excess);
   return replaceGrayBits(placedLayout, number, sumWithExcess ^ (sumWithExcess >> ONE));
 }
 
 /** Return a field in readable form, with its runs of digits. ``raw`` is transmitted, ``value`` is decoded. */
 function decodeFieldAndRuns(placedField, number, binary) {
   const { field, low, width } = placedField;
-  const fieldBits = bits(binary, low, width);
+  const fieldBits = extractBits(binary, low, width);
   const decodedField = {
-    name: field.name, raw: bits(number, low, width), value: fieldBits, unit: field.unit ?? "",
+    name: field.name, raw: extractBits(number, low, width), value: fieldBits, unit: field.unit ?? "",
     scale: field.scale, meaning: field.meaning ?? "", high: low + width - 1, low, colour: field.colour,
     ...interpretRaw(field, fieldBits, width),
   };
   const runs = (field.runs ?? []).map(([name, divisor, modulus, meaning = ""]) => {
-    const runNumber = (fieldBits / big(divisor)) % big(modulus);
+    const runNumber = (fieldBits / toBigInt(divisor)) % toBigInt(modulus);
     return { ...decodedField, name, raw: runNumber, value: runNumber, unit: "", scale: undefined, meaning };
   });
   return [decodedField, ...runs];
@@ -131,7 +157,7 @@ function interpretRaw(field, raw, width) {
       return { value: isActive, meaning: (isActive ? field.on : field.off) || field.meaning || "" };
     }
     case "choice": {
-      const listedChoice = field.values.find((choice) => big(choice[0]) === raw);
+      const listedChoice = field.values.find((choice) => toBigInt(choice[0]) === raw);
       return listedChoice ? { value: listedChoice[1], meaning: listedChoice[2] || field.meaning || "" } : {};
     }
     case "signed":
@@ -142,7 +168,7 @@ function interpretRaw(field, raw, width) {
     }
     case "digits":
     case undefined:
-      return { value: raw || big(field.zero_means) };
+      return { value: raw || toBigInt(field.zero_means) };
     default:
       throw new TypeError(`unknown kind ${field.kind}`);
   }
@@ -150,70 +176,86 @@ function interpretRaw(field, raw, width) {
 
 /** Join the parts of a number that is sent in several fields. */
 function joinFields(join, number, binary) {
-  const parts = join.parts.filter((part) => part.item);
-  const joinedNumber = (source) => parts.reduce(
-    (whole, { item: placedField, low }) =>
-      whole | (bits(source, placedField.low, placedField.width) << BigInt(low)), 0n);
-  const names = parts.map((part) => part.item.name).reverse().join(" and ");
-  const meaning = join.parts.length > 1 ? said("as_one_number", names) : "";
-  return {
-    name: join.name, raw: joinedNumber(number), value: joinedNumber(binary), unit: "", meaning, high: -1, low: -1,
-  };
+  const parts = join.parts.filter(({ placedField }) => placedField);
+  const joinFrom = (source) => parts.reduce((sum, { placedField, low }) => (
+    sum | (extractBits(source, placedField.low, placedField.width) << BigInt(low))), 0n);
+  const names = parts.map(({ placedField }) => placedField.name).reverse().join(" and ");
+  const meaning = join.parts.length > 1 ? messageFor("as_one_number", names) : "";
+  // The place of several fields is left empty.
+  return { name: join.name, raw: joinFrom(number), value: joinFrom(binary), unit: "", meaning, high: -1, low: -1 };
 }
 
 /** Return the placed field with the CRC. */
-const crcField = (placedLayout) => placedLayout.fields.find((placedField) => placedField.field.crc);
+const findCrcField = (placedLayout) => placedLayout.fields.find((placedField) => placedField.field.crc);
 
 /** Return the received CRC and the computed one, or null if the layout lacks a CRC. */
 function checkCrc(placedLayout, number) {
   if (!placedLayout.crc) return null;
   const crc = placedLayout.family.crcs[placedLayout.crc];
-  const field = crcField(placedLayout);
-  const received = bits(number, field.low, field.width);
-  return { crc, field: field.name, received, computed: computedBy(crc, placedLayout, number) };
+  const field = findCrcField(placedLayout);
+  const received = extractBits(number, field.low, field.width);
+  return { crc, field: field.name, received, computed: computeCrc(crc, placedLayout, number) };
 }
 
 /** Compute the CRC with these parameters over the bits of a frame that its CRC covers. */
-function computedBy(crc, placedLayout, number) {
-  const { width } = crcField(placedLayout);
+function computeCrc(crc, placedLayout, number) {
+  const { width } = findCrcField(placedLayout);
   const [low, bitCount] = placedLayout.layout.crc_of ?? [width, placedLayout.bits - width];
   if (!placedLayout.layout.order || width % 8) return crcOfBits(crc, number >> BigInt(low), bitCount);
   return crcOfBytes(crc, bytesOf(placedLayout.layout.order, number, placedLayout.bits / 8).slice(0, -width / 8));
 }
 
 /** Return a list with the problem if the bits at the place of a check are wrong, otherwise an empty list. */
-function problemOf(placedCheck, number, binary) {
-  const { check, low, width, limit, lowest, of: coveredPlaces } = placedCheck;
-  const checkedBits = bits(coveredPlaces ? number : binary, low, width);
+function findProblems(placedCheck, number, binary) {
+  const { check, low, width, limit, lowest, coveredPlaces } = placedCheck;
+  // A parity covers the bits as sent, before Gray code is converted.
+  const checkedBits = extractBits(coveredPlaces ? number : binary, low, width);
   const checkedNumber = check.says === "outside" ? BigInt.asIntN(width, checkedBits) : checkedBits;
-  const rightValues = coveredPlaces ? [parityOf(number, coveredPlaces, check)]
-    : (check.values ?? []).map((listedValue) => big(listedValue) & ones(width));
-  const isInside = () => checkedNumber >= lowest && checkedNumber <= limit;
-  const isCorrect = limit === undefined ? rightValues.includes(checkedNumber) : isInside();
+  const rightValues = coveredPlaces ? [computeParity(number, coveredPlaces, check)]
+    : (check.values ?? []).map((listedValue) => toBigInt(listedValue) & ones(width));
+  const hasLimit = limit !== undefined;
+  const isCorrect = hasLimit
+    ? checkedNumber >= lowest && checkedNumber <= limit : rightValues.includes(checkedNumber);
   if (isCorrect) return [];
-  const messages = {
-    constant: () => said("constant", check.field, hex(checkedNumber), hex(rightValues[0])),
-    parity: () => said("parity", check.field, checkedNumber, check.of_name, rightValues[0]),
-    no_value: () => said("no_value", check.field, hex(checkedNumber)),
-    of_other_frame: () => said("of_other_frame", check.field, checkedNumber.toString(16).toUpperCase()),
-    too_high: () => said("too_high", check.field, checkedNumber, limit),
-    outside: () => said("outside", `${check.field} ${checkedNumber}`, lowest, limit),
-    digits: () => said("digits", check.field, checkedNumber, check.most),
-  };
-  return [{ fault: check.fault, field: check.field, message: messages[check.says]() }];
+  const message = describeProblem(placedCheck, checkedNumber, rightValues[0]);
+  return [{ fault: check.fault, field: check.field, message }];
+}
+
+/** Return the message about a wrong number. Its name in the table is that of the check. */
+function describeProblem({ check, limit, lowest }, checkedNumber, rightValue) {
+  const { field, says: messageName } = check;
+  switch (messageName) {
+    case "constant":
+      return messageFor(messageName, field, hex(checkedNumber), hex(rightValue));
+    case "parity":
+      return messageFor(messageName, field, checkedNumber, check.of_name, rightValue);
+    case "no_value":
+      return messageFor(messageName, field, hex(checkedNumber));
+    case "of_other_frame":
+      return messageFor(messageName, field, checkedNumber.toString(16).toUpperCase());
+    case "too_high":
+      return messageFor(messageName, field, checkedNumber, limit);
+    case "outside":
+      return messageFor(messageName, `${field} ${checkedNumber}`, lowest, limit);
+    case "digits":
+      return messageFor(messageName, field, checkedNumber, check.most);
+    default:
+      throw new TypeError(`unknown check ${messageName}`);
+  }
 }
 
 /** Add the reports, the verdict and the differences from the manual to the result of a valid frame or register. */
 function judgeFrame(decoded) {
-  const { at: placedLayout, number } = decoded;
-  const binary = fromGray(placedLayout, number);
-  const isActive = (placedField) => isActiveOrDiffers(placedField, bits(binary, placedField.low, placedField.width));
+  const { placedLayout, number } = decoded;
+  const binary = convertFromGray(placedLayout, number);
+  const isActive = (placedField) => (
+    isActiveOrDiffers(placedField, extractBits(binary, placedField.low, placedField.width)));
   const activeNames = new Set(placedLayout.fields.filter(isActive).map((placedField) => placedField.name));
   const applies = ({ flag, when }) =>
     (when ? when.every((pair) => hasFieldValue(decoded, pair)) : activeNames.has(flag));
-  decoded.reports = placedLayout.tells.filter(applies);
+  decoded.reports = placedLayout.reportCauses.filter(applies);
   if (placedLayout.layout.otherwise) {
-    const decidingCause = placedLayout.speaks.find((cause) =>
+    const decidingCause = placedLayout.verdictCauses.find((cause) =>
       applies(cause) && !(cause.unless ?? []).some((name) => activeNames.has(name)));
     decoded.verdict = decidingCause ? decidingCause.verdict : placedLayout.layout.otherwise;
     if (!hasJudgingBits(placedLayout) && decoded.verdict !== "not_usable") decoded.verdict = "unknown";
@@ -225,22 +267,22 @@ function judgeFrame(decoded) {
 
 /** Return whether frames of the order code have bits that say whether the position is usable, if others have. */
 function hasJudgingBits({ layout, parameters }) {
-  return layout.judging_bits === undefined || value(layout.judging_bits, parameters) > 0;
+  return layout.judging_bits === undefined || evaluateExpression(layout.judging_bits, parameters) > 0;
 }
 
 /** Return whether a flag is active, or unused bits differ from the manual. */
 function isActiveOrDiffers({ field, width }, raw) {
-  if ("unused" in field) return raw !== (big(field.unused) & ones(width));
+  if ("unused" in field) return raw !== (toBigInt(field.unused) & ones(width));
   return field.kind === "flag" ? raw !== 0n : field.kind === "not_flag" && raw === 0n;
 }
 
 /** Return whether a flag is active (1) or inactive (0), or another field has this value. */
-function hasFieldValue({ at: placedLayout, number }, [name, wantedNumber]) {
+function hasFieldValue({ placedLayout, number }, [name, wantedNumber]) {
   const placedField = placedLayout.fields.find((candidate) => candidate.name === name);
-  const raw = placedField && bits(fromGray(placedLayout, number), placedField.low, placedField.width);
+  const raw = placedField && extractBits(convertFromGray(placedLayout, number), placedField.low, placedField.width);
   if (!placedField) return false;
   return isFlag(placedField.field)
-    ? isActiveOrDiffers(placedField, raw) === (wantedNumber === 1) : raw === big(wantedNumber);
+    ? isActiveOrDiffers(placedField, raw) === (wantedNumber === 1) : raw === toBigInt(wantedNumber);
 }
 
 /** Return whether a field is a flag, active high or active low. */
@@ -248,35 +290,36 @@ const isFlag = ({ kind }) => kind === "flag" || kind === "not_flag";
 
 /** Return a list with the message about a field that differs from its documented value, otherwise an empty list. */
 function findDifference(decoded, { field }) {
-  if (field.equals === undefined || decoded.at.layout.sender === "master") return [];
+  if (field.equals === undefined || decoded.placedLayout.layout.sender === "master") return [];
   const decodedField = decoded.fields.find((candidate) => candidate.name === field.name);
   const isText = typeof field.equals === "string";
   const actual = isText ? decodedField.value : decodedField.raw;
-  const documented = isText ? field.equals : value(field.equals[0], decoded.at.parameters);
+  const documented = isText ? field.equals : evaluateExpression(field.equals[0], decoded.placedLayout.parameters);
   if (actual === documented) return [];
   const [actualText, documentedText] = [actual, documented].map(
     (content) => (isText ? `"${content}"` : hex(content, 2)));
   const name = field.printed || field.name;
-  return [decoded.at.layout.sender
-    ? said("other_value", name, actualText, documentedText)
-    : said("other_content", name, actualText, decoded.at.code, documentedText)];
+  return [decoded.placedLayout.layout.sender
+    ? messageFor("other_value", name, actualText, documentedText)
+    : messageFor("other_content", name, actualText, decoded.placedLayout.code, documentedText)];
 }
 
 /** Return the messages about runs of digits outside their usual range. */
 function findStrangeRuns(decoded) {
-  return (decoded.at.layout.strange ?? []).flatMap(([run, low, high, template]) => {
-    const decodedField = decoded.fields.find((candidate) => candidate.name === run);
-    const isStrange = decodedField && (decodedField.raw < big(low) || decodedField.raw > big(high));
-    return isStrange ? [fillTemplate(template, decodedField.raw)] : [];
+  const strangeRanges = decoded.placedLayout.layout.strange ?? [];
+  return strangeRanges.flatMap(([runName, low, high, template]) => {
+    const run = decoded.fields.find(({ name }) => name === runName);
+    const isStrange = run && (run.raw < toBigInt(low) || run.raw > toBigInt(high));
+    return isStrange ? [fillTemplate(template, run.raw)] : [];
   });
 }
 
 /** Return the names and values of the fields that together hold a number. Excess bits go to the highest field. */
 function splitNumber(parts, number) {
-  const highestBit = Math.max(...parts.map((part) => part.low + (part.item?.width ?? 0)));
-  return parts.filter((part) => part.item).map(({ item: placedField, low }) => {
+  const highestBit = Math.max(...parts.map((part) => part.low + (part.placedField?.width ?? 0)));
+  return parts.filter((part) => part.placedField).map(({ placedField, low }) => {
     const isOpen = low + placedField.width === highestBit || number < 0n;
-    return [placedField.name, isOpen ? number >> BigInt(low) : bits(number, low, placedField.width)];
+    return [placedField.name, isOpen ? number >> BigInt(low) : extractBits(number, low, placedField.width)];
   });
 }
 
@@ -288,38 +331,38 @@ function encode(placedLayout, values) {
   const parities = placedLayout.fields.filter((placedField) => placedField.field.parity);
   let number = placedLayout.fields.reduce(
     (sum, placedField) => sum | (encodeField(placedField, values) << BigInt(placedField.low)), 0n);
-  number = toGray(placedLayout, number);
+  number = convertToGray(placedLayout, number);
   parities.forEach((placedField) => {
     const coveredFields = placedLayout.fields.filter((candidate) => placedField.field.parity.includes(candidate.name));
-    number |= parityOf(number, coveredFields, placedField.field) << BigInt(placedField.low);
+    number |= computeParity(number, coveredFields, placedField.field) << BigInt(placedField.low);
   });
   if (placedLayout.crc) {
     const crc = placedLayout.family.crcs[placedLayout.crc];
-    number |= computedBy(crc, placedLayout, number) << BigInt(crcField(placedLayout).low);
+    number |= computeCrc(crc, placedLayout, number) << BigInt(findCrcField(placedLayout).low);
   }
   for (const problem of decode(placedLayout, number).problems) throw new Refusal(problem.message);
   return number;
 }
 
 /** Return whether the user provides the value of a field. All others are derived. */
-const isGiven = ({ field }) => !["crc", "parity", "fixed", "unused"].some((name) => name in field);
+const isEnteredByUser = ({ field }) => !["crc", "parity", "fixed", "unused"].some((name) => name in field);
 
 /** Return the bits of a field for a value: a number, a boolean or a text. */
 function encodeField(placedField, values) {
   const { field, width } = placedField;
-  if ("fixed" in field) return big(field.fixed) & ones(width);
-  if (!isGiven(placedField)) return big(field.unused) & ones(width);
+  if ("fixed" in field) return toBigInt(field.fixed) & ones(width);
+  if (!isEnteredByUser(placedField)) return toBigInt(field.unused) & ones(width);
   const wantedValue = values[field.name];
   if (field.kind === "flag" || field.kind === "not_flag") return BigInt(wantedValue === (field.kind === "flag"));
   if (field.kind === "text") return encodeText(placedField, wantedValue);
-  const raw = field.zero_means && wantedValue === big(field.zero_means) ? 0n : BigInt.asUintN(width, wantedValue);
+  const raw = field.zero_means && wantedValue === toBigInt(field.zero_means) ? 0n : BigInt.asUintN(width, wantedValue);
   if (interpretRaw({
     ...field, kind: field.kind === "signed" ? "signed" : undefined,
   }, raw, width).value !== wantedValue) {
-    throw new Refusal(said("too_wide", field.name, wantedValue, width));
+    throw new Refusal(messageFor("too_wide", field.name, wantedValue, width));
   }
   if (field.power_of_two && wantedValue & (wantedValue - ONE)) throw new Refusal(
-    said("no_power_of_two", field.name, wantedValue));
+    messageFor("no_power_of_two", field.name, wantedValue));
   return raw;
 }
 
@@ -327,7 +370,7 @@ function encodeField(placedField, values) {
 function encodeText({ field, width }, text) {
   const characterCodes = [...text].map((character) => character.codePointAt(0));
   if (characterCodes.length !== width / 8 || characterCodes.some((code) => code > 255)) {
-    throw new Refusal(said("too_wide", field.name, `"${text}"`, width));
+    throw new Refusal(messageFor("too_wide", field.name, `"${text}"`, width));
   }
   return numberOf("big", characterCodes);
 }
@@ -337,30 +380,32 @@ function refuseOutsideLimits(placedLayout, number, limits) {
   if (!limits || (limits.low === null && limits.high === null)) return;
   const decodedFields = decode(placedLayout, number).fields;
   const limitedNumber = limits.of ? decodedFields.find((candidate) => candidate.name === limits.of).value : number;
-  const boundOf = (limit) => (limit === null ? null : value(limit, placedLayout.parameters));
+  const boundOf = (limit) => (limit === null ? null : evaluateExpression(limit, placedLayout.parameters));
   const [low, high] = [boundOf(limits.low), boundOf(limits.high)];
   if ((low !== null && limitedNumber < low) || (high !== null && limitedNumber > high)) {
-    throw new Refusal(said("outside", limitedNumber, low ?? "the lowest value", high ?? "the highest value"));
+    throw new Refusal(messageFor("outside", limitedNumber, low ?? "the lowest value", high ?? "the highest value"));
   }
 }
 
 /** Return the fields that together hold the one number of a register, such as a position. */
-function partsOfNumber(placedLayout) {
+function listPartsOfNumber(placedLayout) {
   const [join] = placedLayout.joins;
-  return join ? join.parts : placedLayout.fields.filter(isGiven).map((placedField) => ({ item: placedField, low: 0 }));
+  if (join) return join.parts;
+  return placedLayout.fields.filter(isEnteredByUser).map((placedField) => ({ placedField, low: 0 }));
 }
 
 /** Return the bytes of a register that holds one number, such as a position, in hex. */
 function bytesOfNumber(placedLayout, number, limits) {
-  return bytesFor(placedLayout, named(Object.fromEntries(splitNumber(partsOfNumber(placedLayout), number))), limits);
+  const namesAndValues = splitNumber(listPartsOfNumber(placedLayout), number);
+  return bytesFor(placedLayout, mergeByName(Object.fromEntries(namesAndValues)), limits);
 }
 
 /** Return the highest number that a register can hold within its limits. */
 function highestNumber(placedLayout, limits) {
-  const partWidths = partsOfNumber(placedLayout).filter((part) => part.item)
-    .map(({ item: placedField, low }) => low + placedField.width - (placedField.field.kind === "signed" ? 1 : 0));
+  const partWidths = listPartsOfNumber(placedLayout).filter((part) => part.placedField)
+    .map(({ placedField, low }) => low + placedField.width - (placedField.field.kind === "signed" ? 1 : 0));
   const [highestInBits, limit] = [ones(Math.max(...partWidths)), limits?.high ?? null];
-  const allowed = limit === null ? highestInBits : value(limit, placedLayout.parameters);
+  const allowed = limit === null ? highestInBits : evaluateExpression(limit, placedLayout.parameters);
   return allowed < highestInBits ? allowed : highestInBits;
 }
 
@@ -368,8 +413,8 @@ function highestNumber(placedLayout, limits) {
 function bytesFor(placedLayout, values, limits) {
   const number = encode(placedLayout, values);
   refuseOutsideLimits(placedLayout, number, limits);
-  return shownBytes(bytesOf(placedLayout.layout.order, number, placedLayout.layout.length));
+  return formatBytes(bytesOf(placedLayout.layout.order, number, placedLayout.layout.length));
 }
 
 /** Return bytes as text: two hex digits each, with spaces. */
-const shownBytes = (bytes) => bytes.map((byte) => byte.toString(16).toUpperCase().padStart(2, "0")).join(" ");
+const formatBytes = (bytes) => bytes.map((byte) => byte.toString(16).toUpperCase().padStart(2, "0")).join(" ");

@@ -56,7 +56,7 @@ function findCode(label) {
 /** Return the order code on a label if it is one of this family. Throws ``UnknownCode`` with help. */
 function readLabelOfFamily(family, label) {
   if (label.length > LONGEST_LABEL) {
-    throw new UnknownCode(said("too_long", label.slice(0, 20), label.length, LONGEST_LABEL), true);
+    throw new UnknownCode(messageFor("too_long", label.slice(0, 20), label.length, LONGEST_LABEL), true);
   }
   const code = removeBlanks(label).toUpperCase();
   for (const spelling of family.labels.written) {
@@ -69,18 +69,19 @@ function readLabelOfFamily(family, label) {
 /** Return the order code of a label whose parts a spelling of the family has matched, with notes about its tail. */
 function resolveOrderCode(family, spelling, groups, code) {
   const { parts, pattern } = family.labels;
-  const texts = named(Object.fromEntries(parts.map(({ name }) => {
+  const texts = mergeByName(Object.fromEntries(parts.map(({ name }) => {
     const spelledText = spelling.values?.[name]?.[groups[name].toUpperCase()];
     return [name, spelledText ?? groups[name]];
   })));
-  const values = named(Object.fromEntries(parts.map((part) => [part.name, findListedValue(part, texts[part.name])])));
+  const namesAndValues = parts.map((part) => [part.name, findListedValue(part, texts[part.name])]);
+  const values = mergeByName(Object.fromEntries(namesAndValues));
   const row = findFittingRow(family, values);
   if (!row) throw new UnknownCode(describeClash(family, code, texts, values), true);
   const unlisted = parts.map((part) => part.name).filter((name) => values[name] === undefined);
   const listedCode = orderCodeOfRow(family, row);
   return {
     ...listedCode,
-    code: unlisted.length ? fillPattern(pattern, named(texts, omitUndefined(values))) : listedCode.code,
+    code: unlisted.length ? fillPattern(pattern, mergeByName(texts, omitUndefined(values))) : listedCode.code,
     unlisted,
     tail: groups.tail_ ?? "",
     isSpecial: groups.special_ !== undefined,
@@ -112,7 +113,7 @@ function partsOfRow(family, row) {
   if (!partsByRow.has(row)) {
     const { groups } = compileRegex(family.labels.written[0].label).exec(removeBlanks(row[0]));
     const listed = family.labels.parts.map((part) => [part.name, findListedValue(part, groups[part.name])]);
-    partsByRow.set(row, named(Object.fromEntries(listed)));
+    partsByRow.set(row, mergeByName(Object.fromEntries(listed)));
   }
   return partsByRow.get(row);
 }
@@ -120,9 +121,9 @@ function partsOfRow(family, row) {
 /** Return the message about an order code whose parts are listed but exclude each other. */
 function describeClash(family, code, texts, values) {
   const names = family.labels.parts.filter((part) => part.values.some(
-    (candidate) => findFittingRow(family, named(values, { [part.name]: candidate })))).map((part) => part.name);
+    (candidate) => findFittingRow(family, mergeByName(values, { [part.name]: candidate })))).map((part) => part.name);
   const namedParts = names.map((name) => `${name} '${values[name] ?? texts[name]}'`).join(" and ") || "its parts";
-  return said("cannot_be_combined", code, namedParts, listNearestCodes([family], code));
+  return messageFor("cannot_be_combined", code, namedParts, listNearestCodes([family], code));
 }
 
 /** Return the error about a text with one part left out or unlisted, or about a text that is far from every code. */
@@ -133,17 +134,17 @@ function explainWrongPart(family, code) {
     if (!groups || !hasOtherText(groups, part, code)) return [];
     const unlisted = parts.filter(
       (other) => other !== part && findListedValue(other, groups[other.name]) === undefined);
-    return [{ part, given: groups[part.name], rank: 2 * unlisted.length + (groups[part.name] ? 1 : 0) }];
+    return [{ part, partText: groups[part.name], rank: 2 * unlisted.length + (groups[part.name] ? 1 : 0) }];
   });
   if (!candidates.length) {
     return new UnknownCode(
-      said("not_of_family", code, family.name.toUpperCase(), listNearestCodes([family], code)), false);
+      messageFor("not_of_family", code, family.name.toUpperCase(), listNearestCodes([family], code)), false);
   }
-  const { part, given: partText } = candidates.reduce(
+  const { part, partText } = candidates.reduce(
     (best, candidate) => (candidate.rank < best.rank ? candidate : best));
-  const partProblem = partText ? said("has_part", part.name, partText) : said("has_no_part", part.name);
+  const partProblem = partText ? messageFor("has_part", part.name, partText) : messageFor("has_no_part", part.name);
   return new UnknownCode(
-    said("wrong_part", code, partProblem, part.values.join(", "), listNearestCodes([family], code)), true);
+    messageFor("wrong_part", code, partProblem, part.values.join(", "), listNearestCodes([family], code)), true);
 }
 
 /** Return whether a label has letters or digits of the family, apart from a wrong part and the tail. */
@@ -156,9 +157,9 @@ function hasOtherText(groups, part, code) {
 /** Return the message about a text that is far from the codes of every family, with the nearest codes. */
 function describeUnknownLabel(text) {
   const family = TABLE.families.find((candidate) => candidate.name === text.trim().toLowerCase());
-  if (family) return said("family", text, family.codes[0][0]);
+  if (family) return messageFor("family", text, family.codes[0][0]);
   const nearestCodes = listNearestCodes(TABLE.families, text, TABLE.limits.likeness);
-  return said("unknown", text) + (nearestCodes ? said("nearest", nearestCodes) : "");
+  return messageFor("unknown", text) + (nearestCodes ? messageFor("nearest", nearestCodes) : "");
 }
 
 /** List the three most similar codes, with commas. ``leastLikeness`` is from 0 to 1. */
@@ -195,6 +196,7 @@ function computeSimilarity(text, otherText) {
 
 /** Return the order code of a row of the table, which is [code, index of its interface, values of the parameters]. */
 function orderCodeOfRow(family, [code, interfaceIndex, ...values]) {
-  const parameters = named(Object.fromEntries((family.given ?? []).map((name, index) => [name, big(values[index])])));
-  return { code, family, interface: family.interfaces[interfaceIndex], given: parameters };
+  const namesAndValues = (family.given ?? []).map((name, index) => [name, toBigInt(values[index])]);
+  const parameters = mergeByName(Object.fromEntries(namesAndValues));
+  return { code, family, interface: family.interfaces[interfaceIndex], parameters };
 }

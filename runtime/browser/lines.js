@@ -11,13 +11,13 @@ const LINE_LAYOUT_NAMES = {
   spi: ["position_word", "Position word"], rs485: ["reply", "Reply"],
 };
 /** Verdict of an active flag, by its effect. */
-const LINE_EFFECT_VERDICTS = named({ error: "not_usable", warning: "usable_with_warning", status: "usable" });
+const LINE_EFFECT_VERDICTS = mergeByName({ error: "not_usable", warning: "usable_with_warning", status: "usable" });
 /** Meaning of an active flag, by its verdict. */
 const LINE_VERDICT_MEANINGS = {
   not_usable: "an error is active", usable_with_warning: "a warning is active", usable: "the bit is active",
 };
 /** Unit and meaning of the fields with a number that the measured position consists of, by name. */
-const LINE_NUMBER_UNITS = named({
+const LINE_NUMBER_UNITS = mergeByName({
   position: ["counts", "Position"], singleturn: ["counts", "Position within one revolution"],
   multiturn: ["revolutions", "Number of revolutions"],
 });
@@ -170,13 +170,13 @@ function parseRequest(text) {
 }
 
 /** Options that are a word, by that word: their interfaces, their member in the options of a line, and its value. */
-const LINE_KEYWORDS = named({
+const LINE_KEYWORDS = mergeByName({
   gray: [["biss", "ssi", "spi"], "isGray", true], binary: [LINE_INTERFACES, "isGray", false],
   left: [["ssi"], "alignment", "msb_left"], right: [["ssi"], "alignment", "lsb_right"],
   low_byte_first: [["spi", "rs485"], "order", "little"], high_byte_first: [["spi", "rs485"], "order", "big"],
 });
 /** Options with a value, by name: their interfaces, the function that parses the value or returns null, an example. */
-const LINE_SETTINGS = named({
+const LINE_SETTINGS = mergeByName({
   clock: [["biss", "ssi", "spi"], parseHertz, "clock=1MHz"],
   mode: [["spi"], (text) => (/^[0-3]$/.test(text) ? Number(text) : null), "mode=1"],
   baud: [["rs485"], parsePositive, "baud=2500000"], request: [["rs485"], parseRequest, "request=1A"],
@@ -533,13 +533,13 @@ function buildJoins(sentFields) {
 /** Return whether a field has the same bits in every frame. */
 const isConstant = (field) => field.kind === "zero" || field.kind === "constant";
 /** Count the ones in a number. */
-const onesIn = (number) => number.toString(2).replaceAll("0", "").length;
+const countOnes = (number) => number.toString(2).replaceAll("0", "").length;
 
 /** Return the other fields of a parity bit that change, and whether their number of ones must be odd with it. */
 function findParityCoverage(field, sentFields) {
   const otherFields = sentFields.filter((other) => !["parity", "crc"].includes(other.kind));
   const constantOnes = otherFields.filter((other) => other.kind === "constant")
-    .reduce((sum, constant) => sum + onesIn(constant.value), 0);
+    .reduce((sum, constant) => sum + countOnes(constant.value), 0);
   return {
     covered: otherFields.filter((other) => !isConstant(other)), isOdd: (Number(field.isOdd) + constantOnes) % 2,
   };
@@ -625,7 +625,8 @@ function buildCrcRecord({ bits: width, poly, init, isInverted }, isOverBytes) {
       "start_value", `the start value of the CRC is ${hex(startValue)}`, parametersWith({ init: startValue })]),
     ...(isOverBytes ? buildOtherBytePolynomials(parametersWith)
       : [buildReversedPolynomial(width, poly, parametersWith)])];
-  const powers = Array.from({ length: width }, (_, index) => width - 1 - index).filter((power) => bits(poly, power, 1));
+  const powers = Array.from({ length: width }, (_, index) => width - 1 - index)
+    .filter((power) => extractBits(poly, power, 1));
   const polynomialText = [width, ...powers].map((power) => ["1", "x"][power] ?? `x^${power}`).join(" + ");
   const isDifferent = ([, , crc]) => JSON.stringify(crc) !== JSON.stringify(ownParameters);
   return {
@@ -636,7 +637,7 @@ function buildCrcRecord({ bits: width, poly, init, isInverted }, isOverBytes) {
 
 /** List all zeros, all ones, and the start values of known CRCs with the polynomial, except that of the CRC itself. */
 function listOtherStartValues(width, poly, init) {
-  const hasPolynomial = ([knownPolynomial]) => big(knownPolynomial) === (poly | (ONE << BigInt(width)));
+  const hasPolynomial = ([knownPolynomial]) => toBigInt(knownPolynomial) === (poly | (ONE << BigInt(width)));
   const startValues = new Set([
     0n, ones(width), ...TABLE.known_crcs.filter(hasPolynomial).map(([, knownInit]) => BigInt(knownInit))]);
   return [...startValues].filter((startValue) => startValue !== init)
@@ -654,8 +655,8 @@ function buildReversedPolynomial(width, poly, parametersWith) {
 /** Build the similar CRCs over bytes with the usual polynomials, in both bit orders. */
 function buildOtherBytePolynomials(parametersWith) {
   return TABLE.byte_polynomials.flatMap((polynomial) => {
-    const poly = big(polynomial) & 0xFFn;
-    const text = `the polynomial is ${hex(big(polynomial))}`;
+    const poly = toBigInt(polynomial) & 0xFFn;
+    const text = `the polynomial is ${hex(toBigInt(polynomial))}`;
     return [["other_polynomial", `${text}, most significant bit first`, parametersWith({ poly })],
       ["other_polynomial", `${text}, least significant bit first`, parametersWith({ poly, refin: ONE, refout: ONE })]];
   });

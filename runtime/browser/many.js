@@ -4,7 +4,7 @@
 const VERDICT_CLASSES = { usable: "good", usable_with_warning: "warning", not_usable: "bad" };
 
 /** Return the verdict on a row in words, with the class for its colour and shape. */
-function describeVerdict({ found: decoded, error }) {
+function describeVerdict({ decoded, error }) {
   if (error) return ["not a frame", "bad"];
   if (decoded.problems.length) return [`${decoded.problems[0].fault.replace("crc", "CRC")} error`, "bad"];
   if (!decoded.verdict) return ["no verdict", "plain"];
@@ -13,10 +13,10 @@ function describeVerdict({ found: decoded, error }) {
 
 /** Create the mark of a verdict: its text with the colour and shape of ``verdictClass``. */
 const createBadge = (text, verdictClass) => (
-  element("span", { class: `${CLASS}-badge ${CLASS}-badge-${verdictClass}` }, text));
+  createElement("span", { class: `${CLASS}-badge ${CLASS}-badge-${verdictClass}` }, text));
 
 /** Return the errors or reports of a frame in one line. */
-function writeRemark({ found: decoded, error }) {
+function writeRemark({ decoded, error }) {
   if (error) return error;
   const messages = decoded.problems.map((problem) => problem.message);
   return [
@@ -24,7 +24,7 @@ function writeRemark({ found: decoded, error }) {
 }
 
 /** Return the field that the position is read from, or the first number of a frame. */
-function findMainField({ found: decoded }, measure) {
+function findMainField({ decoded }, measure) {
   if (!decoded?.fields.length || decoded.problems.length) return null;
   const findNumber = (name) => decoded.fields.find((field) => field.name === name && typeof field.value === "bigint");
   return findNumber(measure?.of) ?? findNumber(measure?.part)
@@ -32,47 +32,49 @@ function findMainField({ found: decoded }, measure) {
 }
 
 /** Create a table of lines, each with its frame decoded in ``found`` or an ``error``. ``pick`` shows one in full. */
-function tableOf(rows, measure, pick) {
+function createLineTable(rows, measure, pick) {
   const hasTimes = rows.some((row) => row.line.time);
   const heads = ["Line", ...(hasTimes ? ["Time"] : []), "Frame", "Verdict", "Value", "Remark"];
   const bodyRows = rows.map((row) => {
-    const showButton = element("button", { type: "button", "aria-label": `Show line ${row.line.number} in full` },
+    const showButton = createElement("button", { type: "button", "aria-label": `Show line ${row.line.number} in full` },
       `${row.line.number}`);
     showButton.addEventListener("click", () => pick(row));
     const mainField = findMainField(row, measure);
     const valueTexts = mainField ? [`${mainField.name} ${formatWithUnit(mainField)}`] : [];
-    const angleText = mainField ? measured(row.found, measure).replace(/^\w+: /, "") : "";
-    return element("tr", {},
-      element("td", {}, showButton), ...(hasTimes ? [element("td", {}, row.line.time)] : []),
-      element("td", { class: `${CLASS}-frame` }, element("code", {}, row.line.text)),
-      element("td", {}, createBadge(...describeVerdict(row))),
-      element("td", { class: `${CLASS}-value` }, valueTexts, angleText && part("span", "meaning", angleText)),
-      element("td", {}, writeRemark(row)));
+    const angleText = mainField ? describeMeasurement(row.decoded, measure).replace(/^\w+: /, "") : "";
+    return createElement("tr", {},
+      createElement("td", {}, showButton), ...(hasTimes ? [createElement("td", {}, row.line.time)] : []),
+      createElement("td", { class: `${CLASS}-frame` }, createElement("code", {}, row.line.text)),
+      createElement("td", {}, createBadge(...describeVerdict(row))),
+      createElement("td", { class: `${CLASS}-value` }, valueTexts,
+        angleText && createPart("span", "meaning", angleText)),
+      createElement("td", {}, writeRemark(row)));
   });
-  const headCells = heads.map((text) => element("th",
+  const headCells = heads.map((text) => createElement("th",
     { scope: "col", class: text === "Frame" && `${CLASS}-frame` }, text));
-  return element("table", { class: `${CLASS}-many` },
-    element("caption", {}, counted(rows.length, "frame")),
-    element("thead", {}, element("tr", {}, headCells)), element("tbody", {}, bodyRows));
+  return createElement("table", { class: `${CLASS}-many` },
+    createElement("caption", {}, countWithNoun(rows.length, "frame")),
+    createElement("thead", {}, createElement("tr", {}, headCells)), createElement("tbody", {}, bodyRows));
 }
 
 /** Return the cells of a field by column: its value, and the quantity that a number stands for. */
-function cellsOf(field) {
+function listCsvCells(field) {
   const quantityCells = field.scale
-    ? [[`${field.name} (${field.scale[3]})`, scaled(field.scale, field.value).decimal]] : [];
+    ? [[`${field.name} (${field.scale[3]})`, scaleNumber(field.scale, field.value).decimal]] : [];
   return [[field.name, formatValue(field.value)], ...quantityCells];
 }
 
 /** Write the lines as CSV, with a column for each field and each quantity. */
 function writeCsv(rows) {
-  const cellsOfRows = rows.map((row) => (row.found?.fields ?? []).flatMap(cellsOf));
+  const cellsOfRows = rows.map((row) => (row.decoded?.fields ?? []).flatMap(listCsvCells));
   const columnNames = [...new Set(cellsOfRows.flatMap((cells) => cells.map(([name]) => name)))];
   const quoteCell = (text) => (/[",\r\n]/.test(text) ? `"${text.replace(/"/g, '""')}"` : text);
   const lines = rows.map((row, rowIndex) => {
-    const textByColumn = named(...cellsOfRows[rowIndex].map(([name, text]) => ({ [name]: text })));
+    const textByColumn = mergeByName(...cellsOfRows[rowIndex].map(([name, text]) => ({ [name]: text })));
     const { line } = row;
     return [
-      `${line.number}`, line.time, line.text, row.found?.at?.name ?? "", row.found?.verdict ?? "", writeRemark(row),
+      `${line.number}`, line.time, line.text,
+      row.decoded?.placedLayout?.name ?? "", row.decoded?.verdict ?? "", writeRemark(row),
       ...columnNames.map((name) => textByColumn[name] ?? "")];
   });
   const heads = ["line", "time", "frame", "layout", "verdict", "remark", ...columnNames];
@@ -80,47 +82,49 @@ function writeCsv(rows) {
 }
 
 /** List the mistakes that explain the most of the wrong frames among the lines, if they explain at least two. */
-function togetherOf(rows) {
-  const wrongFrames = rows.flatMap((row) => (row.found?.problems.length && !row.found.channels ? [row.found] : []));
+function listCommonMistakes(rows) {
+  const decodedFrames = rows.flatMap((row) => (row.decoded ? [row.decoded] : []));
+  const wrongFrames = decodedFrames.filter((decoded) => decoded.problems.length > 0 && !decoded.channels);
   const mistakes = judgedTogether(wrongFrames);
   if (!mistakes.length || mistakes[0].frames < 2) return [];
-  const introduction = said(
+  const introduction = messageFor(
     "together", `${mistakes[0].frames}`, `${Math.min(wrongFrames.length, TABLE.likely.frames)}`);
   const mistakeTexts = mistakes.map(
     ({ text, oneIn }) => (oneIn > ONE ? `${text} (matches by chance in 1 of ${oneIn})` : text));
-  return [element("p", {}, `${introduction}:`), list(mistakeTexts)];
+  return [createElement("p", {}, `${introduction}:`), createList(mistakeTexts)];
 }
 
 /** List the doubts that all lines have in common although they are valid: a dead line, own requests, other readings. */
-function doubtsOfAll(rows, measure) {
-  const frames = rows.flatMap((row) => (row.found ? [row.found] : [])).slice(-TABLE.likely.frames);
+function listCommonDoubts(rows, measure) {
+  const frames = rows.flatMap((row) => (row.decoded ? [row.decoded] : [])).slice(-TABLE.likely.frames);
   const deadLineTexts = new Set(frames.map(deadLine));
   const requestNames = new Set(frames.map(ownRequest));
+  const isOwnRequest = requestNames.size > 0 && !requestNames.has("");
+  const requestsText = messageFor("own_requests", [...requestNames].join(", "));
   const readingsOfFrames = frames.map((decoded) => new Map(otherPositions(decoded, measure)));
   const commonTexts = [...readingsOfFrames[0]?.keys() ?? []]
     .filter((text) => readingsOfFrames.every((positionByText) => positionByText.has(text)));
   const readingsText = commonTexts.map(
     (text) => `${readingsOfFrames.map((positionByText) => positionByText.get(text)).join(" ")} ${text}`).join(", ");
   return [
-    ...(deadLineTexts.size === 1 && !deadLineTexts.has("") ? [element("p", {}, [...deadLineTexts][0])] : []),
-    ...(requestNames.size && !requestNames.has("")
-      ? [element("p", {}, sentence(capitalize(said("own_requests", [...requestNames].join(", ")))))] : []),
+    ...(deadLineTexts.size === 1 && !deadLineTexts.has("") ? [createElement("p", {}, [...deadLineTexts][0])] : []),
+    ...(isOwnRequest ? [createElement("p", {}, toSentence(capitalize(requestsText)))] : []),
     ...(readingsText ? [foldDoubt(measure, readingsText)] : []),
   ];
 }
 
 /** Create buttons that copy and download the lines as CSV. */
-function exportsOf(rows) {
-  const copyButton = element("button", { type: "button" }, "Copy as CSV");
+function createExportButtons(rows) {
+  const copyButton = createElement("button", { type: "button" }, "Copy as CSV");
   copyButton.addEventListener("click", () => {
     navigator.clipboard.writeText(writeCsv(rows)).then(() => { copyButton.textContent = "Copied"; },
       () => { copyButton.textContent = "The browser did not allow it"; });
   });
-  const downloadButton = element("button", { type: "button" }, "Download CSV");
+  const downloadButton = createElement("button", { type: "button" }, "Download CSV");
   downloadButton.addEventListener("click", () => {
     const url = URL.createObjectURL(new Blob([writeCsv(rows)], { type: "text/csv" }));
-    element("a", { href: url, download: "frames.csv" }).click();
+    createElement("a", { href: url, download: "frames.csv" }).click();
     setTimeout(() => URL.revokeObjectURL(url), 1000);
   });
-  return part("p", "exports", copyButton, downloadButton);
+  return createPart("p", "exports", copyButton, downloadButton);
 }

@@ -4,27 +4,27 @@
 const ONE = 1n;
 
 /** Merge values into one object by names of a spec, which can also be names that every JavaScript object has. */
-const named = (...pairs) => Object.assign(Object.create(null), ...pairs);
+const mergeByName = (...pairs) => Object.assign(Object.create(null), ...pairs);
 
 /** Return a limit or count of the table as BigInt: there it is a number, or text if it is too large for a number. */
-const big = (tableNumber) => BigInt(tableNumber ?? 0);
+const toBigInt = (tableNumber) => BigInt(tableNumber ?? 0);
 /** Return the number with ``width`` bits that are all 1. */
 const ones = (width) => (ONE << BigInt(width)) - ONE;
 /** Return ``width`` bits of a number, from bit ``low`` on. */
-const bits = (number, low, width) => (number >> BigInt(low)) & ones(width);
+const extractBits = (number, low, width) => (number >> BigInt(low)) & ones(width);
 /** Return a number in hex, with 0x and leading zeros up to ``digits``. */
 const hex = (number, digits = 1) => "0x" + number.toString(16).padStart(digits, "0");
 /** Return a count with its noun in the singular or plural. */
-const counted = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
+const countWithNoun = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
 /** Fill the values into a template, at {0}, {1} and so on. */
 const fillTemplate = (template, ...values) => template.replace(/\{(\d)\}/g, (_, valueIndex) => values[valueIndex]);
 /** Return the message with this name of the table, filled with values. */
-const said = (name, ...values) => fillTemplate(TABLE.said[name], ...values);
+const messageFor = (name, ...values) => fillTemplate(TABLE.said[name], ...values);
 /** Count the bits of a number from its highest 1 on. */
 const bitLength = (number) => (number ? number.toString(2).length : 0);
 
 /** Return a fraction with all its decimals, or with six of them after ≈ if they are endless. */
-function decimal(numerator, denominator) {
+function formatFraction(numerator, denominator) {
   const [magnitude, denominatorBits] = [numerator < 0n ? -numerator : numerator, denominator.toString(2).length];
   let exactPlaces = 0;
   while (exactPlaces <= denominatorBits && (magnitude * 10n ** BigInt(exactPlaces)) % denominator) exactPlaces += 1;
@@ -40,8 +40,8 @@ function decimal(numerator, denominator) {
  * Return the quantity that a number stands for, with a fixed number of decimals, and whether these are exact.
  * The scale is [numerator, denominator, offset, unit, decimals].
  */
-function scaled([numerator, denominator, offset, , decimalCount = 0], number) {
-  const [scaledNumerator, divisor] = [number * big(numerator) + big(offset), big(denominator)];
+function scaleNumber([numerator, denominator, offset, , decimalCount = 0], number) {
+  const [scaledNumerator, divisor] = [number * toBigInt(numerator) + toBigInt(offset), toBigInt(denominator)];
   const power = 10n ** BigInt(decimalCount);
   const roundedMagnitude = (2n * (scaledNumerator < 0n ? -scaledNumerator : scaledNumerator) * power + divisor)
     / (2n * divisor);
@@ -54,15 +54,15 @@ function scaled([numerator, denominator, offset, , decimalCount = 0], number) {
 
 /** Return a quantity with its unit. It begins with ≈ if its decimals are rounded. */
 function quantityOf(scale, number) {
-  const { decimal: decimalText, exact } = scaled(scale, number);
+  const { decimal: decimalText, exact } = scaleNumber(scale, number);
   return `${exact ? "" : "≈ "}${decimalText} ${scale[3]}`;
 }
 
 /** Evaluate an expression, which is a number, or a list of a number and terms. Each term is a multiple and factors. */
-function value(expression, parameters) {
-  if (!Array.isArray(expression)) return big(expression);
+function evaluateExpression(expression, parameters) {
+  if (!Array.isArray(expression)) return toBigInt(expression);
   return expression.slice(1).reduce((sum, [multiple, ...factors]) => sum + factors.reduce(
-    (product, name) => product * evaluateFactor(name, parameters), big(multiple)), big(expression[0]));
+    (product, name) => product * evaluateFactor(name, parameters), toBigInt(multiple)), toBigInt(expression[0]));
 }
 
 /** Return the parameter of a factor, or 2 to the power of the parameter if the factor begins with ^. */
@@ -75,7 +75,7 @@ function evaluateFactor(name, parameters) {
 
 /** Return the parameters of an order code and those derived from them. */
 function resolveParameters(family, given) {
-  const parameters = named(given);
+  const parameters = mergeByName(given);
   let unsettled = family.derived ?? [];
   for (let countBefore = -1; unsettled.length !== countBefore;) {
     countBefore = unsettled.length;
@@ -89,7 +89,7 @@ function settleParameter(parameters, name, expression) {
   const names = Array.isArray(expression) ? expression.slice(1).flatMap((term) => term.slice(1)) : [];
   if (!names.every((nameOrPower) => nameOrPower.replace("^", "") in parameters)) return false;
   try {
-    parameters[name] = value(expression, parameters);
+    parameters[name] = evaluateExpression(expression, parameters);
   } catch (error) {
     parameters[name] = 0n;
   }
@@ -97,27 +97,29 @@ function settleParameter(parameters, name, expression) {
 }
 
 /** Return the lowest ``width`` bits of a number in reverse order. */
-function reflected(number, width) {
+function reverseBits(number, width) {
   let reversed = 0n;
-  for (let bitIndex = 0; bitIndex < width; bitIndex += 1) reversed = (reversed << ONE) | bits(number, bitIndex, 1);
+  for (let bitIndex = 0; bitIndex < width; bitIndex += 1) {
+    reversed = (reversed << ONE) | extractBits(number, bitIndex, 1);
+  }
   return reversed;
 }
 
 /** Compute a CRC over the lowest ``bitCount`` bits of a number, most significant first. */
 function crcOfBits(crc, number, bitCount) {
-  const [mask, poly, top] = [ones(crc.width), big(crc.poly), BigInt(crc.width - 1)];
-  let register = big(crc.init);
+  const [mask, poly, top] = [ones(crc.width), toBigInt(crc.poly), BigInt(crc.width - 1)];
+  let register = toBigInt(crc.init);
   for (let bitIndex = BigInt(bitCount) - ONE; bitIndex >= 0n; bitIndex -= ONE) {
     const feedback = ((register >> top) ^ (number >> bitIndex)) & ONE;
     register = (register << ONE) & mask;
     if (feedback) register ^= poly;
   }
-  return (crc.refout ? reflected(register, crc.width) : register) ^ big(crc.xorout);
+  return (crc.refout ? reverseBits(register, crc.width) : register) ^ toBigInt(crc.xorout);
 }
 
 /** Compute a CRC over bytes, each reflected if the CRC is. */
 function crcOfBytes(crc, bytes) {
-  const bytesInOrder = bytes.map((byte) => (crc.refin ? reflected(BigInt(byte), 8) : byte));
+  const bytesInOrder = bytes.map((byte) => (crc.refin ? reverseBits(BigInt(byte), 8) : byte));
   return crcOfBits(crc, numberOf("big", bytesInOrder), 8 * bytes.length);
 }
 
@@ -129,13 +131,13 @@ function numberOf(order, bytes) {
 
 /** Return the ``byteCount`` bytes of a number, in this order. */
 function bytesOf(order, number, byteCount) {
-  const lowFirst = Array.from({ length: byteCount }, (_, byteIndex) => Number(bits(number, 8 * byteIndex, 8)));
+  const lowFirst = Array.from({ length: byteCount }, (_, byteIndex) => Number(extractBits(number, 8 * byteIndex, 8)));
   return order === "little" ? lowFirst : lowFirst.reverse();
 }
 
 /** Return the parity of the bits of a number at these places, or of those bits at each place that are in the mask. */
-function parityOf(number, places, { odd, mask }) {
-  const countedBits = mask ? big(mask) : -1n;
-  const digits = places.map(({ low, width }) => (bits(number, low, width) & countedBits).toString(2)).join("");
+function computeParity(number, places, { odd, mask }) {
+  const countedBits = mask ? toBigInt(mask) : -1n;
+  const digits = places.map(({ low, width }) => (extractBits(number, low, width) & countedBits).toString(2)).join("");
   return BigInt((digits.split("1").length - 1 + (odd ?? 0)) % 2);
 }

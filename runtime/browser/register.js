@@ -6,22 +6,22 @@
  * Return {parts, fill}: the elements, and the function that fills the inputs from a decoded register.
  */
 function createRegisterForm(state, register, frameInput, showResult) {
-  const placedRegister = () => placedFor(state.found, register, state.held, state.answers);
+  const placedRegister = () => placedFor(state.orderCode, register, state.registerContents, state.answers);
   const allLimits = register.limits ?? [];
   const bounds = allLimits.map((limits) => describeLimits(placedRegister(), limits)).filter(Boolean);
-  const notes = part("p", "note", [...(register.about ?? []), ...bounds.map(sentence)].join(" "));
+  const notes = createPart("p", "note", [...(register.about ?? []), ...bounds.map(toSentence)].join(" "));
   if (!register.writable) {
-    return { parts: [notes, part("p", "note", "Read-only. Paste its bytes to decode them.")], fill: null };
+    return { parts: [notes, createPart("p", "note", "Read-only. Paste its bytes to decode them.")], fill: null };
   }
-  const refusal = part("p", "wrong");
+  const refusal = createPart("p", "wrong");
   refusal.setAttribute("role", "alert");
   const inputs = [
     ...placedRegister().joins.filter((join) => join.parts.length > 1).map((join) => createJoinInput(join)),
-    ...placedRegister().fields.filter(isGiven).map((placedField) => createFieldInput(placedField)),
+    ...placedRegister().fields.filter(isEnteredByUser).map((placedField) => createFieldInput(placedField)),
   ];
   const limitsByMeaning = allLimits.filter((limits) => limits.name);
   const meanings = limitsByMeaning.map(({ name, meaning }) => createOption(name, `${name}: ${meaning ?? ""}`));
-  const chosenMeaning = element("select", {}, createOption("", "choose"), meanings);
+  const chosenMeaning = createElement("select", {}, createOption("", "choose"), meanings);
 
   /** Encode the values of the inputs and show the bytes, or show why they are rejected. */
   function encodeInputs() {
@@ -32,11 +32,11 @@ function createRegisterForm(state, register, frameInput, showResult) {
       showResult(true);
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
-      refusal.textContent = sentence(error.message);
+      refusal.textContent = toSentence(error.message);
     }
   }
 
-  const form = element("fieldset", {}, element("legend", {}, "Change values to encode bytes"),
+  const form = createElement("fieldset", {}, createElement("legend", {}, "Change values to encode bytes"),
     limitsByMeaning.length ? createLabelledInput("Meaning", chosenMeaning) : "",
     inputs.map(({ label }) => label), refusal);
   form.addEventListener("input", (event) => {
@@ -49,7 +49,7 @@ function createRegisterForm(state, register, frameInput, showResult) {
 
 /** Create the button that enters the default bytes of a register. */
 function createDefaultButton(register, frameInput, showResult) {
-  const button = element("button", { type: "button" }, `Default: ${register.default}`);
+  const button = createElement("button", { type: "button" }, `Default: ${register.default}`);
   button.addEventListener("click", () => {
     frameInput.value = register.default;
     showResult();
@@ -61,7 +61,7 @@ function createDefaultButton(register, frameInput, showResult) {
 function describeLimits(placedRegister, { name, of, low, high }) {
   if (low === null && high === null) return "";
   const bounds = [["at least", low], ["at most", high]].filter(([, bound]) => bound !== null)
-    .map(([comparison, bound]) => `${comparison} ${value(bound, placedRegister.parameters)}`);
+    .map(([comparison, bound]) => `${comparison} ${evaluateExpression(bound, placedRegister.parameters)}`);
   return `Limits of ${name ?? of ?? placedRegister.name}: ${bounds.join(", ")}`;
 }
 
@@ -74,28 +74,28 @@ function chooseLimits(register, limitsByMeaning, chosenMeaning) {
 
 /** Create an input for a field, by its kind: {name, input, label, read, write}. */
 function createFieldInput({ field, name, width }) {
-  const hint = [field.meaning, field.unit].filter(Boolean).join(", ") || counted(width, "bit");
+  const hint = [field.meaning, field.unit].filter(Boolean).join(", ") || countWithNoun(width, "bit");
   const inputOf = (input, read, write) => ({ name, input, read, write, label: createLabelledInput(name, input, hint) });
   if (field.kind === "flag" || field.kind === "not_flag") {
-    const input = element("input", { type: "checkbox" });
+    const input = createElement("input", { type: "checkbox" });
     return inputOf(input, () => input.checked, (isActive) => Object.assign(input, { checked: isActive }));
   }
   if (field.kind === "choice") {
-    const choices = field.values.map(([number, text]) => createOption(`${big(number)}`, text));
-    const input = element("select", {}, createOption("", "choose"), choices);
+    const choices = field.values.map(([number, text]) => createOption(`${toBigInt(number)}`, text));
+    const input = createElement("select", {}, createOption("", "choose"), choices);
     const read = () => (input.value ? BigInt(input.value) : "");
     return inputOf(input, read, (_, raw) => Object.assign(input, { value: `${raw}` }));
   }
   const isText = field.kind === "text";
-  const input = element("input", { autocomplete: "off", inputmode: isText ? "text" : "numeric" });
+  const input = createElement("input", { autocomplete: "off", inputmode: isText ? "text" : "numeric" });
   const read = () => (isText ? input.value : parseNumberOrEmpty(input.value));
   return inputOf(input, read, (fieldValue) => Object.assign(input, { value: fieldValue }));
 }
 
 /** Create an input for a number of several fields, which it fills in. */
 function createJoinInput({ name, parts }) {
-  const input = element("input", { autocomplete: "off", inputmode: "numeric" });
-  const names = parts.map((part) => part.item?.name).filter(Boolean).reverse().join(" and ");
+  const input = createElement("input", { autocomplete: "off", inputmode: "numeric" });
+  const names = parts.map((part) => part.placedField?.name).filter(Boolean).reverse().join(" and ");
   const split = (inputs) => {
     const number = parseNumberOrEmpty(input.value);
     if (number === "") return;
@@ -103,7 +103,7 @@ function createJoinInput({ name, parts }) {
       inputs.find((partInput) => partInput.name === partName)?.write(partNumber, partNumber);
     }
   };
-  const label = createLabelledInput(name, input, said("as_one_number", names));
+  const label = createLabelledInput(name, input, messageFor("as_one_number", names));
   return { name: "", join: name, input, label, split, write: (number) => Object.assign(input, { value: number }) };
 }
 
@@ -119,7 +119,7 @@ function readInputs(inputs) {
   const values = inputs.filter((input) => input.name).map((input) => [input.name, input.read()]);
   const emptyInput = values.find(([, fieldValue]) => fieldValue === "");
   if (emptyInput) throw new Refusal(`'${emptyInput[0]}' needs a value`);
-  return named(Object.fromEntries(values));
+  return mergeByName(Object.fromEntries(values));
 }
 
 /** Write the values of a decoded register into the inputs. */

@@ -4,7 +4,7 @@
 const CLASS = "codewheel-decode";
 
 /** An element with attributes and children, without empty ones. */
-function element(tag, attributes = {}, ...children) {
+function createElement(tag, attributes = {}, ...children) {
   const newElement = document.createElement(tag);
   for (const [name, setting] of Object.entries(attributes)) {
     if (setting !== undefined && setting !== false) newElement.setAttribute(name, setting === true ? "" : setting);
@@ -14,16 +14,16 @@ function element(tag, attributes = {}, ...children) {
 }
 
 /** Create an element of the class ``codewheel-decode-NAME``. */
-const part = (tag, name, ...children) => element(tag, { class: `${CLASS}-${name}` }, ...children);
+const createPart = (tag, name, ...children) => createElement(tag, { class: `${CLASS}-${name}` }, ...children);
 /** Create a list with an entry for each content: a text, an element, or an array of both. */
-const list = (contents) => element("ul", {}, contents.map((content) => element("li", {}, content)));
+const createList = (contents) => createElement("ul", {}, contents.map((content) => createElement("li", {}, content)));
 /** Return the text with a capital first letter. */
 const capitalize = (text) => text[0].toUpperCase() + text.slice(1);
 /** Return the text with a full stop, unless it ends in a mark already. */
-const sentence = (text) => (/[.!?:]$/.test(text) ? text : `${text}.`);
+const toSentence = (text) => (/[.!?:]$/.test(text) ? text : `${text}.`);
 
 /** Return the place of a field in readable form: bits of a word, or bytes of a frame from 0. */
-function placeOf(placedLayout, { high, low }) {
+function formatPlace(placedLayout, { high, low }) {
   if (high < 0) return "";
   const rangeText = (from, to) => (from === to ? `${from}` : `${from}:${to}`);
   if (!placedLayout.layout.order) return rangeText(high, low);
@@ -39,15 +39,16 @@ function placeOf(placedLayout, { high, low }) {
 const formatValue = (fieldValue) => (fieldValue === true ? "yes" : fieldValue === false ? "no" : `${fieldValue}`);
 
 /** Return the meaning of a field, and for a number in Gray code also how it was sent. */
-function meaningOf({ gray, joins }, { name, high, low, raw, value, meaning }) {
+function describeMeaning({ gray, joins }, { name, high, low, raw, value, meaning }) {
   const isInGray = (lowest, highest) => gray && lowest >= gray.low && highest < gray.low + gray.width;
-  const joinedFields = joins.find((join) => join.name === name)?.parts.map(({ item }) => item).filter(Boolean) ?? [];
+  const parts = joins.find((join) => join.name === name)?.parts ?? [];
+  const joinedFields = parts.map(({ placedField }) => placedField).filter(Boolean);
   const isGray = high < 0
     ? joinedFields.length > 0 && joinedFields.every((field) => isInGray(field.low, field.low + field.width - 1))
     : isInGray(low, high);
   if (!isGray || typeof value !== "bigint") return meaning;
-  const grayText = said("gray", hex(raw), hex(value));
-  return meaning ? `${sentence(meaning)} ${capitalize(grayText)}` : grayText;
+  const grayText = messageFor("gray", hex(raw), hex(value));
+  return meaning ? `${toSentence(meaning)} ${capitalize(grayText)}` : grayText;
 }
 
 /** Return a value with its unit, or a number with the quantity that it stands for. */
@@ -59,38 +60,43 @@ function formatWithUnit(field) {
 
 /** Return a name that may wrap after each of its words, as texts and elements. */
 const breakableName = (name) => (
-  name.split("_").flatMap((word, index) => (index ? ["_", element("wbr"), word] : [word])));
+  name.split("_").flatMap((word, index) => (index ? ["_", createElement("wbr"), word] : [word])));
 
 /** Create the table of the decoded fields: the place, the name with its meaning, and the value with the raw number. */
 function createFieldTable(decoded) {
+  const { placedLayout } = decoded;
+  const { layout } = placedLayout;
   const rows = decoded.fields.map((field) => {
     const isOneBit = field.high >= 0 && field.high === field.low;
-    const rawText = part("span", "raw", isOneBit ? `${field.raw}` : hex(field.raw));
-    return element("tr", {},
-      element("td", {}, placeOf(decoded.at, field)),
-      element("th", { scope: "row" }, breakableName(field.name), part("span", "meaning", meaningOf(decoded.at, field))),
-      element("td", {}, formatWithUnit(field), rawText));
+    const rawText = createPart("span", "raw", isOneBit ? `${field.raw}` : hex(field.raw));
+    return createElement("tr", {},
+      createElement("td", {}, formatPlace(placedLayout, field)),
+      createElement("th", { scope: "row" }, breakableName(field.name),
+        createPart("span", "meaning", describeMeaning(placedLayout, field))),
+      createElement("td", {}, formatWithUnit(field), rawText));
   });
-  const heads = ["Place", "Field", "Value, raw"].map((text) => element("th", { scope: "col" }, text));
-  const lengthText = decoded.at.layout.order ? counted(decoded.at.bits / 8, "byte") : counted(decoded.at.bits, "bit");
-  return element("table", {},
-    element("caption", {}, `${decoded.at.layout.title}, ${lengthText}`, decoded.at.layout.source
-      ? part("span", "source", `, manual ${decoded.at.layout.source}`) : ""),
-    element("thead", {}, element("tr", {}, heads)), element("tbody", {}, rows));
+  const heads = ["Place", "Field", "Value, raw"].map((text) => createElement("th", { scope: "col" }, text));
+  const lengthText = layout.order
+    ? countWithNoun(placedLayout.bits / 8, "byte") : countWithNoun(placedLayout.bits, "bit");
+  return createElement("table", {},
+    createElement("caption", {}, `${layout.title}, ${lengthText}`,
+      layout.source ? createPart("span", "source", `, manual ${layout.source}`) : ""),
+    createElement("thead", {}, createElement("tr", {}, heads)), createElement("tbody", {}, rows));
 }
 
 /** The position in degrees or micrometres if it is usable, or the angle of a frame with only an angle. */
-function measured(decoded, measure) {
+function describeMeasurement(decoded, measure) {
   if (!measure || !decoded.verdict || decoded.verdict === "not_usable") return "";
   const findNumber = (name) => decoded.fields.find((field) => field.name === name && typeof field.value === "bigint");
   const position = findNumber(measure.of) ?? findNumber(measure.part);
   if (!position) return "";
-  const evaluate = (expression) => (expression === undefined ? 0n : value(expression, decoded.at.parameters));
+  const { parameters } = decoded.placedLayout;
+  const evaluate = (expression) => (expression === undefined ? 0n : evaluateExpression(expression, parameters));
   const [stepUm, stepNm, countsPerTurn] = [
     evaluate(measure.step_um), evaluate(measure.step_nm), evaluate(measure.counts_per_turn)];
-  if (stepUm) return `${position.name}: ${decimal(position.value * stepUm, ONE)} µm`;
+  if (stepUm) return `${position.name}: ${formatFraction(position.value * stepUm, ONE)} µm`;
   if (stepNm) return (
-    `${position.name}: ${decimal(position.value * stepNm, 1000n * (evaluate(measure.per_counts) || ONE))} µm`);
+    `${position.name}: ${formatFraction(position.value * stepNm, 1000n * (evaluate(measure.per_counts) || ONE))} µm`);
   if (countsPerTurn < ONE) return "";
   // A negative remainder would be an angle before revolution 0.
   const angle = ((position.value % countsPerTurn) + countsPerTurn) % countsPerTurn;
@@ -103,38 +109,38 @@ function measured(decoded, measure) {
 /** Create the line about the CRC of a frame: received, and correct or with the expected one, with its parameters. */
 function createCrcLine({ crc, received, computed }) {
   const judgement = received === computed ? "correct" : `WRONG, expected ${hex(computed, 2)}`;
-  const startText = crc.init ? `, start value ${hex(big(crc.init))}` : "";
-  const invertedText = big(crc.xorout) === ones(crc.width) ? ", sent inverted" : "";
-  return element("p", {}, `CRC ${hex(received, 2)}: ${judgement} (${crc.text}${startText}${invertedText})`);
+  const startText = crc.init ? `, start value ${hex(toBigInt(crc.init))}` : "";
+  const invertedText = toBigInt(crc.xorout) === ones(crc.width) ? ", sent inverted" : "";
+  return createElement("p", {}, `CRC ${hex(received, 2)}: ${judgement} (${crc.text}${startText}${invertedText})`);
 }
 
 /** List the reports of the encoder, each with its meaning, remedy and source. */
 function listReports(decoded) {
   if (!decoded.reports.length) return [];
   const entries = decoded.reports.map((report) => [
-    element("strong", {}, report.flag), `: ${sentence(report.meaning)}`,
-    report.remedy ? ` ${sentence(report.remedy)}` : "",
-    report.source ? part("span", "source", ` [${report.source}]`) : "",
+    createElement("strong", {}, report.flag), `: ${toSentence(report.meaning)}`,
+    report.remedy ? ` ${toSentence(report.remedy)}` : "",
+    report.source ? createPart("span", "source", ` [${report.source}]`) : "",
   ]);
-  return [element("p", {}, "The encoder reports:"), list(entries)];
+  return [createElement("p", {}, "The encoder reports:"), createList(entries)];
 }
 
 /** Create the first line: the verdict or the errors. */
-function headline(decoded) {
+function createHeadline(decoded) {
   if (decoded.problems.length) {
     const problemTexts = decoded.problems.map((problem) => `${problem.fault} error: ${problem.message}`);
-    return part("div", "bad", problemTexts.map((text) => element("p", {}, text)));
+    return createPart("div", "bad", problemTexts.map((text) => createElement("p", {}, text)));
   }
-  const isRegister = decoded.at.layout.length !== undefined;
+  const isRegister = decoded.placedLayout.layout.length !== undefined;
   const errorText = isRegister || decoded.crc ? "No error" : "No error, but this frame does not have a CRC";
   const phrases = [
     ...(decoded.reports.length ? [] : [errorText]), ...(decoded.verdict ? [TABLE.worth[decoded.verdict]] : [])];
-  const verdict = decoded.verdict ? [element("code", {}, decoded.verdict), ": "] : [];
+  const verdict = decoded.verdict ? [createElement("code", {}, decoded.verdict), ": "] : [];
   const classes = { not_usable: "bad", usable_with_warning: "warning", usable: "good" };
-  const [firstSentence, ...moreSentences] = phrases.map(sentence);
+  const [firstSentence, ...moreSentences] = phrases.map(toSentence);
   const line = phrases.length
-    ? [element("p", {}, verdict, [firstSentence, ...moreSentences.map(capitalize)].join(" "))] : [];
-  return part("div", classes[decoded.verdict] ?? "plain", line);
+    ? [createElement("p", {}, verdict, [firstSentence, ...moreSentences.map(capitalize)].join(" "))] : [];
+  return createPart("div", classes[decoded.verdict] ?? "plain", line);
 }
 
 /** Whether a wrong frame is a valid one of another kind, whose check bits match, so it has no mistake. */
@@ -149,8 +155,8 @@ function nameOtherFrames(decoded, otherLayouts) {
   if (!otherLayouts.length) return [];
   const names = otherLayouts.map((placedLayout) => placedLayout.name.replaceAll("_", " ")).join(", ");
   const textName = isAnotherFrame(decoded, otherLayouts) ? "valid_other" : decoded.problems.length ? "instead" : "also";
-  const otherText = said(textName, names);
-  return [element("p", {}, `${otherText[0].toUpperCase()}${otherText.slice(1)}. Choose it above.`)];
+  const otherText = messageFor(textName, names);
+  return [createElement("p", {}, `${otherText[0].toUpperCase()}${otherText.slice(1)}. Choose it above.`)];
 }
 
 /** Other readings of a position that nothing in the frame can contradict, folded, and the request that it also is. */
@@ -159,38 +165,38 @@ function createDoubts(decoded, measure) {
   const requestName = ownRequest(decoded);
   return [
     ...(readings ? [foldDoubt(measure, readings)] : []),
-    ...(requestName ? [element("p", {}, sentence(capitalize(said("own_request", requestName))))] : []),
+    ...(requestName ? [createElement("p", {}, toSentence(capitalize(messageFor("own_request", requestName))))] : []),
   ];
 }
 
 /** Create a question about the position that unfolds to its other ``readings``, a text. */
 function foldDoubt(measure, readings) {
-  const [question, ...answerParts] = said("looks_wrong", positionNameOf(measure), readings).split("? ");
-  return element("details", {},
-    element("summary", {}, `${question}?`), element("p", {}, sentence(answerParts.join("? "))));
+  const [question, ...answerParts] = messageFor("looks_wrong", positionNameOf(measure), readings).split("? ");
+  return createElement("details", {},
+    createElement("summary", {}, `${question}?`), createElement("p", {}, toSentence(answerParts.join("? "))));
 }
 
 /** Create the lines about the mistakes that could explain a wrong frame. */
 function createExplanations(decoded) {
   const deadLineText = deadLine(decoded);
-  if (deadLineText) return [element("p", {}, deadLineText)];
+  if (deadLineText) return [createElement("p", {}, deadLineText)];
   if (!decoded.problems.length) return [];
   const disturbedBits = findDisturbedBits(decoded);
   const bitText = disturbedBits.length === 1
-    ? nameBit(decoded.at, disturbedBits[0]) : `one of ${disturbedBits.length} bits`;
-  const noiseLines = disturbedBits.length ? [element("p", {},
+    ? nameBit(decoded.placedLayout, disturbedBits[0]) : `one of ${disturbedBits.length} bits`;
+  const noiseLines = disturbedBits.length ? [createElement("p", {},
     `If only some frames fail, one bit may have been disturbed on the line: the CRC matches with ${bitText} inverted. `
     + "In that case, no change is needed.")] : [];
   const explanations = explained(decoded);
   const matchText = "these changes make the CRC match:";
   const withCrc = noiseLines.length ? `If all frames fail, ${matchText}` : `T${matchText.slice(1)}`;
-  const introduction = decoded.at?.crc ? withCrc : `${said("uncertain")}:`;
-  const explanationLines = explanations.length ? [element("p", {}, introduction), list(explanations.map(
-    (explanation) => describeExplanation(explanation.at ?? decoded.at, explanation)))] : [];
+  const introduction = decoded.placedLayout?.crc ? withCrc : `${messageFor("uncertain")}:`;
+  const explanationLines = explanations.length ? [createElement("p", {}, introduction), createList(explanations.map(
+    (explanation) => describeExplanation(explanation.placedLayout ?? decoded.placedLayout, explanation)))] : [];
   const missingText = missingPart(decoded);
-  const helpLines = anotherHelps(explanations) ? [element("p", {}, said("another_frame"))] : [];
+  const helpLines = anotherHelps(explanations) ? [createElement("p", {}, messageFor("another_frame"))] : [];
   return [...noiseLines, ...explanationLines,
-    ...missingText ? [element("p", {}, sentence(capitalize(missingText)))] : [], ...helpLines];
+    ...missingText ? [createElement("p", {}, toSentence(capitalize(missingText)))] : [], ...helpLines];
 }
 
 /** Describe one explanation: its text and chance, the numbers that the frame then contains, and the recording. */
@@ -203,9 +209,9 @@ function describeExplanation(placedLayout, { text, oneIn, number, parts = [] }) 
 }
 
 /** Draw the parts of a recording, each a name and its bits, like the bits of a frame. */
-const drawParts = (parts) => part("div", "drawing", parts.map(([name, partBits]) =>
-  part("span", `cell ${CLASS}-cell-${name === "frame" ? "data" : "flag"}`,
-    part("span", "bits", partBits), part("span", "name", name.replaceAll("_", "-")))));
+const drawParts = (parts) => createPart("div", "drawing", parts.map(([name, partBits]) =>
+  createPart("span", `cell ${CLASS}-cell-${name === "frame" ? "data" : "flag"}`,
+    createPart("span", "bits", partBits), createPart("span", "name", name.replaceAll("_", "-")))));
 
 /** Return the index from 0, in the order sent, of the byte that has a bit of the frame's number. */
 const byteIndexOf = (placedLayout, bit) => (
@@ -215,15 +221,15 @@ const nameBit = (placedLayout, bit) => (
   placedLayout.layout.order ? `bit ${bit % 8} of byte ${byteIndexOf(placedLayout, bit)}` : `bit ${bit}`);
 
 /** Create all output about a frame or register. ``otherLayouts`` are the other frames that it can be. */
-function resultOf(decoded, measure, otherLayouts) {
-  const angleText = measured(decoded, measure);
+function createResult(decoded, measure, otherLayouts) {
+  const angleText = describeMeasurement(decoded, measure);
   const table = decoded.fields.length ? createFieldTable(decoded) : null;
   return [
-    headline(decoded),
+    createHeadline(decoded),
     ...(decoded.differences.length
-      ? [list(decoded.differences.map((difference) => `differs from the manual: ${difference}`))] : []),
+      ? [createList(decoded.differences.map((difference) => `differs from the manual: ${difference}`))] : []),
     ...listReports(decoded),
-    ...(table && angleText ? [part("p", "angle", angleText)] : []),
+    ...(table && angleText ? [createPart("p", "angle", angleText)] : []),
     ...(table ? [drawFrameBits(decoded, table), table] : []),
     ...(decoded.crc ? [createCrcLine(decoded.crc)] : []),
     ...nameOtherFrames(decoded, otherLayouts),
@@ -233,38 +239,42 @@ function resultOf(decoded, measure, otherLayouts) {
 }
 
 /** Create all output about a frame with several data channels: its verdict, and then each channel. */
-function wholeResultOf(decoded, measure) {
-  const comparisonLines = decoded.compared ? [element("p", {}, sentence(capitalize(decoded.compared.words)))] : [];
+function createWholeResult(decoded, measure) {
+  const comparisonLines = decoded.compared
+    ? [createElement("p", {}, toSentence(capitalize(decoded.compared.words)))] : [];
   const channelLines = decoded.channels.flatMap((channel) => [
-    element("h3", {}, capitalize(channel.at.layout.title)),
-    ...resultOf({ ...channel, verdict: channel.verdict && decoded.verdict }, measure, []),
+    createElement("h3", {}, capitalize(channel.placedLayout.layout.title)),
+    ...createResult({ ...channel, verdict: channel.verdict && decoded.verdict }, measure, []),
   ]);
-  return [headline({ ...decoded, crc: true }), ...comparisonLines, ...channelLines];
+  return [createHeadline({ ...decoded, crc: true }), ...comparisonLines, ...channelLines];
 }
 
 /** Create a button for each order code, which calls ``pick`` with it. */
-function codeButtons(codes, pick) {
-  return part("div", "codes", codes.map((code) => {
-    const codeButton = element("button", { type: "button" }, code);
+function createCodeButtons(codes, pick) {
+  return createPart("div", "codes", codes.map((code) => {
+    const codeButton = createElement("button", { type: "button" }, code);
     codeButton.addEventListener("click", () => pick(code));
     return codeButton;
   }));
 }
 
 /** List the order codes that match the frame in a text. ``pick`` selects one of them. */
-function guessesOf(frameText, pick) {
+function createGuesses(frameText, pick) {
   const groups = inferred(frameText);
-  if (!groups.length) return [part("div", "bad", element("p", {}, sentence(notOfAnyCode(frameText))))];
+  if (!groups.length) return [createPart("div", "bad", createElement("p", {}, toSentence(notOfAnyCode(frameText))))];
   const groupsWithCrc = groups.filter((group) => group.decoded.crc);
   const entries = [...groupsWithCrc, ...groups.filter((group) => !group.decoded.crc)].map((group) => {
-    const { at: placedLayout } = group.decoded;
+    const { placedLayout } = group.decoded;
     const bitCount = group.decoded.bits ?? placedLayout.bits;
-    const lengthText = placedLayout.layout.order ? counted(placedLayout.bits / 8, "byte") : counted(bitCount, "bit");
+    const lengthText = placedLayout.layout.order
+      ? countWithNoun(placedLayout.bits / 8, "byte") : countWithNoun(bitCount, "bit");
     const crcText = group.decoded.crc ? "with a correct CRC" : "without a CRC";
     const mark = group.family.mark ? ` (${group.family.mark})` : "";
     const text = (
-      `${group.over.title} from the ${group.sender}, ${placedLayout.layout.title}: ${lengthText}, ${crcText}${mark}`);
-    return [element("p", {}, text), codeButtons(group.codes, (code) => pick(code, group.sender))];
+      `${group.interface.title} from the ${group.sender}, `
+        + `${placedLayout.layout.title}: ${lengthText}, ${crcText}${mark}`);
+    return [createElement("p", {}, text), createCodeButtons(group.codes, (code) => pick(code, group.sender))];
   });
-  return [element("p", {}, "Valid frame of these order codes. Select the one on the label:"), list(entries)];
+  const introduction = "Valid frame of these order codes. Select the one on the label:";
+  return [createElement("p", {}, introduction), createList(entries)];
 }

@@ -36,10 +36,10 @@ function linesOf(input) {
 
 /** Return the text of a frame, cleared of brackets, quotes and other marks of the program that it was copied from. */
 function checked(text) {
-  if (text.length > TABLE.limits.text) throw new FrameText(said("frame_too_long"));
+  if (text.length > TABLE.limits.text) throw new FrameText(messageFor("frame_too_long"));
   const plainText = PASTED_SPELLINGS.reduce(
     (cleaned, [pattern, replacement]) => cleaned.replace(pattern, replacement), text).trim();
-  if (!plainText) throw new FrameText(said("frame_empty"));
+  if (!plainText) throw new FrameText(messageFor("frame_empty"));
   return plainText;
 }
 
@@ -47,10 +47,10 @@ function checked(text) {
 function bytesIn(text) {
   return text.split(/\s+/).flatMap((piece) => {
     const digits = piece.replace(/^0x/i, "");
-    if (!/^[0-9a-f]+$/i.test(digits)) throw new FrameText(said("not_hex", quoteText(piece)));
+    if (!/^[0-9a-f]+$/i.test(digits)) throw new FrameText(messageFor("not_hex", quoteText(piece)));
     const evenDigits = digits !== piece && digits.length === 1 ? `0${digits}` : digits;
-    if (evenDigits.length === 1) throw new FrameText(said("one_digit", quoteText(piece), digits));
-    if (evenDigits.length % 2) throw new FrameText(said("odd", quoteText(piece)));
+    if (evenDigits.length === 1) throw new FrameText(messageFor("one_digit", quoteText(piece), digits));
+    if (evenDigits.length % 2) throw new FrameText(messageFor("odd", quoteText(piece)));
     return evenDigits.match(/../g).map((byte) => parseInt(byte, 16));
   });
 }
@@ -64,7 +64,7 @@ function numberIn(text, bitCount, areBytesExact) {
   if (/^0b[01]+$/i.test(compactText)) return makeTypedFrame(compactText, compactText.length - 2, true);
   const pieces = text.split(/\s+/);
   if (pieces.length > 1 && pieces.every((piece) => /^(0x)?[0-9a-f]{2}$/i.test(piece))) {
-    if (/^[01]+$/.test(pieces.join(""))) throw new FrameText(said("bits_or_bytes", quoteText(text)));
+    if (/^[01]+$/.test(pieces.join(""))) throw new FrameText(messageFor("bits_or_bytes", quoteText(text)));
     compactText = "0x" + pieces.map((piece) => piece.slice(-2)).join("");
     const writtenBits = 8 * pieces.length;
     if (areBytesExact && (writtenBits < bitCount || writtenBits >= bitCount + 8)) return makeTypedFrame(
@@ -80,8 +80,9 @@ function numberIn(text, bitCount, areBytesExact) {
   if (meanings.length === 1 && compactText.length === bitCount && /^[01]+$/.test(compactText)) {
     return makeTypedFrame(`0b${compactText}`, bitCount, true);
   }
-  const remedy = meanings.length ? said("write_one_of", meanings.join(", ")) : said("write_number", bitCount);
-  throw new FrameText(said("no_bits", quoteText(text), bitCount, remedy));
+  const remedy = meanings.length
+    ? messageFor("write_one_of", meanings.join(", ")) : messageFor("write_number", bitCount);
+  throw new FrameText(messageFor("no_bits", quoteText(text), bitCount, remedy));
 }
 
 /**
@@ -101,9 +102,9 @@ function listMeanings(digits, bitCount) {
   const isDecimal = /^(0|[1-9][0-9]{0,39})$/.test(digits) && fits(BigInt(digits));
   const isHexadecimal = /^[0-9a-f]{1,40}$/i.test(digits) && fits(BigInt(`0x${digits}`));
   return [
-    ...(isDecimal ? [said("if_decimal", `0x${BigInt(digits).toString(16).toUpperCase()}`)] : []),
-    ...(isHexadecimal ? [said("if_hex", digits)] : []),
-    ...(/^[01]{1,96}$/.test(digits) ? [said("if_bits", digits)] : []),
+    ...(isDecimal ? [messageFor("if_decimal", `0x${BigInt(digits).toString(16).toUpperCase()}`)] : []),
+    ...(isHexadecimal ? [messageFor("if_hex", digits)] : []),
+    ...(/^[01]{1,96}$/.test(digits) ? [messageFor("if_bits", digits)] : []),
   ];
 }
 
@@ -126,8 +127,8 @@ function notOfAnyCode(text) {
     }
   };
   const meanings = /^[0-9a-f]+$/i.test(plainText) ? listMeanings(plainText, MOST_FRAME_BITS).join(", ") : "";
-  const remedy = meanings ? said("write_one_of", meanings) : said("write_any");
-  if (!isReadable(numberIn) && !isReadable(bytesIn)) return said("no_order_code", quoteText(plainText), remedy);
+  const remedy = meanings ? messageFor("write_one_of", meanings) : messageFor("write_any");
+  if (!isReadable(numberIn) && !isReadable(bytesIn)) return messageFor("no_order_code", quoteText(plainText), remedy);
   return `this frame is not valid for any order code${meanings ? `. ${remedy}` : ""}`;
 }
 
@@ -137,17 +138,18 @@ function bytesFromBits(placedLayout, text) {
   const sentBits = placedLayout.bits - (placedLayout.layout.fill ?? 0);
   if (digits.length !== sentBits) {
     throw new FrameText(
-      said("no_bits", quoteText(text), sentBits, said("write_bits", sentBits, placedLayout.bits / 8)));
+      messageFor("no_bits", quoteText(text), sentBits, messageFor("write_bits", sentBits, placedLayout.bits / 8)));
   }
   return digits.padStart(placedLayout.bits, "0").match(/.{8}/g).map((byte) => parseInt(byte, 2));
 }
 
 /** Return the parameters of an order code by name, from the contents of registers and the answers of the user. */
 function computeParameters(orderCode, registerContents = {}, answers = {}) {
-  const parameters = named(orderCode.given, registerContents);
+  const parameters = mergeByName(orderCode.parameters, registerContents);
   for (const alternative of orderCode.family.alternatives ?? []) {
-    const answer = alternative.answers.find(([parameterName]) => parameterName === answers[alternative.name]);
-    for (const [parameterName, number] of Object.entries(answer?.[2] ?? {})) parameters[parameterName] = big(number);
+    const answer = alternative.answers.find(([answerName]) => answerName === answers[alternative.name]);
+    const numberByParameter = answer?.[2] ?? {};
+    for (const [name, number] of Object.entries(numberByParameter)) parameters[name] = toBigInt(number);
   }
   return resolveParameters(orderCode.family, parameters);
 }
@@ -161,7 +163,7 @@ function placedFor(orderCode, layout, registerContents, answers) {
 }
 
 /**
- * Decode the frame in a text. ``orderCode`` is {code, family, interface, given}. ``senderAndName`` is "encoder" or
+ * Decode the frame in a text. ``orderCode`` is {code, family, interface, parameters}. ``senderAndName`` is "encoder" or
  * "master", with a colon and the name of the frame where that is needed.
  */
 function decodeFrame(orderCode, senderAndName, text, registerContents, answers) {
@@ -174,12 +176,12 @@ function decodeFrame(orderCode, senderAndName, text, registerContents, answers) 
   const [interface_, plainText] = [orderCode.interface, checked(text)];
   const wholeFrame = sender === "encoder" && !layoutName
     ? decodeChannels(orderCode, plainText, registerContents, answers) : null;
-  if (wholeFrame) return { ...wholeFrame, over: interface_ };
+  if (wholeFrame) return { ...wholeFrame, interface: interface_ };
   if (!layouts[0].order) {
     const placedLayout = placedFor(orderCode, layouts[0], registerContents, answers);
     return {
       ...decodeBits(placedLayout, numberIn(plainText, placedLayout.bits, orderCode.interface.exact?.includes(sender))),
-      over: interface_,
+      interface: interface_,
     };
   }
   const isWrittenInBits = interface_.name !== "rs485" && /^0b[01_]+$/i.test(plainText);
@@ -188,23 +190,24 @@ function decodeFrame(orderCode, senderAndName, text, registerContents, answers) 
   const layoutOrFailure = layoutName ? { layout: layouts[0] } : identifyLayout(orderCode.interface, sender, bytes);
   const decoded = layoutOrFailure.layout
     ? decodeBytes(placedFor(orderCode, layoutOrFailure.layout, registerContents, answers), bytes) : layoutOrFailure;
-  return { ...decoded, data: bytes, over: interface_, label: orderCode, sender };
+  return { ...decoded, receivedBytes: bytes, interface: interface_, orderCode, sender };
 }
 
 /** Return the placed layouts of the other frames that a text can be, if the frame lacks a selector. */
 function otherFrames(orderCode, sender, text, decoded, registerContents, answers) {
   const { frames, told: selectors = [] } = orderCode.interface;
   const hasSelector = selectors.some((selector) => selector.sender === sender);
-  if (!decoded.at || hasSelector) return [];
+  if (!decoded.placedLayout || hasSelector) return [];
   const hasOtherLength = decoded.problems.some((problem) => problem.fault === "length");
-  return frames.filter((layout) => layout.sender === sender && layout !== decoded.at.layout
-    && !layout.order === !decoded.at.layout.order
+  return frames.filter((layout) => layout.sender === sender && layout !== decoded.placedLayout.layout
+    && !layout.order === !decoded.placedLayout.layout.order
     && !layout.asks?.some((question) => !(question in answers))).flatMap((layout) => {
     try {
-      const { at: placedLayout, problems } = decodeFrame(
+      const { placedLayout, problems } = decodeFrame(
         orderCode, `${sender}:${layout.name}`, text, registerContents, answers);
       // Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
-      return !problems.length && (hasOtherLength || placedLayout.bits === decoded.at.bits) ? [placedLayout] : [];
+      const mayHaveLength = hasOtherLength || placedLayout.bits === decoded.placedLayout.bits;
+      return !problems.length && mayHaveLength ? [placedLayout] : [];
     } catch (error) {
       if (error instanceof FrameText) return [];
       throw error;
@@ -216,9 +219,9 @@ function otherFrames(orderCode, sender, text, decoded, registerContents, answers
 function decodeBits(placedLayout, typedFrame) {
   const hasOtherBitCount = typedFrame.exact && typedFrame.bits !== placedLayout.bits;
   return {
-    ...(hasOtherBitCount ? otherLength(placedLayout, `${placedLayout.bits} bits`, typedFrame.bits)
+    ...(hasOtherBitCount ? createLengthError(placedLayout, `${placedLayout.bits} bits`, typedFrame.bits)
       : decode(placedLayout, typedFrame.number)),
-    given: typedFrame,
+    typedFrame,
   };
 }
 
@@ -228,7 +231,7 @@ function identifyLayout(interface_, sender, bytes) {
   if (!selector) return { layout: interface_.frames.find((layout) => layout.sender === sender) };
   const fallbackLayout = interface_.frames[selector.fallback];
   if (bytes.length < selector.needs) {
-    const message = said("too_few_bytes", counted(bytes.length, "byte"));
+    const message = messageFor("too_few_bytes", countWithNoun(bytes.length, "byte"));
     return fallbackLayout ? { layout: fallbackLayout } : makeFailedFrame("length", "", message);
   }
   const selectorValue = selector.pieces.reduce(
@@ -242,7 +245,7 @@ function identifyLayout(interface_, sender, bytes) {
   const allowedValues = selector.frames.flatMap(([, ...selectorValues]) => selectorValues)
     .sort((first, second) => first - second).map(formatUpper);
   return makeFailedFrame("range", selector.selector,
-    said("no_frame", selector.selector, formatUpper(selectorValue), allowedValues.join(", ")));
+    messageFor("no_frame", selector.selector, formatUpper(selectorValue), allowedValues.join(", ")));
 }
 
 /** Return the result of a frame whose layout is open, with its problem. */
@@ -254,8 +257,8 @@ const makeFailedFrame = (faultKind, field, message) => ({
 function decodeRegister(orderCode, register, text, registerContents, answers) {
   const bytes = bytesIn(checked(text));
   if (bytes.length !== register.length) {
-    const [neededBytes, receivedBytes] = [counted(register.length, "byte"), counted(bytes.length, "byte")];
-    throw new FrameText(said("register_length", register.name, neededBytes, receivedBytes));
+    const [neededBytes, receivedBytes] = [countWithNoun(register.length, "byte"), countWithNoun(bytes.length, "byte")];
+    throw new FrameText(messageFor("register_length", register.name, neededBytes, receivedBytes));
   }
   return decodeBytes(placedFor(orderCode, register, registerContents, answers), bytes);
 }
@@ -281,10 +284,10 @@ function addIfValid(groups, orderCode, sender, text) {
     throw error;
   }
   if (decoded.problems.length) return;
-  const { at: placedLayout } = decoded;
+  const { placedLayout } = decoded;
   const fieldPlaces = placedLayout.fields.map((placedField) => [placedField.name, placedField.low, placedField.width]);
   const groupKey = JSON.stringify([orderCode.family.name, placedLayout.name, placedLayout.gray !== null, fieldPlaces]);
   const { family, interface: interface_ } = orderCode;
-  if (!groups.has(groupKey)) groups.set(groupKey, { decoded, sender, over: interface_, family, codes: [] });
+  if (!groups.has(groupKey)) groups.set(groupKey, { decoded, sender, interface: interface_, family, codes: [] });
   groups.get(groupKey).codes.push(orderCode.code);
 }

@@ -8,35 +8,51 @@ const LEAST_EQUAL_BITS = 12;
 // An explanation that matches fewer random frames than one in this many is as good as certain.
 const CERTAIN_ONE_IN = 65536n;
 
+/** Return {receivedNumber, bitCount}: what was received as a number, first byte or bit highest, and its bits. */
+function measureReceived({ placedLayout, typedFrame, number, receivedBytes }) {
+  if (receivedBytes) return { receivedNumber: joinBytes(receivedBytes), bitCount: 8 * receivedBytes.length };
+  const bitCount = typedFrame?.exact ? typedFrame.bits : Math.max(placedLayout?.bits ?? 0, typedFrame?.bits ?? 0);
+  return { receivedNumber: typedFrame?.number ?? number, bitCount };
+}
+
+/** Return whether a frame with equal bits is valid by its CRC or, as the length alone proves little, its constants. */
+function isValidWithEqualBits(placedLayout, problems, level) {
+  if (!placedLayout) return false;
+  if (placedLayout.crc) return !problems.length;
+  return hasRightConstants(placedLayout, level ? ones(placedLayout.bits) : 0n);
+}
+
 /** Return the text about a dead line, or "" if the line changes. */
-function deadLine({ at: placedLayout, given: typedFrame, number, data, problems, over: interface_ }) {
-  if (placedLayout?.layout.length !== undefined) return "";
-  const wordBits = typedFrame?.exact ? typedFrame.bits : Math.max(placedLayout?.bits ?? 0, typedFrame?.bits ?? 0);
-  const bitCount = data ? 8 * data.length : wordBits;
-  const receivedNumber = data ? data.reduce((sum, byte) => (sum << 8n) | BigInt(byte), 0n)
-    : typedFrame?.number ?? number;
-  if (bitCount < LEAST_EQUAL_BITS || (receivedNumber !== 0n && receivedNumber !== ones(bitCount))) return "";
+function deadLine(decoded) {
+  const { placedLayout, problems, interface: interface_ } = decoded;
+  const isRegister = placedLayout?.layout.length !== undefined;
+  if (isRegister) return "";
+  const { receivedNumber, bitCount } = measureReceived(decoded);
+  const hasEqualBits = receivedNumber === 0n || receivedNumber === ones(bitCount);
+  if (bitCount < LEAST_EQUAL_BITS || !hasEqualBits) return "";
   const level = receivedNumber ? 1 : 0;
-  const doubt = placedLayout?.crc ? "and the CRC is correct too" : "and there is no CRC to distinguish it";
-  // Without a CRC, the length alone proves nothing.
-  const mayBeFrame = placedLayout && (
-    placedLayout.crc ? !problems.length
-      : hasRightConstants(placedLayout, receivedNumber ? ones(placedLayout.bits) : 0n));
-  return mayBeFrame ? `Every bit is ${level}. A dead line looks the same, ${doubt}.`
-    : `Every bit is ${level}: the line never changes. Check for ${level ? "a broken wire" : "a short circuit"}, `
-      + `the supply and ${interface_?.name === "rs485" ? "wires A and B" : "the clock"}.`;
+  if (isValidWithEqualBits(placedLayout, problems, level)) {
+    const doubt = placedLayout.crc ? "and the CRC is correct too" : "and there is no CRC to distinguish it";
+    return `Every bit is ${level}. A dead line looks the same, ${doubt}.`;
+  }
+  const lineFault = level ? "a broken wire" : "a short circuit";
+  const otherCause = interface_?.name === "rs485" ? "wires A and B" : "the clock";
+  return `Every bit is ${level}: the line never changes. Check for ${lineFault}, the supply and ${otherCause}.`;
 }
 
 /** Return the bits that make the frame valid if one of them is inverted: the usual cause if only some frames fail. */
-function findDisturbedBits({ at: placedLayout, number, problems }) {
-  if (!placedLayout?.crc || problems[0]?.fault === "length"
-    || !problems.some((problem) => problem.fault === "crc")) return [];
-  const { low, width } = crcField(placedLayout);
+function findDisturbedBits({ placedLayout, number, problems }) {
+  const hasWrongCrc = problems.some((problem) => problem.fault === "crc");
+  if (!placedLayout?.crc || problems[0]?.fault === "length" || !hasWrongCrc) return [];
+  const { low, width } = findCrcField(placedLayout);
   const crc = placedLayout.family.crcs[placedLayout.crc];
-  const isValid = (candidate) => computedBy(crc, placedLayout, candidate) === bits(candidate, low, width)
-    && hasRightConstants(placedLayout, candidate);
-  return [...Array(placedLayout.bits).keys()].filter((bit) => isValid(number ^ (ONE << BigInt(bit))));
+  const isValid = (frameNumber) => computeCrc(crc, placedLayout, frameNumber) === extractBits(frameNumber, low, width)
+    && hasRightConstants(placedLayout, frameNumber);
+  return listNumbersBelow(placedLayout.bits).filter((bit) => isValid(number ^ (ONE << BigInt(bit))));
 }
+
+/** Return the numbers from 0 to ``count`` - 1. */
+const listNumbersBelow = (count) => [...Array(count).keys()];
 
 /** Return the mistakes that explain the frame, most likely first, each with its random frames per match. */
 const explained = (decoded) => findExplanations(decoded).merged;
@@ -46,48 +62,66 @@ const explained = (decoded) => findExplanations(decoded).merged;
  * one. ``isWithPairs`` also tries two mistakes if a single one matches.
  */
 function findExplanations(decoded, isWithPairs = false) {
-  const { at: placedLayout, given: typedFrame, data, problems } = decoded;
-  const hasFault = (...faults) => problems.some((problem) => faults.includes(problem.fault));
+  const { placedLayout, typedFrame, receivedBytes, problems } = decoded;
   const noExplanations = { merged: [], all: [] };
   if (!problems.length || deadLine(decoded)) return noExplanations;
-  if (data) {
-    if (placedLayout && !hasFault("crc", "length", "constant")) return noExplanations;
-    const hypotheses = tryMistakesInBytes(decoded);
-    return hasCrcInBytes(decoded) ? explainWithCrc(hypotheses, [], isWithPairs) : explainWithoutCrc(hypotheses);
+  const hasExplainableFault = problems.some(({ fault }) => ["crc", "length", "constant"].includes(fault));
+  if (receivedBytes) {
+    const isExplainable = !placedLayout || hasExplainableFault;
+    return isExplainable ? explainBytes(decoded, isWithPairs) : noExplanations;
   }
-  if (!placedLayout || !typedFrame || !hasFault("crc", "length", "constant")) return noExplanations;
+  const isExplainable = placedLayout && typedFrame && hasExplainableFault;
+  return isExplainable ? explainBits(decoded, isWithPairs) : noExplanations;
+}
+
+/** Return the explanations of a frame of bytes, {merged, all}. */
+function explainBytes(decoded, isWithPairs) {
+  const hypotheses = tryMistakesInBytes(decoded);
+  return hasCrcInBytes(decoded) ? explainWithCrc(hypotheses, [], isWithPairs) : explainWithoutCrc(hypotheses);
+}
+
+/** Return the explanations of a frame of bits, {merged, all}. */
+function explainBits({ placedLayout, typedFrame, problems }, isWithPairs) {
   const crc = placedLayout.crc && placedLayout.family.crcs[placedLayout.crc];
-  if (!crc) return explainWithoutCrc([
-    ...tryMovedFrames(placedLayout, null, typedFrame), ...tryRearrangedFrames(placedLayout, null, typedFrame)]);
-  const refuted = typedFrame.bits > placedLayout.bits || (typedFrame.exact && typedFrame.bits !== placedLayout.bits)
-    ? [] : [createHypothesisAsSent(placedLayout, crc, typedFrame.number)];
-  if (hasFault("crc", "length")) return explainWithCrc(
-    tryMistakesInBits(placedLayout, crc, typedFrame), refuted, isWithPairs);
-  const fittingFrames = [
+  if (!crc) {
+    return explainWithoutCrc([
+      ...tryMovedFrames(placedLayout, null, typedFrame), ...tryRearrangedFrames(placedLayout, null, typedFrame)]);
+  }
+  const hasOtherLength = typedFrame.bits > placedLayout.bits
+    || (typedFrame.exact && typedFrame.bits !== placedLayout.bits);
+  // A frame of this length is wrong as sent, and so are the hypotheses that match the same frames.
+  const refuted = hasOtherLength ? [] : [createHypothesisAsSent(placedLayout, crc, typedFrame.number)];
+  if (problems.some(({ fault }) => fault === "crc" || fault === "length")) {
+    return explainWithCrc(tryMistakesInBits(placedLayout, crc, typedFrame), refuted, isWithPairs);
+  }
+  // Only constants are wrong, so the frame has other bits around it or another order.
+  const fittingHypotheses = [
     ...tryRearrangedFrames(placedLayout, crc, typedFrame), ...tryMovedFrames(placedLayout, crc, typedFrame),
   ].filter(fitsFrame);
-  const significant = selectSignificant(fittingFrames, refuted);
-  return significant.length ? explainWithCrc(significant, [], isWithPairs) : noExplanations;
+  const significant = selectSignificant(fittingHypotheses, refuted);
+  return significant.length ? explainWithCrc(significant, [], isWithPairs) : { merged: [], all: [] };
 }
 
 /** Return whether any frame in bytes from the sender has a CRC. */
-const hasCrcInBytes = ({ label: orderCode, over: interface_, sender }) => !orderCode
+const hasCrcInBytes = ({ orderCode, interface: interface_, sender }) => !orderCode
   || interface_.frames.some((layout) => layout.order && layout.sender === sender && layout.crc);
 
 /** Return the part that a recording without a complete frame lacks, or "". */
 function missingPart(decoded) {
-  const { at: placedLayout, given: typedFrame, problems } = decoded;
-  if (!typedFrame || !problems.some((problem) => problem.fault === "length")
-    || deadLine(decoded) || mayHaveBits(typedFrame, placedLayout.bits)) return "";
+  const { placedLayout, typedFrame, problems } = decoded;
+  const hasWrongLength = problems.some((problem) => problem.fault === "length");
+  if (!typedFrame || !hasWrongLength || deadLine(decoded) || mayHaveBits(typedFrame, placedLayout.bits)) return "";
   const crc = placedLayout.crc && placedLayout.family.crcs[placedLayout.crc];
-  const isFoundByRule = (hypothesis) => hypothesis.kind !== TABLE.inside[0] && fitsFrame(hypothesis)
-    && (!crc || hypothesis.known + hypothesis.demanded >= LEAST_BITS);
+  const isSignificant = (hypothesis) => !crc || isSignificantWithCrc(hypothesis);
+  const isFoundByRule = (hypothesis) => (
+    hypothesis.kind !== TABLE.inside[0] && fitsFrame(hypothesis) && isSignificant(hypothesis));
   if (tryMovedFrames(placedLayout, crc, typedFrame).some(isFoundByRule)) return "";
-  for (const [text, pattern] of lineRulesOf(placedLayout)?.incomplete ?? []) {
+  for (const [template, pattern] of lineRulesOf(placedLayout)?.incomplete ?? []) {
     const match = matchRecording(pattern, placedLayout, writeReceivedBits(placedLayout, typedFrame));
     const bitCount = match?.groups?.frame?.length ?? 0;
-    if (match && bitCount < placedLayout.bits) return fillTemplate(
-      text, bitCount, placedLayout.bits, placedLayout.bits - bitCount);
+    if (match && bitCount < placedLayout.bits) {
+      return fillTemplate(template, bitCount, placedLayout.bits, placedLayout.bits - bitCount);
+    }
   }
   return "";
 }
@@ -119,22 +153,37 @@ function computeCommonScore(explanations) {
  * Explanations of frames with the same kind and template are one mistake.
  */
 function findCommonMistakes(explanationLists) {
-  const explanationsByKey = new Map();
+  const explanationsByMistake = new Map();
   for (const explanations of explanationLists) {
-    const likeliestByKey = new Map([...explanations].reverse().map(
-      (explanation) => [`${explanation.kind} ${explanation.template} ${explanation.isTwice}`, explanation]));
-    for (const [key, explanation] of likeliestByKey) explanationsByKey.set(
-      key, [...explanationsByKey.get(key) ?? [], explanation]);
+    for (const [mistakeKey, explanation] of likeliestByMistake(explanations)) {
+      const explanationsOfEarlier = explanationsByMistake.get(mistakeKey) ?? [];
+      explanationsByMistake.set(mistakeKey, [...explanationsOfEarlier, explanation]);
+    }
   }
-  const mostFrames = Math.max(0, ...[...explanationsByKey.values()].map((explanations) => explanations.length));
-  return [...explanationsByKey.values()].filter((explanations) => explanations.length === mostFrames)
-    .map((explanations) => ({
-      text: new Set(explanations.map((explanation) => explanation.text)).size === 1 ? explanations[0].text
-        : fillTemplate(explanations[0].template.replace("({0}) ", ""), "some"),
-      frames: mostFrames,
-      oneIn: explanations.reduce((product, explanation) => product * explanation.oneIn, ONE),
-      score: computeCommonScore(explanations),
-    })).sort((mistake, otherMistake) => otherMistake.score - mistake.score);
+  const explanationsOfMistakes = [...explanationsByMistake.values()];
+  const mostFrames = Math.max(0, ...explanationsOfMistakes.map((explanations) => explanations.length));
+  return explanationsOfMistakes.filter((explanations) => explanations.length === mostFrames)
+    .map(mergeExplanations)
+    .sort((mistake, otherMistake) => otherMistake.score - mistake.score);
+}
+
+/** Return the likeliest explanation of a frame by mistake, from its explanations in order of their likelihood. */
+function likeliestByMistake(explanations) {
+  // The first explanation of a mistake overwrites the later ones.
+  return new Map([...explanations].reverse().map(
+    (explanation) => [`${explanation.kind} ${explanation.template} ${explanation.isTwice}`, explanation]));
+}
+
+/** Merge the explanations of several frames by the same mistake: {text, frames, oneIn, score}. */
+function mergeExplanations(explanations) {
+  const texts = new Set(explanations.map((explanation) => explanation.text));
+  const commonText = fillTemplate(explanations[0].template.replace("({0}) ", ""), "some");
+  return {
+    text: texts.size === 1 ? explanations[0].text : commonText,
+    frames: explanations.length,
+    oneIn: explanations.reduce((product, explanation) => product * explanation.oneIn, ONE),
+    score: computeCommonScore(explanations),
+  };
 }
 
 /** Return the interface that carries the frame. */
@@ -149,20 +198,21 @@ const matchRecording = (pattern, placedLayout, receivedText) => (
 // -- hypotheses
 
 /**
- * Create the hypothesis that a mistake was made, from the members that its kind needs. The CRC covers the ``size`` bits
- * of ``data``, and ``received`` are the first ``known`` bits of the received CRC. The mistake determines ``demanded``
- * other bits, and ``holds`` is true if they are right. ``fixed`` counts the right constant bits, ``lost`` the last bits
- * that were cut off, and ``places`` the places at which the frame was searched.
+ * Create the hypothesis that a mistake was made, from the members that its kind needs. The CRC covers the
+ * ``coveredBits`` bits of ``coveredData``, and ``receivedCrc`` has the first ``crcBitsReceived`` bits of the received
+ * CRC. The mistake determines ``otherBitsRequired`` other bits, and ``isConsistent`` is true if they are right.
+ * ``rightConstantBits`` counts the right constant bits, ``missingLowBits`` the last bits that were cut off, and
+ * ``placeCount`` the places at which the frame was searched.
  */
 const createHypothesis = (members) => ({
-  template: members.text, data: 0n, size: 0, received: 0n, known: 0, demanded: 0, holds: true, fixed: 0, likelihood: 1,
-  lost: 0, parts: [], places: 1, ...members,
+  template: members.text, coveredData: 0n, coveredBits: 0, receivedCrc: 0n, crcBitsReceived: 0, otherBitsRequired: 0,
+  isConsistent: true, rightConstantBits: 0, likelihood: 1, missingLowBits: 0, parts: [], placeCount: 1, ...members,
 });
 
 /** Return whether a frame with the mistake has these bits: the ones that it determines, and the CRC. */
 function fitsFrame({
-  crc, holds: isConsistent, isOfBytes, data: coveredData, size: coveredBits, known: crcBitsReceived,
-  received: receivedCrc,
+  crc, isConsistent, isOfBytes, coveredData, coveredBits, crcBitsReceived,
+  receivedCrc,
 }) {
   if (!isConsistent || !crc) return isConsistent;
   const computedCrc = isOfBytes ? crcOfBytes(crc, bytesOf("big", coveredData, coveredBits / 8))
@@ -171,52 +221,62 @@ function fitsFrame({
 }
 
 /** Return the number of random frames of which one matches the hypothesis by chance, at least 1. */
-const countFramesPerMatch = ({ known: crcBitsReceived, demanded: otherBitsRequired, places: placeCount }) => {
+const countFramesPerMatch = ({ crcBitsReceived, otherBitsRequired, placeCount }) => {
   const framesPerMatch = ONE << BigInt(crcBitsReceived + otherBitsRequired);
   return framesPerMatch > BigInt(placeCount) ? framesPerMatch / BigInt(placeCount) : ONE;
 };
 /** Return the likelihood of a mistake that matches: its frequency times the improbability of the match by chance. */
 const computeScore = ({
-  kind, known: crcBitsReceived, demanded: otherBitsRequired, fixed: rightConstantBits, likelihood, places: placeCount,
+  kind, crcBitsReceived, otherBitsRequired, rightConstantBits, likelihood, placeCount,
 }) => (TABLE.likely.kinds[kind] * likelihood
   * 2 ** (crcBitsReceived + Math.max(otherBitsRequired, rightConstantBits))) / placeCount;
 
 /** Return the key of a hypothesis. Hypotheses with the same key match the same frames. */
 function matchKeyOf({
-  crc, data: coveredData, size: coveredBits, received: receivedCrc, known: crcBitsReceived,
+  crc, coveredData, coveredBits, receivedCrc, crcBitsReceived,
 }) {
   const crcKey = crc && ["width", "poly", "init", "refin", "refout", "xorout"]
-    .map((name) => `${big(crc[name])}`).join(" ");
-  return `${crcKey} ${coveredData} ${crc && big(crc.init) ? coveredBits : 0} ${receivedCrc} ${crcBitsReceived}`;
+    .map((name) => `${toBigInt(crc[name])}`).join(" ");
+  return `${crcKey} ${coveredData} ${crc && toBigInt(crc.init) ? coveredBits : 0} ${receivedCrc} ${crcBitsReceived}`;
 }
+
+/** Return whether a hypothesis has enough bits to contradict it, so that few random frames match. */
+const isSignificantWithCrc = ({ crcBitsReceived, otherBitsRequired }) => (
+  crcBitsReceived + otherBitsRequired >= LEAST_BITS);
 
 /** The tries that do not match too many random frames, without those known to fail. */
 function selectSignificant(hypotheses, refuted) {
   const refutedKeys = new Set(refuted.map(matchKeyOf));
-  return hypotheses.filter((hypothesis) => hypothesis.known + hypothesis.demanded >= LEAST_BITS
-    && !refutedKeys.has(matchKeyOf(hypothesis)));
+  const isRefuted = (hypothesis) => refutedKeys.has(matchKeyOf(hypothesis));
+  return hypotheses.filter((hypothesis) => isSignificantWithCrc(hypothesis) && !isRefuted(hypothesis));
 }
 
 /** Select the likeliest of the hypotheses that lead to the same frame. */
 function selectDistinct(hypotheses) {
   const likeliestByKey = new Map();
   for (const hypothesis of hypotheses) {
-    const fieldPlaces = hypothesis.at && [
-      hypothesis.at.bits,
-      ...hypothesis.at.fields.map((placedField) => `${placedField.name} ${placedField.low}`),
-    ].join(" ");
-    const resultKey = (
-      `${matchKeyOf(hypothesis)} ${hypothesis.at ? `${hypothesis.number} ${fieldPlaces}` : hypothesis.text}`);
+    const resultKey = `${matchKeyOf(hypothesis)} ${describeResult(hypothesis)}`;
     const likeliest = likeliestByKey.get(resultKey);
-    const isLikelier = !likeliest || (hypothesis.holds === likeliest.holds
-      ? computeScore(hypothesis) > computeScore(likeliest) : hypothesis.holds);
-    if (isLikelier) likeliestByKey.set(resultKey, hypothesis);
+    if (!likeliest || isLikelier(hypothesis, likeliest)) likeliestByKey.set(resultKey, hypothesis);
   }
   return [...likeliestByKey.values()];
 }
 
+/** Return the frame and the places of its fields as text, or the text of a mistake that leaves the frame as it is. */
+function describeResult({ placedLayout, number, text }) {
+  if (!placedLayout) return text;
+  const fieldPlaces = placedLayout.fields.map(({ name, low }) => `${name} ${low}`);
+  return [number, placedLayout.bits, ...fieldPlaces].join(" ");
+}
+
+/** Return whether a hypothesis is likelier than another: consistent in contrast to it, or else with a higher score. */
+function isLikelier(hypothesis, other) {
+  if (hypothesis.isConsistent !== other.isConsistent) return hypothesis.isConsistent;
+  return computeScore(hypothesis) > computeScore(other);
+}
+
 /** Return a hypothesis that fits as an explanation, with its chance and score. ``isTwice`` marks two mistakes. */
-const toExplanation = (hypothesis, isTwice = false) => (
+const toExplanation = (hypothesis, isTwice) => (
   { ...hypothesis, isTwice, oneIn: countFramesPerMatch(hypothesis), score: computeScore(hypothesis) });
 /** Sort the explanations in place, most likely first. */
 const sortByScore = (explanations) => (
@@ -227,76 +287,83 @@ function explainWithCrc(hypotheses, refuted, isWithPairs) {
   const significant = selectSignificant(hypotheses, refuted);
   const unrepeated = significant.filter((hypothesis) => !hypothesis.isRepeated);
   const distinct = selectDistinct(unrepeated);
-  const merged = distinct.filter(fitsFrame).map((hypothesis) => toExplanation(hypothesis));
-  const all = significant.filter(fitsFrame).map((hypothesis) => toExplanation(hypothesis));
-  if (isWithPairs || merged.every((explanation) => explanation.kind === TABLE.inside[0])) {
-    const pairs = selectSignificant(unrepeated.filter((hypothesis) => (
-      hypothesis.crc && !["crc_not_inverted", TABLE.inside[0]].includes(hypothesis.kind)))
-      .map(pairWithInversion), refuted);
-    const explainPairs = (pairHypotheses) => (
-      pairHypotheses.filter(fitsFrame).map((hypothesis) => toExplanation(hypothesis, true)));
-    merged.push(...explainPairs(selectDistinct([...distinct, ...pairs]).slice(distinct.length)));
-    all.push(...explainPairs(pairs));
+  const merged = explainFitting(distinct, false);
+  const all = explainFitting(significant, false);
+  // A frame found at any bit is weak evidence.
+  const isFoundInsideOnly = merged.every((explanation) => explanation.kind === TABLE.inside[0]);
+  if (isWithPairs || isFoundInsideOnly) {
+    const canBePaired = ({ crc, kind }) => crc && !["crc_not_inverted", TABLE.inside[0]].includes(kind);
+    const pairs = selectSignificant(unrepeated.filter(canBePaired).map(pairWithInversion), refuted);
+    // A pair that leads to the same frame as a single mistake is left out.
+    const distinctPairs = selectDistinct([...distinct, ...pairs]).slice(distinct.length);
+    merged.push(...explainFitting(distinctPairs, true));
+    all.push(...explainFitting(pairs, true));
   }
   return { merged: sortByScore(merged), all: sortByScore(all) };
 }
 
+/** Return the hypotheses that fit the frame as explanations. ``isTwice`` marks pairs of mistakes. */
+const explainFitting = (hypotheses, isTwice) => (
+  hypotheses.filter(fitsFrame).map((hypothesis) => toExplanation(hypothesis, isTwice)));
+
 /** Pair the mistake with the most common one, a CRC that is inverted or that should be. */
 function pairWithInversion(hypothesis) {
-  const textName = big(hypothesis.crc.xorout) ? "not_inverted_too" : "inverted_too";
+  const textName = toBigInt(hypothesis.crc.xorout) ? "not_inverted_too" : "inverted_too";
   const template = fillTemplate(TABLE.texts[textName], hypothesis.template);
-  const crc = { ...hypothesis.crc, xorout: big(hypothesis.crc.xorout) ^ ones(hypothesis.crc.width) };
+  const crc = { ...hypothesis.crc, xorout: toBigInt(hypothesis.crc.xorout) ^ ones(hypothesis.crc.width) };
   return { ...hypothesis, crc, template, text: fillTemplate(TABLE.texts[textName], hypothesis.text) };
 }
 
 /** The readings of a frame without a CRC. Nothing proves one of them. */
 function explainWithoutCrc(hypotheses) {
-  const all = sortByScore(hypotheses.filter(fitsFrame).map((hypothesis) => toExplanation(hypothesis)));
+  const all = sortByScore(explainFitting(hypotheses, false));
   const numbers = all.map((explanation) => explanation.number);
   return { all, merged: all.filter((explanation, index) => numbers.indexOf(explanation.number) === index) };
 }
 
 /** Return the bits that the CRC covers, shifted to bit 0, and how many they are. */
 function coveredBitsOf(placedLayout, number) {
-  const { width } = crcField(placedLayout);
+  const { width } = findCrcField(placedLayout);
   const [low, bitCount] = placedLayout.layout.crc_of ?? [width, placedLayout.bits - width];
-  return { data: bits(number, low, bitCount), size: bitCount };
+  return { coveredData: extractBits(number, low, bitCount), coveredBits: bitCount };
 }
 
 /** Create the hypothesis that the frame is as sent, to which the caller adds the mistake. */
 function createHypothesisAsSent(placedLayout, crc, number) {
   return createHypothesis({
-    crc, ...coveredBitsOf(placedLayout, number), received: bits(number, 0, crc.width), known: crc.width,
-    fixed: hasRightConstants(placedLayout, number) ? countConstantBits(placedLayout) : 0,
+    crc, ...coveredBitsOf(placedLayout, number),
+    receivedCrc: extractBits(number, 0, crc.width), crcBitsReceived: crc.width,
+    rightConstantBits: hasRightConstants(placedLayout, number) ? countConstantBits(placedLayout) : 0,
     likelihood: computeLikelihood(placedLayout, number), text: "",
   });
 }
 
 /**
- * The frame was this number, whose last bits were not received.
- * These ``lost`` bits belong to the CRC, of which the others are compared. In a frame that lacks a CRC, the first lost
- * bits with which constants and parity are right are assumed.
+ * The frame was this number, whose last ``missingLowBits`` bits were not received.
+ * These bits belong to the CRC, of which the others are compared. In a frame that lacks a CRC, the first lost bits with
+ * which constants and parity are right are assumed.
  */
 function createFrameHypothesis(
   placedLayout, crc, kind, text, frameNumber,
-  { lost: missingLowBits = 0, demanded: otherBitsRequired = 0, holds: isConsistent = true, ...otherMembers } = {},
+  { missingLowBits = 0, otherBitsRequired = 0, isConsistent = true, ...otherMembers } = {},
 ) {
   if (!crc) {
     const completedFrames = [...Array(1 << missingLowBits).keys()].map((lastBits) => frameNumber | BigInt(lastBits));
     const number = completedFrames.find((candidate) => hasRightConstants(placedLayout, candidate)) ?? frameNumber;
     return createHypothesis({
-      kind, text, at: placedLayout, number, lost: missingLowBits, data: number, size: placedLayout.bits,
+      kind, text, placedLayout, number, missingLowBits, coveredData: number, coveredBits: placedLayout.bits,
       likelihood: computeLikelihood(placedLayout, number),
-      demanded: otherBitsRequired + Math.max(countConstantBits(placedLayout) - missingLowBits, 0),
-      holds: isConsistent && hasRightConstants(placedLayout, number), ...otherMembers,
+      otherBitsRequired: otherBitsRequired + Math.max(countConstantBits(placedLayout) - missingLowBits, 0),
+      isConsistent: isConsistent && hasRightConstants(placedLayout, number), ...otherMembers,
     });
   }
   return createHypothesis({
-    kind, text, crc, at: placedLayout, number: frameNumber, lost: missingLowBits,
+    kind, text, crc, placedLayout, number: frameNumber, missingLowBits,
     ...coveredBitsOf(placedLayout, frameNumber), likelihood: computeLikelihood(placedLayout, frameNumber),
-    received: bits(frameNumber, 0, crc.width) >> BigInt(missingLowBits), known: crc.width - missingLowBits,
-    demanded: otherBitsRequired + countConstantBits(placedLayout),
-    holds: isConsistent && hasRightConstants(placedLayout, frameNumber), ...otherMembers,
+    receivedCrc: extractBits(frameNumber, 0, crc.width) >> BigInt(missingLowBits),
+    crcBitsReceived: crc.width - missingLowBits,
+    otherBitsRequired: otherBitsRequired + countConstantBits(placedLayout),
+    isConsistent: isConsistent && hasRightConstants(placedLayout, frameNumber), ...otherMembers,
   });
 }
 
@@ -313,7 +380,7 @@ const mayHaveBits = (typedFrame, bitCount) => (
   typedFrame.exact ? typedFrame.bits === bitCount : typedFrame.bits <= bitCount);
 /** Return whether a placed field is error or warning: a flag, or an unused bit that is 1. */
 const isStatusField = ({ field, width }) => (
-  isFlag(field) || ("unused" in field && Boolean(big(field.unused)) && width === 1));
+  isFlag(field) || ("unused" in field && Boolean(toBigInt(field.unused)) && width === 1));
 
 /** Try every single mistake that could have turned a valid frame into this one. */
 function tryMistakesInBits(placedLayout, crc, typedFrame) {
@@ -335,14 +402,16 @@ function tryOtherCrcs(placedLayout, crc, number) {
   const hypotheses = (crc.others ?? []).map(
     ([kind, text, parameters]) => withMistake(kind, text, { crc: parameters }));
   hypotheses.push(withMistake(
-    "crc_reversed", TABLE.texts.crc_reversed, { received: reflected(asSent.received, crc.width) }));
+    "crc_reversed", TABLE.texts.crc_reversed, { receivedCrc: reverseBits(asSent.receivedCrc, crc.width) }));
   if (placedLayout.layout.crc_of) return hypotheses;
   const startBitRules = interfaceOf(placedLayout)?.name === "biss" ? TABLE.start_bits : [];
+  const coverStartBits = ([startBits, text]) => withMistake("start_bits_in_crc", text, {
+    coveredData: (BigInt(`0b${startBits}`) << BigInt(asSent.coveredBits)) | asSent.coveredData,
+    coveredBits: asSent.coveredBits + startBits.length });
   return [
     ...hypotheses, ...tryOtherStatus(placedLayout, asSent, number, withMistake),
     ...tryOtherPositionCode(placedLayout, asSent, number, withMistake),
-    ...startBitRules.map(([startBits, text]) => withMistake("start_bits_in_crc", text, {
-      data: (BigInt(`0b${startBits}`) << BigInt(asSent.size)) | asSent.data, size: asSent.size + startBits.length }))];
+    ...startBitRules.map(coverStartBits)];
 }
 
 /** Return the bits of error and warning in a frame, set to 1. */
@@ -353,30 +422,31 @@ const statusMaskOf = (placedLayout) => placedLayout.fields.filter(isStatusField)
 function tryOtherStatus(placedLayout, asSent, number, withMistake) {
   const statusMask = statusMaskOf(placedLayout);
   if (!statusMask) return [];
-  const crcWidth = BigInt(asSent.known);
-  const remainingBits = [...Array(asSent.size).keys()].reverse()
-    .filter((bit) => !bits(statusMask >> crcWidth, bit, 1));
-  const remainingData = remainingBits.reduce((sum, bit) => (sum << ONE) | bits(asSent.data, bit, 1), 0n);
+  const crcWidth = BigInt(asSent.crcBitsReceived);
+  const remainingBits = [...Array(asSent.coveredBits).keys()].reverse()
+    .filter((bit) => !extractBits(statusMask >> crcWidth, bit, 1));
+  const remainingData = remainingBits.reduce((sum, bit) => (sum << ONE) | extractBits(asSent.coveredData, bit, 1), 0n);
   return [
     withMistake("status_left_out", TABLE.texts.status_left_out, {
-      data: remainingData, size: remainingBits.length }),
+      coveredData: remainingData, coveredBits: remainingBits.length }),
     withMistake("status_turned", TABLE.texts.status_turned, {
-      data: (number ^ statusMask) >> crcWidth, likelihood: computeLikelihood(placedLayout, number ^ statusMask) }),
+      coveredData: (number ^ statusMask) >> crcWidth,
+      likelihood: computeLikelihood(placedLayout, number ^ statusMask) }),
   ];
 }
 
 /** Find the bits of the number that a master would convert from Gray code: their low bit and width. */
 function findConvertedBits({ layout, fields, joins, family, parameters }) {
   if (layout.gray) {
-    return {
-      low: Number(value(layout.gray.low ?? 0, parameters)), width: Number(value(layout.gray.width, parameters)) };
+    const evaluate = (expression) => Number(evaluateExpression(expression, parameters));
+    return { low: evaluate(layout.gray.low ?? 0), width: evaluate(layout.gray.width) };
   }
-  const joinedFields = joins[0]?.parts.map(({ item }) => item).filter(Boolean);
+  const joinedFields = joins[0]?.parts.map(({ placedField }) => placedField).filter(Boolean);
   if (joinedFields) {
     const width = joinedFields.reduce((sum, placedField) => sum + placedField.width, 0);
     return { low: joinedFields[0]?.low ?? 0, width };
   }
-  const isNumber = ({ field }) => isGiven({ field }) && (field.kind === undefined || field.kind === "signed");
+  const isNumber = ({ field }) => isEnteredByUser({ field }) && (field.kind === undefined || field.kind === "signed");
   return fields.filter(isNumber).reduce(
     (widest, placedField) => (placedField.width > widest.width ? placedField : widest), { low: 0, width: 0 });
 }
@@ -385,11 +455,11 @@ function findConvertedBits({ layout, fields, joins, family, parameters }) {
 function tryOtherPositionCode(placedLayout, asSent, number, withMistake) {
   const { low, width } = findConvertedBits(placedLayout);
   if (!width) return [];
-  const position = bits(number, low, width);
+  const position = extractBits(number, low, width);
   const otherBits = number ^ (position << BigInt(low));
   const coverConverted = (converted, text) => withMistake("other_code", text, {
-    data: (otherBits | (converted << BigInt(low))) >> BigInt(asSent.known) });
-  return [coverConverted(plainOf(position), TABLE.texts.covers_binary),
+    coveredData: (otherBits | (converted << BigInt(low))) >> BigInt(asSent.crcBitsReceived) });
+  return [coverConverted(grayToBinary(position), TABLE.texts.covers_binary),
     coverConverted(position ^ (position >> ONE), TABLE.texts.covers_gray)];
 }
 
@@ -400,11 +470,11 @@ function tryRearrangedFrames(placedLayout, crc, typedFrame) {
   const hypotheses = [];
   if (possibleLengthsOf(placedLayout, typedFrame).includes(placedLayout.bits)) {
     hypotheses.push(assumeFrame("all_inverted", typedFrame.number ^ ones(placedLayout.bits)),
-      assumeFrame("bits_reversed", reflected(typedFrame.number, placedLayout.bits)));
+      assumeFrame("bits_reversed", reverseBits(typedFrame.number, placedLayout.bits)));
     if (placedLayout.bits % 8 === 0) {
       const bytes = bytesOf("big", typedFrame.number, placedLayout.bits / 8);
       hypotheses.push(assumeFrame(
-        "bits_reversed_in_bytes", numberOf("big", bytes.map((byte) => reflected(BigInt(byte), 8)))));
+        "bits_reversed_in_bytes", numberOf("big", bytes.map((byte) => reverseBits(BigInt(byte), 8)))));
     }
   }
   const tryByteOrder = (kind, unitBits, reorder) => {
@@ -413,9 +483,9 @@ function tryRearrangedFrames(placedLayout, crc, typedFrame) {
       && (typedFrame.bits === placedLayout.bits || typedFrame.bits === filledBits);
     if (typedFrame.number >> BigInt(filledBits) || (typedFrame.exact && !isWholeBytes)) return;
     const filledFrame = numberOf("big", reorder(bytesOf("big", typedFrame.number, filledBits / 8)));
-    const frameNumber = bits(filledFrame, 0, placedLayout.bits);
+    const frameNumber = extractBits(filledFrame, 0, placedLayout.bits);
     hypotheses.push(assumeFrame(kind, frameNumber, {
-      demanded: filledBits - placedLayout.bits, holds: frameNumber === filledFrame }));
+      otherBitsRequired: filledBits - placedLayout.bits, isConsistent: frameNumber === filledFrame }));
   };
   tryByteOrder("bytes_reversed", 8, (bytes) => bytes.reverse());
   if (placedLayout.bits > 16) tryByteOrder(
@@ -426,7 +496,7 @@ function tryRearrangedFrames(placedLayout, crc, typedFrame) {
 /** Error and warning are missing: removed after the CRC was computed, or before. */
 function tryRemovedStatus(placedLayout, crc, typedFrame) {
   const statusMask = statusMaskOf(placedLayout);
-  const statusBits = onesIn(statusMask);
+  const statusBits = countOnes(statusMask);
   const shortBits = placedLayout.bits - statusBits;
   if (!statusMask || statusMask >> BigInt(crc.width) !== ones(statusBits)
     || !mayHaveBits(typedFrame, shortBits)) return [];
@@ -434,25 +504,25 @@ function tryRemovedStatus(placedLayout, crc, typedFrame) {
     && (placedField.field.kind === "not_flag" || "unused" in placedField.field))
     .reduce((mask, { low, width }) => mask | (ones(width) << BigInt(low)), 0n);
   const data = typedFrame.number >> BigInt(crc.width);
-  const receivedCrc = bits(typedFrame.number, 0, crc.width);
+  const receivedCrc = extractBits(typedFrame.number, 0, crc.width);
   const frameNumber = (data << BigInt(crc.width + statusBits)) | idleStatus | receivedCrc;
   const asIdle = createFrameHypothesis(
     placedLayout, crc, "status_not_sent", TABLE.texts.removed_and_idle, frameNumber);
   if (!typedFrame.exact) return [asIdle];
   return [asIdle, createHypothesis({
-    kind: "status_not_sent", text: TABLE.texts.removed, crc, data, size: shortBits - crc.width,
-    received: receivedCrc, known: crc.width, likelihood: computeLikelihood(placedLayout, frameNumber),
-    number: frameNumber, at: placedLayout })];
+    kind: "status_not_sent", text: TABLE.texts.removed, crc, coveredData: data, coveredBits: shortBits - crc.width,
+    receivedCrc, crcBitsReceived: crc.width, likelihood: computeLikelihood(placedLayout, frameNumber),
+    number: frameNumber, placedLayout })];
 }
 
 /** Try data of the right length before a CRC of another length: complete, truncated, or followed by zeros. */
 function tryOtherPolynomials(placedLayout, crc, typedFrame) {
   const dataBits = placedLayout.bits - crc.width;
   return TABLE.polynomials.flatMap((polynomial) => {
-    const withTopBit = big(polynomial);
+    const withTopBit = toBigInt(polynomial);
     const width = bitLength(withTopBit) - 1;
-    if (withTopBit === (big(crc.poly) | (ONE << BigInt(crc.width)))) return [];
-    const onesIfSet = (number) => (big(number) ? ones(width) : 0n);
+    if (withTopBit === (toBigInt(crc.poly) | (ONE << BigInt(crc.width)))) return [];
+    const onesIfSet = (number) => (toBigInt(number) ? ones(width) : 0n);
     const otherCrc = {
       ...crc, width, poly: withTopBit & ones(width), init: onesIfSet(crc.init), xorout: onesIfSet(crc.xorout) };
     const lengths = [...new Set([dataBits + width, placedLayout.bits])];
@@ -465,7 +535,7 @@ function tryOtherPolynomials(placedLayout, crc, typedFrame) {
 /** Try another CRC behind the first ``dataBits`` of the ``length`` bits of ``number``. */
 function tryPolynomialWithLength(placedLayout, crc, otherCrc, number, length, dataBits) {
   const tailBits = length - dataBits;
-  const [data, tail] = [number >> BigInt(tailBits), bits(number, 0, tailBits)];
+  const [data, tail] = [number >> BigInt(tailBits), extractBits(number, 0, tailBits)];
   const crcBitsReceived = Math.min(otherCrc.width, tailBits);
   const zeroCount = Math.max(tailBits - otherCrc.width, 0);
   const frameNumber = data << BigInt(crc.width);
@@ -477,10 +547,11 @@ function tryPolynomialWithLength(placedLayout, crc, otherCrc, number, length, da
     : zeroCount ? fillTemplate(TABLE.texts.then_zeros, polynomialText) : polynomialText;
   const hasFrameLength = length === placedLayout.bits;
   return createHypothesis({
-    kind: "other_polynomial", text, crc: otherCrc, data, size: dataBits, received: tail >> BigInt(zeroCount),
-    known: crcBitsReceived, demanded: zeroCount + (hasFrameLength ? 0 : countConstantBits(placedLayout)),
-    holds: !bits(tail, 0, zeroCount) && (hasFrameLength || areConstantsRight),
-    fixed: zeroCount + (areConstantsRight ? countConstantBits(placedLayout) : 0),
+    kind: "other_polynomial", text, crc: otherCrc, coveredData: data, coveredBits: dataBits,
+    receivedCrc: tail >> BigInt(zeroCount),
+    crcBitsReceived, otherBitsRequired: zeroCount + (hasFrameLength ? 0 : countConstantBits(placedLayout)),
+    isConsistent: !extractBits(tail, 0, zeroCount) && (hasFrameLength || areConstantsRight),
+    rightConstantBits: zeroCount + (areConstantsRight ? countConstantBits(placedLayout) : 0),
     likelihood: computeLikelihood(placedLayout, frameNumber),
   });
 }
@@ -489,7 +560,7 @@ function tryPolynomialWithLength(placedLayout, crc, otherCrc, number, length, da
 function computeLikelihood(placedLayout, number) {
   const { idle, active } = TABLE.likely;
   return placedLayout.fields.reduce((product, placedField) => {
-    const isActive = isActiveOrDiffers(placedField, bits(number, placedField.low, placedField.width));
+    const isActive = isActiveOrDiffers(placedField, extractBits(number, placedField.low, placedField.width));
     if (isFlag(placedField.field)) return product * (isActive ? active : idle);
     if ("unused" in placedField.field) return product * (isActive ? active : idle ** placedField.width);
     return product;
@@ -508,26 +579,33 @@ function tryMovedFrames(placedLayout, crc, typedFrame) {
   const lineRules = lineRulesOf(placedLayout);
   if (!lineRules) return [];
   const receivedText = writeReceivedBits(placedLayout, typedFrame);
+  const mayBeEcho = mayHaveBits(typedFrame, placedLayout.bits);
   const commandHypotheses = [
-    ...(mayHaveBits(typedFrame, placedLayout.bits) ? tryEcho(placedLayout, typedFrame.number) : []),
+    ...(mayBeEcho ? tryEcho(placedLayout, typedFrame.number) : []),
     ...tryLeftOutCommand(placedLayout, crc, typedFrame)];
-  const hypothesesByRule = [
-    ...possibleLengthsOf(placedLayout, typedFrame).flatMap((length) => (
-      lineRules.slips.flatMap((offset) => tryOffset(placedLayout, crc, typedFrame, length, offset)))),
-    ...lineRules.recordings.flatMap((recording) => tryRecording(placedLayout, crc, receivedText, recording)),
-  ];
-  if (!crc || hypothesesByRule.some(fitsFrame)) return [...commandHypotheses, ...hypothesesByRule];
-  const placeCount = Math.max(receivedText.length - placedLayout.bits + 1, 0);
+  const offsetHypotheses = possibleLengthsOf(placedLayout, typedFrame).flatMap((length) => (
+    lineRules.slips.flatMap((offset) => tryOffset(placedLayout, crc, typedFrame, length, offset))));
+  const hypotheses = [
+    ...commandHypotheses, ...offsetHypotheses,
+    ...lineRules.recordings.flatMap((recording) => tryRecording(placedLayout, crc, receivedText, recording))];
+  const isFoundByRule = hypotheses.slice(commandHypotheses.length).some(fitsFrame);
+  return crc && !isFoundByRule ? [...hypotheses, ...tryFrameAtEveryBit(placedLayout, crc, receivedText)] : hypotheses;
+}
+
+/** Try the frame at each bit of ``receivedText``, which are the bits in the order received. */
+function tryFrameAtEveryBit(placedLayout, crc, receivedText) {
   const [kind, template] = TABLE.inside;
-  return [...commandHypotheses, ...hypothesesByRule, ...[...Array(placeCount).keys()].map((bitsBefore) => {
-    const frameText = receivedText.slice(bitsBefore, bitsBefore + placedLayout.bits);
-    const parts = [
-      ["before", receivedText.slice(0, bitsBefore)], ["frame", frameText],
-      ["behind", receivedText.slice(bitsBefore + placedLayout.bits)]];
-    const members = { template, parts: parts.filter(([, partText]) => partText), places: placeCount };
+  const placeCount = Math.max(receivedText.length - placedLayout.bits + 1, 0);
+  return listNumbersBelow(placeCount).map((bitsBefore) => {
+    const frameEnd = bitsBefore + placedLayout.bits;
+    const frameText = receivedText.slice(bitsBefore, frameEnd);
+    const allParts = [
+      ["before", receivedText.slice(0, bitsBefore)], ["frame", frameText], ["behind", receivedText.slice(frameEnd)]];
+    const parts = allParts.filter(([, partText]) => partText);
+    const text = fillTemplate(template, bitsBefore);
     return createFrameHypothesis(
-      placedLayout, crc, kind, fillTemplate(template, bitsBefore), BigInt(`0b${frameText}`), members);
-  })];
+      placedLayout, crc, kind, text, BigInt(`0b${frameText}`), { template, parts, placeCount });
+  });
 }
 
 /** The bits during the command are missing, and the command is the one that the layout expects. */
@@ -544,12 +622,12 @@ function tryLeftOutCommand(placedLayout, crc, typedFrame) {
     || !mayHaveBits(typedFrame, remainingBits) || typedFrame.written !== remainingBits) return [];
   const constants = commandFields.filter(({ field }) => "fixed" in field);
   const frameNumber = constants.reduce(
-    (sum, placedField) => sum | (big(placedField.field.fixed) << BigInt(placedField.low)), typedFrame.number);
+    (sum, placedField) => sum | (toBigInt(placedField.field.fixed) << BigInt(placedField.low)), typedFrame.number);
   const text = fillTemplate(TABLE.texts.command_left_out, placedLayout.bits - remainingBits);
   const assumedBits = constants.reduce((sum, { width }) => sum + width, 0);
   return [{
     ...createFrameHypothesis(placedLayout, crc, "command_left_out", text, frameNumber),
-    demanded: countConstantBits(placedLayout) - assumedBits }];
+    otherBitsRequired: countConstantBits(placedLayout) - assumedBits }];
 }
 
 /**
@@ -559,33 +637,37 @@ function tryLeftOutCommand(placedLayout, crc, typedFrame) {
 function tryOffset(
   placedLayout, crc, typedFrame, length, [kind, template, front, missingFirstBits, missingLowBits, extraLowBits],
 ) {
-  if (length !== placedLayout.bits + front.length - missingFirstBits.length - missingLowBits + extraLowBits) return [];
-  const framePartBits = length - front.length - extraLowBits;
-  const frontAndFramePart = typedFrame.number >> BigInt(extraLowBits);
-  const highestBit = framePartBits + front.length - 1;
-  const startBits = [...front].flatMap((mark, index) => (mark === "1" ? [highestBit - index] : []));
-  const isConsistent = startBits.every((bit) => bits(frontAndFramePart, bit, 1));
-  const frameNumber = ((BigInt(`0b0${missingFirstBits}`) << BigInt(framePartBits))
-    | bits(frontAndFramePart, 0, framePartBits)) << BigInt(missingLowBits);
-  const members = { template, lost: missingLowBits, demanded: startBits.length, holds: isConsistent };
+  const receivedFrameBits = length - front.length - extraLowBits;
+  if (receivedFrameBits !== placedLayout.bits - missingFirstBits.length - missingLowBits) return [];
+  const frontAndFrame = typedFrame.number >> BigInt(extraLowBits);
+  const markedBits = [...front].map((mark, index) => (
+    { mark, bit: extractBits(frontAndFrame, receivedFrameBits + front.length - 1 - index, 1) }));
+  const startBits = markedBits.filter(({ mark }) => mark === "1");
+  const mostlyZeroBits = markedBits.filter(({ mark }) => mark === "~");
+  const frameFromFirstBit = (BigInt(`0b0${missingFirstBits}`) << BigInt(receivedFrameBits))
+    | extractBits(frontAndFrame, 0, receivedFrameBits);
   const hypothesis = createFrameHypothesis(
-    placedLayout, crc, kind, fillTemplate(template, missingFirstBits), frameNumber, members);
+    placedLayout, crc, kind, fillTemplate(template, missingFirstBits), frameFromFirstBit << BigInt(missingLowBits),
+    { template, missingLowBits, otherBitsRequired: startBits.length, isConsistent: startBits.every(({ bit }) => bit) });
   const { idle, active } = TABLE.likely;
-  const mostlyZeroBits = [...front].flatMap(
-    (mark, index) => (mark === "~" ? [bits(frontAndFramePart, highestBit - index, 1)] : []));
-  const frontLikelihood = mostlyZeroBits.reduce((product, bit) => product * (bit ? active : idle), 1);
+  const frontLikelihood = mostlyZeroBits.reduce((product, { bit }) => product * (bit ? active : idle), 1);
   return [{ ...hypothesis, likelihood: hypothesis.likelihood * frontLikelihood }];
 }
 
-/** Try the frame in a recording with these parts. The bits of the parts in ``proofParts`` have one possible value. */
-function tryRecording(placedLayout, crc, receivedText, [kind, text, pattern, proofParts]) {
-  const groups = matchRecording(pattern, placedLayout, receivedText)?.groups;
-  if (!groups) return [];
-  const { frame: frameText, again: repeatedText = "" } = groups;
-  const otherBitsRequired = proofParts.reduce((sum, name) => sum + (groups[name] ?? "").length, 0);
-  const parts = Object.entries(groups).filter(([, partText]) => partText);
-  return [createFrameHypothesis(placedLayout, crc, kind, text, BigInt(`0b${frameText}`), {
-    demanded: otherBitsRequired, parts, holds: frameText.startsWith(repeatedText) })];
+/**
+ * Try the frame in a recording. ``pattern`` matches the recording, with a group for each of its parts, such as "frame".
+ * The bits of the groups named in ``determinedNames`` have one possible value.
+ */
+function tryRecording(placedLayout, crc, receivedText, [kind, text, pattern, determinedNames]) {
+  const textByPart = matchRecording(pattern, placedLayout, receivedText)?.groups;
+  if (!textByPart) return [];
+  // A frame that is sent twice is ``again`` behind itself, perhaps cut off.
+  const { frame: frameText, again: repeatedText = "" } = textByPart;
+  const otherBitsRequired = determinedNames.reduce((sum, name) => sum + (textByPart[name] ?? "").length, 0);
+  const parts = Object.entries(textByPart).filter(([, partText]) => partText);
+  return [createFrameHypothesis(
+    placedLayout, crc, kind, text, BigInt(`0b${frameText}`),
+    { otherBitsRequired, parts, isConsistent: frameText.startsWith(repeatedText) })];
 }
 
 // -- frames of bytes
@@ -595,7 +677,7 @@ const MOST_ECHOED_BYTES = 4;
 
 /** Try every single mistake that could have turned a valid frame into these bytes. */
 function tryMistakesInBytes(decoded) {
-  const { at: expectedLayout, data, label: orderCode, over: interface_, sender } = decoded;
+  const { placedLayout: expectedLayout, receivedBytes: data, orderCode, interface: interface_, sender } = decoded;
   const wholeFrames = tryWholeFrames(decoded);
   const layouts = orderCode ? interface_.frames : [];
   // Where the manual is ambiguous, the first answer decides, as on the command line.
@@ -610,9 +692,10 @@ function tryMistakesInBytes(decoded) {
       ...tryMovedBytes(placedLayout, crc, data)];
   });
   // Whole frames already explain extra bytes around the same frame.
+  const isSameFrame = (wholeFrame, hypothesis) => wholeFrame.number === hypothesis.number
+    && wholeFrame.placedLayout.layout === hypothesis.placedLayout.layout;
   const isRepeated = (hypothesis) => ["bytes_in_front", "bytes_behind"].includes(hypothesis.kind)
-    && wholeFrames.some(
-      ({ at: placedLayout, number }) => number === hypothesis.number && placedLayout.layout === hypothesis.at.layout);
+    && wholeFrames.some((wholeFrame) => isSameFrame(wholeFrame, hypothesis));
   return [...wholeFrames, ...hypotheses.map(
     (hypothesis) => ({ ...hypothesis, isRepeated: isRepeated(hypothesis) }))];
 }
@@ -621,7 +704,7 @@ function tryMistakesInBytes(decoded) {
 const joinBytes = (bytes) => numberOf("big", bytes);
 /** Return the hypothesis with the last byte as the CRC over the bytes before it. */
 const withCrcOverBytes = (hypothesis, bytes) => (
-  { ...hypothesis, data: joinBytes(bytes.slice(0, -1)), received: BigInt(bytes.at(-1)), isOfBytes: true });
+  { ...hypothesis, coveredData: joinBytes(bytes.slice(0, -1)), receivedCrc: BigInt(bytes.at(-1)), isOfBytes: true });
 
 /** Try the frame as sent with another CRC. */
 function tryOtherByteCrcs(placedLayout, crc, data) {
@@ -633,7 +716,7 @@ function tryOtherByteCrcs(placedLayout, crc, data) {
       { ...asSent, kind, text: crcText, template: crcText, crc: otherCrc })),
     {
       ...asSent, kind: "first_byte_left_out", text, template: text,
-      data: joinBytes(data.slice(1, -1)), size: asSent.size - 8 },
+      coveredData: joinBytes(data.slice(1, -1)), coveredBits: asSent.coveredBits - 8 },
   ];
 }
 
@@ -668,73 +751,102 @@ function tryMovedBytes(placedLayout, crc, data) {
 
 /** The possible first bytes of a frame, if that byte only has the selector, constants, parity and usual values. */
 function findPossibleFirstBytes(placedLayout) {
-  const { order, selector, selects = [], usual = [] } = placedLayout.layout;
-  const firstByteMask = numberOf(order, [0xFF, ...Array(placedLayout.bits / 8 - 1).fill(0)]);
+  const { order, selector, selects: selectorValues = [], usual = [] } = placedLayout.layout;
+  const byteCount = placedLayout.bits / 8;
+  const firstByteMask = numberOf(order, [0xFF, ...Array(byteCount - 1).fill(0)]);
   const fieldsInFirstByte = placedLayout.fields.filter(
-    ({ low, width }) => bits(firstByteMask >> BigInt(low), 0, width));
-  const usualValueOf = ({ name }) => usual.find((values) => values[0] === name && values.length === 2)?.[1];
-  const otherFields = fieldsInFirstByte.filter(
-    (placedField) => placedField.name !== selector && !("parity" in placedField.field));
-  if (!otherFields.every((placedField) => (
-    "fixed" in placedField.field || usualValueOf(placedField) !== undefined))) return [];
-  const withField = (number, { low }, content) => number | (big(content) << BigInt(low));
-  const withoutSelector = otherFields.reduce((number, placedField) => (
-    withField(number, placedField, placedField.field.fixed ?? usualValueOf(placedField))), 0n);
-  const selectorFields = fieldsInFirstByte.filter((placedField) => placedField.name === selector);
-  return (selectorFields.length ? selects : [0]).map((selectorValue) => {
+    ({ low, width }) => extractBits(firstByteMask >> BigInt(low), 0, width));
+  const selectorFields = fieldsInFirstByte.filter(({ name }) => name === selector);
+  const parityFields = fieldsInFirstByte.filter(({ field }) => "parity" in field);
+  const otherFields = fieldsInFirstByte.filter(({ name, field }) => name !== selector && !("parity" in field));
+  const usualValueOf = (name) => usual.find((values) => values[0] === name && values.length === 2)?.[1];
+  const expectedValueOf = ({ name, field }) => ("fixed" in field ? field.fixed : usualValueOf(name));
+  if (otherFields.some((placedField) => expectedValueOf(placedField) === undefined)) return [];
+  const insertField = (number, { low }, fieldValue) => number | (toBigInt(fieldValue) << BigInt(low));
+  const numberWithoutSelector = otherFields.reduce(
+    (number, placedField) => insertField(number, placedField, expectedValueOf(placedField)), 0n);
+  return (selectorFields.length ? selectorValues : [0]).map((selectorValue) => {
     let number = selectorFields.reduce(
-      (sum, placedField) => withField(sum, placedField, selectorValue), withoutSelector);
-    for (const parityField of fieldsInFirstByte.filter(({ field }) => "parity" in field)) {
-      const { of: coveredPlaces, check } = placedLayout.checks.find(
-        (placedCheck) => placedCheck.of && placedCheck.check.field === parityField.name);
-      number = withField(number, parityField, parityOf(number, coveredPlaces, check));
+      (sum, placedField) => insertField(sum, placedField, selectorValue), numberWithoutSelector);
+    for (const parityField of parityFields) {
+      number = insertField(number, parityField, computeParityOf(placedLayout, parityField, number));
     }
-    return bytesOf(order, number, placedLayout.bits / 8)[0];
+    return bytesOf(order, number, byteCount)[0];
   });
 }
 
+/** Compute the parity that a parity field must have in a frame. */
+function computeParityOf(placedLayout, parityField, number) {
+  const { coveredPlaces, check } = placedLayout.checks.find(
+    (placedCheck) => placedCheck.coveredPlaces && placedCheck.check.field === parityField.name);
+  return computeParity(number, coveredPlaces, check);
+}
+
 /** Try the bytes as whole frames of RS-485: an echo of the request, a reply after it, or several replies. */
-function tryWholeFrames({ data, label: orderCode, over: interface_, sender }) {
-  const { most: mostBytes, least: leastEvidence, echo: echoText, frames: framesText } = TABLE.exchanges;
-  if (!orderCode || data.length > mostBytes || interface_.name !== "rs485") return [];
-  if (sender !== "encoder") return [];
-  const candidates = interface_.frames.filter((layout) => layout.order).map((layout) => placedFor(orderCode, layout))
-    .map((placedLayout) => ({ one: placedLayout, size: placedLayout.bits / 8 }));
-  const fewestFramesFrom = new Map([[data.length, []]]);
-  const isRequest = ({ one: placedLayout }) => placedLayout.layout.sender === "master";
-  for (let firstByte = data.length - 1; firstByte >= 0; firstByte -= 1) {
+function tryWholeFrames({ receivedBytes, orderCode, interface: interface_, sender }) {
+  const { most: mostBytes, least: leastEvidence } = TABLE.exchanges;
+  if (!orderCode || receivedBytes.length > mostBytes) return [];
+  if (interface_.name !== "rs485" || sender !== "encoder") return [];
+  const placedLayouts = interface_.frames.filter((layout) => layout.order)
+    .map((layout) => placedFor(orderCode, layout));
+  const frames = splitIntoFrames(placedLayouts, receivedBytes);
+  const isOnlyReply = frames.length === 1 && !isRequest(frames[0]);
+  const totalEvidence = frames.reduce((sum, frame) => sum + frame.evidence, 0);
+  if (!frames.length || isOnlyReply || totalEvidence < leastEvidence) return [];
+  return [createWholeFramesHypothesis(frames, receivedBytes, totalEvidence)];
+}
+
+/** Return whether the master sends a frame. */
+const isRequest = ({ placedLayout }) => placedLayout.layout.sender === "master";
+
+/**
+ * Split bytes into the fewest valid frames, each {placedLayout, bytes, evidence}, or return [] if that is impossible.
+ * ``evidence`` counts the bits with the value to expect. A frame has some.
+ */
+function splitIntoFrames(placedLayouts, bytes) {
+  const candidates = placedLayouts.map((placedLayout) => ({ placedLayout }));
+  // The fewest frames from a byte to the end, by the index of this byte. It is filled from the end.
+  const fewestFramesFrom = new Map([[bytes.length, []]]);
+  for (let firstByte = bytes.length - 1; firstByte >= 0; firstByte -= 1) {
     // A request is in front of its reply, even if both have the same form.
-    const likely = candidates.filter((candidate) => isRequest(candidate) === (firstByte === 0));
-    for (const { one: placedLayout, size: byteCount } of [
-      ...likely, ...candidates.filter((candidate) => !likely.includes(candidate))]) {
-      const followingFrames = fewestFramesFrom.get(firstByte + byteCount);
-      if (!followingFrames || fewestFramesFrom.get(firstByte)?.length <= followingFrames.length + 1) continue;
-      const bytes = data.slice(firstByte, firstByte + byteCount);
-      const evidence = countExpectedBits(placedLayout, numberOf(placedLayout.layout.order, bytes));
-      if (evidence && !decodeBytes(placedLayout, bytes).problems.length) fewestFramesFrom.set(
-        firstByte, [{ one: placedLayout, bytes, evidence }, ...followingFrames]);
+    const isLikely = (candidate) => isRequest(candidate) === (firstByte === 0);
+    const likeliestFirst = [
+      ...candidates.filter(isLikely), ...candidates.filter((candidate) => !isLikely(candidate))];
+    for (const { placedLayout } of likeliestFirst) {
+      const nextByte = firstByte + placedLayout.bits / 8;
+      const followingFrames = fewestFramesFrom.get(nextByte);
+      const frameBytes = bytes.slice(firstByte, nextByte);
+      const isShorter = followingFrames
+        && !(fewestFramesFrom.get(firstByte)?.length <= followingFrames.length + 1);
+      const evidence = isShorter
+        ? countExpectedBits(placedLayout, numberOf(placedLayout.layout.order, frameBytes)) : 0;
+      if (evidence && !decodeBytes(placedLayout, frameBytes).problems.length) {
+        fewestFramesFrom.set(firstByte, [{ placedLayout, bytes: frameBytes, evidence }, ...followingFrames]);
+      }
     }
   }
-  const frames = fewestFramesFrom.get(0) ?? [];
+  return fewestFramesFrom.get(0) ?? [];
+}
+
+/** Create the hypothesis that the bytes are these frames, which are more than one reply. */
+function createWholeFramesHypothesis(frames, receivedBytes, totalEvidence) {
+  const { echo: echoText, frames: framesText } = TABLE.exchanges;
   const replyCount = frames.filter((frame) => !isRequest(frame)).length;
-  if (!frames.length || (frames.length === 1 && replyCount)) return [];
-  const totalEvidence = frames.reduce((sum, frame) => sum + frame.evidence, 0);
-  if (totalEvidence < leastEvidence) return [];
   const kindWithOneReply = isRequest(frames[0]) ? "bytes_in_front" : "bytes_behind";
   const kind = ["echo", kindWithOneReply][replyCount] ?? "several_frames";
-  const parts = frames.map((frame) => [
-    `${isRequest(frame) ? "request" : "reply"} ${frame.one.name}`, shownBytes(frame.bytes)]);
-  const roles = parts.map(([title]) => title.split(" ")[0]);
-  const [text, template] = kind === "echo"
-    ? [` ${frames[0].one.name}`, ""].map((requestName) => fillTemplate(echoText, requestName))
-    : [parts.map(([title]) => title), roles].map((names) => fillTemplate(framesText, names.join(", then ")));
-  const lastFrame = frames[frames.length - 1];
-  const isCertainReply = !isRequest(lastFrame) && !lastFrame.one.layout.asks?.length;
-  return [createHypothesis({
-    kind, text, template, at: lastFrame.one, parts, demanded: totalEvidence,
-    data: joinBytes(data), size: 8 * data.length,
-    number: isCertainReply ? numberOf(lastFrame.one.layout.order, lastFrame.bytes) : undefined,
-  })];
+  const roles = frames.map((frame) => (isRequest(frame) ? "request" : "reply"));
+  const titles = frames.map((frame, index) => `${roles[index]} ${frame.placedLayout.name}`);
+  const text = kind === "echo" ? fillTemplate(echoText, ` ${frames[0].placedLayout.name}`)
+    : fillTemplate(framesText, titles.join(", then "));
+  const template = kind === "echo" ? fillTemplate(echoText, "") : fillTemplate(framesText, roles.join(", then "));
+  const lastFrame = frames.at(-1);
+  const isCertainReply = !isRequest(lastFrame) && !lastFrame.placedLayout.layout.asks?.length;
+  return createHypothesis({
+    kind, text, template, placedLayout: lastFrame.placedLayout, otherBitsRequired: totalEvidence,
+    parts: frames.map((frame, index) => [titles[index], formatBytes(frame.bytes)]),
+    coveredData: joinBytes(receivedBytes), coveredBits: 8 * receivedBytes.length,
+    number: isCertainReply ? numberOf(lastFrame.placedLayout.layout.order, lastFrame.bytes) : undefined,
+  });
 }
 
 /** Count the bits in a valid frame that have the value to expect: CRC, constants, and fields with a usual value. */
@@ -742,7 +854,7 @@ function countExpectedBits(placedLayout, number) {
   const usualBits = (placedLayout.layout.usual ?? []).reduce((sum, [name, ...usualValues]) => {
     const placedField = placedLayout.fields.find((candidate) => candidate.name === name);
     const isUsual = placedField && usualValues.some(
-      (usualValue) => big(usualValue) === bits(number, placedField.low, placedField.width));
+      (usualValue) => toBigInt(usualValue) === extractBits(number, placedField.low, placedField.width));
     return sum + (isUsual ? placedField.width - bitLength(BigInt(usualValues.length - 1)) : 0);
   }, 0);
   return countConstantBits(placedLayout) + usualBits
@@ -758,14 +870,14 @@ function findEchoedRequest(placedLayout, number) {
   const isRepeated = ({ field }) => "fixed" in field || "unused" in field;
   const repeatedBits = placedLayout.fields.filter(isRepeated).reduce((sum, { width }) => sum + width, 0);
   const hasDocumentedBits = (request) => request.fields.every((placedField) => !("unused" in placedField.field)
-    || bits(number, placedField.low, placedField.width)
-      === (big(placedField.field.unused) & ones(placedField.width)));
+    || extractBits(number, placedField.low, placedField.width)
+      === (toBigInt(placedField.field.unused) & ones(placedField.width)));
   const requests = interface_.frames.filter((layout) => layout.sender === "master" && !layout.order)
     .map((layout) => placeLayout(placedLayout.family, layout, placedLayout.parameters))
     .filter((request) => request.bits === placedLayout.bits && !decode(request, number).problems.length
       && hasDocumentedBits(request))
     .map((request) => ({
-      name: request.name, size: request.bits, evidence: countExpectedBits(request, number) - repeatedBits }))
+      name: request.name, bits: request.bits, evidence: countExpectedBits(request, number) - repeatedBits }))
     .filter(({ evidence }) => evidence >= TABLE.exchanges.least_in_word);
   return requests.sort((request, otherRequest) => otherRequest.evidence - request.evidence)[0];
 }
@@ -777,11 +889,12 @@ function tryEcho(placedLayout, number) {
   const text = fillTemplate(TABLE.exchanges.word_echo, ` ${request.name}`);
   const template = fillTemplate(TABLE.exchanges.word_echo, "");
   return [createHypothesis({
-    kind: "echo", text, template, data: number, size: request.size, demanded: request.evidence })];
+    kind: "echo", text, template, coveredData: number, coveredBits: request.bits,
+    otherBitsRequired: request.evidence })];
 }
 
 /** Return the name of the request that a valid word also is, or "". */
-function ownRequest({ at: placedLayout, number, problems }) {
+function ownRequest({ placedLayout, number, problems }) {
   if (!placedLayout || placedLayout.layout.order || placedLayout.layout.sender !== "encoder"
     || problems.length) return "";
   return findEchoedRequest(placedLayout, number)?.name ?? "";
@@ -794,7 +907,7 @@ function numbersRead(placedLayout, number) {
     (alternative) => Object.keys(alternative.answers[0][2])) : [];
   const dependsOnAnswer = ({ low }) => Array.isArray(low) && low.slice(1).some((term) => term.slice(1)
     .some((parameter) => openParameters.includes(parameter.replace("^", ""))));
-  const isNumber = ({ field }) => isGiven({ field }) && !dependsOnAnswer(field)
+  const isNumber = ({ field }) => isEnteredByUser({ field }) && !dependsOnAnswer(field)
     && (field.kind === undefined || field.kind === "signed");
   const names = placedLayout.fields.filter(isNumber).map((placedField) => placedField.name);
   return decode(placedLayout, number).fields.filter((field) => names.includes(field.name))
@@ -818,34 +931,51 @@ function findRecordedFrames(placedLayout, typedFrame) {
     .map((hypothesis) => [`if ${hypothesis.text}`, hypothesis.number]);
 }
 
-/** Other readings of a position that nothing in the frame can contradict. They do not explain an error. */
-function otherPositions({ at: placedLayout, number, problems, crc, fields, given: typedFrame }, measure) {
-  const isWordOfEncoder = placedLayout && !placedLayout.layout.order && placedLayout.layout.sender === "encoder";
-  const name = positionNameOf(measure);
-  const position = fields.find((field) => field.name === name);
-  if (!isWordOfEncoder || problems.length || crc || typeof position?.value !== "bigint") return [];
-  const parts = position.high < 0 ? placedLayout.joins.find((join) => join.name === name).parts.map(({ item }) => item)
-    .filter(Boolean) : [position];
-  const low = Math.min(...parts.map((partField) => partField.low));
-  const width = parts.reduce((sum, partField) => sum + (partField.width ?? partField.high - partField.low + 1), 0);
-  const sentPosition = bits(number, low, width);
+/** Return {low, width}: the bits of the position in a frame, where it can be joined from several fields. */
+function findPositionBits(placedLayout, position) {
+  const isJoined = position.high < 0;
+  if (!isJoined) return { low: position.low, width: position.high - position.low + 1 };
+  const join = placedLayout.joins.find(({ name }) => name === position.name);
+  const joinedFields = join.parts.map(({ placedField }) => placedField).filter(Boolean);
+  return {
+    low: Math.min(...joinedFields.map((placedField) => placedField.low)),
+    width: joinedFields.reduce((sum, placedField) => sum + placedField.width, 0) };
+}
+
+/**
+ * Return the frames that may have been sent instead, in the order of the texts in ``TABLE.doubts``: one bit later, one
+ * bit earlier, in Gray code, in binary, or with its bytes in reverse order. A frame is null if that cannot be.
+ */
+function listDoubtfulFrames(placedLayout, number, position) {
+  const { low, width } = findPositionBits(placedLayout, position);
+  const sentPosition = extractBits(number, low, width);
   const otherBits = number ^ (sentPosition << BigInt(low));
   const withLastBit0 = (number << ONE) & ones(placedLayout.bits);
-  const frameNumbers = [
-    [withLastBit0, withLastBit0 | ONE].find((candidate) => hasRightConstants(placedLayout, candidate)) ?? withLastBit0,
+  const isPossible = (frameNumber) => hasRightConstants(placedLayout, frameNumber);
+  return [
+    [withLastBit0, withLastBit0 | ONE].find(isPossible) ?? withLastBit0,
     number >> ONE,
-    placedLayout.gray ? null : otherBits | (plainOf(sentPosition) << BigInt(low)),
-    placedLayout.gray ? toGray(placedLayout, number) : null,
+    placedLayout.gray ? null : otherBits | (grayToBinary(sentPosition) << BigInt(low)),
+    placedLayout.gray ? convertToGray(placedLayout, number) : null,
     placedLayout.bits % 8 ? null : numberOf("big", bytesOf("little", number, placedLayout.bits / 8)),
   ];
-  const readings = [
-    ...frameNumbers.map((frameNumber, index) => [TABLE.doubts[index], frameNumber]),
-    ...findRecordedFrames(placedLayout, typedFrame)];
-  return readings.flatMap(([text, frameNumber]) => {
-    const otherPosition = frameNumber === null ? position
-      : decode(placedLayout, frameNumber).fields.find((field) => field.name === name);
-    return otherPosition.value === position.value ? [] : [[text, otherPosition.value]];
-  });
+}
+
+/** Other readings of a position that nothing in the frame can contradict. They do not explain an error. */
+function otherPositions({ placedLayout, number, problems, crc, fields, typedFrame }, measure) {
+  const isWordOfEncoder = placedLayout && !placedLayout.layout.order && placedLayout.layout.sender === "encoder";
+  const name = positionNameOf(measure);
+  const positionIn = (decodedFields) => decodedFields.find((field) => field.name === name);
+  const position = positionIn(fields);
+  const hasPosition = typeof position?.value === "bigint";
+  if (!isWordOfEncoder || problems.length || crc || !hasPosition) return [];
+  const doubtfulFrames = listDoubtfulFrames(placedLayout, number, position);
+  const textsAndFrames = [
+    ...doubtfulFrames.map((frameNumber, index) => [TABLE.doubts[index], frameNumber]),
+    ...findRecordedFrames(placedLayout, typedFrame)].filter(([, frameNumber]) => frameNumber !== null);
+  return textsAndFrames
+    .map(([text, frameNumber]) => [text, positionIn(decode(placedLayout, frameNumber).fields).value])
+    .filter(([, otherPosition]) => otherPosition !== position.value);
 }
 
 /** Return the placed checks of bits that must have one of few values in every frame, such as constants and parity. */
@@ -859,4 +989,4 @@ function countConstantBits(placedLayout) {
 
 /** Return whether the constants, the parity and the selector of a frame are right. */
 const hasRightConstants = (placedLayout, number) => (
-  constantChecksOf(placedLayout).every((placedCheck) => !problemOf(placedCheck, number, number).length));
+  constantChecksOf(placedLayout).every((placedCheck) => !findProblems(placedCheck, number, number).length));

@@ -19,7 +19,7 @@
   function foundFor(item) {
     const family = wheel.table.families.find((one) => one.name === item.family);
     const given = Object.fromEntries(Object.entries(item.given).map(([name, value]) => [name, BigInt(value)]));
-    return { code: item.code, family, interface: family.interfaces.find((one) => one.name === item.interface), given };
+    return { code: item.code, family, interface: family.interfaces.find((one) => one.name === item.interface), parameters: given };
   }
 
   function decoded(found, item, text) {
@@ -35,7 +35,7 @@
     const row = (...values) => values.join("\t");
     const quantity = (one) => (one.scale ? wheel.quantityOf(one.scale, one.value) : "");
     return [
-      decoded_.at ? decoded_.at.name : "",
+      decoded_.placedLayout ? decoded_.placedLayout.name : "",
       ...decoded_.problems.map((one) => row("problem", one.fault, one.field, one.message)),
       ...decoded_.fields.map((one) => row(one.name, one.raw, one.value, one.unit, quantity(one), one.meaning,
         one.high, one.low)),
@@ -72,7 +72,7 @@
     const found = register ? wheel.decodeRegister(label, register, item.text)
       : wheel.decodeFrame(label, item.sender, item.text, {}, item.answers);
     return {
-      layout: found.at ? found.at.name : "",
+      layout: found.placedLayout ? found.placedLayout.name : "",
       faults: found.problems.map((one) => one.fault),
       fields: Object.fromEntries(found.fields.map((one) => [one.name, `${one.value}`])),
       reports: found.reports.map((one) => one.flag),
@@ -157,7 +157,7 @@
     return item.frames.map((text) => {
       const found = decoded(foundFor(item), item, text);
       const mistakes = wheel.explained(found).map((one) => [one.text, `${one.oneIn}`,
-        one.number === undefined ? [] : wheel.numbersRead(one.at ?? found.at, one.number).map(([name, value]) => `${name} ${value}`),
+        one.number === undefined ? [] : wheel.numbersRead(one.placedLayout ?? found.placedLayout, one.number).map(([name, value]) => `${name} ${value}`),
         (one.parts ?? []).map((pair) => pair.join(" "))]);
       return [mistakes, wheel.missingPart(found)];
     });
@@ -176,7 +176,7 @@
     .map((one) => [one.text, one.frames, `${one.oneIn}`]);
 
   /** Return the order codes for which a text is a valid frame. */
-  const inferred = (item) => wheel.inferred(item.text).map((group) => [group.decoded.at.name, group.codes]);
+  const inferred = (item) => wheel.inferred(item.text).map((group) => [group.decoded.placedLayout.name, group.codes]);
 
   /** Return the message about a text that is not a frame of any order code. */
   const unread = (item) => wheel.notOfAnyCode(item.text);

@@ -32,8 +32,8 @@ const wheel = globalThis.codewheelDecode;
 const label = wheel.findCode("AMM5A21/65KSC1");
 const shown = (text) => {
   const found = wheel.decodeFrame(label, "encoder", text, {}, {});
-  const box = wheel.headline(found);
-  return [box.class, box.text, wheel.measured(found, label.interface.measure)];
+  const box = wheel.createHeadline(found);
+  return [box.class, box.text, wheel.describeMeasurement(found, label.interface.measure)];
 };
 console.log(JSON.stringify(FRAMES.map(shown)));
 """
@@ -46,7 +46,9 @@ def results(amm5: Device, tmp_path_factory: pytest.TempPathFactory) -> list[list
     """Return the class and the text of the coloured line, and the position in degrees, for each frame."""
     script = generate(Library((amm5,)))["browser/decode.js"]
     assert script.count(END) == 1
-    script = script.replace(END, f"  Object.assign(codewheelDecode, {{ headline, measured }});\n  return;\n{END}")
+    script = script.replace(
+        END, f"  Object.assign(codewheelDecode, {{ createHeadline, describeMeasurement }});\n  return;\n{END}"
+    )
     file = tmp_path_factory.mktemp("page") / "page.js"
     frames = json.dumps([USABLE, WITH_ERROR, DAMAGED])
     file.write_text(DOCUMENT + script + ASK.replace("FRAMES", frames), encoding="utf-8")

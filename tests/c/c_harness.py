@@ -207,7 +207,9 @@ def members(codec: StructCodec) -> list[Member]:
             continue
         struct_members.append(Member(codec.struct.type_of(field), c_name(field.name), 0))
         struct_members += [Member(unsigned((run.modulus - 1).bit_length()), c_name(run.name), 0) for run in field.runs]
-    struct_members += [Member(unsigned(whole.widest), c_name(whole.join.name), 0) for whole in codec.plan.wholes]
+    struct_members += [
+        Member(unsigned(whole.widest), c_name(whole.join.name), 0) for whole in codec.plan.joined_numbers
+    ]
     struct_members += [Member(codec.struct.unused.type, "unused", 0)] if codec.struct.unused else []
     return struct_members or [Member("uint8_t", "no_data", 0)]
 
@@ -258,7 +260,7 @@ def _codec_parts(view: DeviceView) -> Iterator[tuple[str, str, str]]:
         yield "encode", name, _encode(view, codec, name)
     for crc, code in crcs(view).items():
         yield "crc", crc, code
-    for teller in view.interface.tellers:
+    for teller in view.interface.frame_selectors:
         kind = {"encoder": "reply", "master": "request"}[teller.dispatch.sender]
         yield "select", kind, _select(view, kind, teller.by_bytes)
 
@@ -321,7 +323,7 @@ def _tested_parts(view: DeviceView) -> Iterator[tuple[str, str, str]]:
         yield "measure", name, _call(view, function, name)
     for codec in codecs(view):
         name = short(view, codec)
-        if codec.tells_difference:
+        if codec.can_differ_from_manual:
             yield "expected", name, _expected_branch(view, codec, name)
         if codec.reports is not None:
             yield "tells", name, _report_branch(view, codec, name)
@@ -334,7 +336,7 @@ def _tested_parts(view: DeviceView) -> Iterator[tuple[str, str, str]]:
 def _takes(view: DeviceView) -> str:
     """Return the branches that set the state of the program: registers, answers, and members of the variant."""
     takes = ""
-    for taker in view.takers:
+    for taker in view.take_functions:
         register = taker.name.removeprefix(f"{view.prefix}_take_")
         takes += _TAKE.replace("@register@", register).replace("@call@", taker.name)
     for question in view.alternatives:
@@ -482,16 +484,16 @@ def _wrong_length(codec: StructCodec) -> str:
 
 def _position(view: DeviceView, codec: StructCodec) -> str:
     """The short way gives the same verdict and position as the long one, and stores only usable positions."""
-    if not codec.measured:
+    if not codec.position_member:
         return ""
     decode_arguments = answers(codec) + ("b, bytes_of(text, b)" if codec.plan.in_bytes else word_of(codec))
     wrong_length = _wrong_length(codec)
     refused = f"{codec.name}_position(variant, {answers(codec)}{wrong_length}, &position) == CW_NOT_USABLE"
     return f"""
-        {codec.struct.member_type(codec.measured)} position = 0x5A;
+        {codec.struct.member_type(codec.position_member)} position = 0x5A;
         const cw_verdict verdict = {codec.name}_position(variant, {decode_arguments}, &position);
         if (verdict != {codec.name}_verdict(variant, &out)
-            || position != (verdict == CW_NOT_USABLE ? 0x5A : out.{c_name(codec.measured)})) {{
+            || position != (verdict == CW_NOT_USABLE ? 0x5A : out.{c_name(codec.position_member)})) {{
             abort();
         }}
         if (!({refused if wrong_length else "true"})) {{

@@ -14,7 +14,7 @@ from codewheel.targets.c.names import (
     Number,
     Operation,
     Scope,
-    joined,
+    join_operands,
     masked,
     shifted_left,
     shifted_right,
@@ -72,11 +72,11 @@ A, B, C = Name("a"), Name("b"), Name("c")
         (shifted_left(Operation("|", (shifted_left(A, 3), B)), 4), "((a << 3U) | b) << 4U"),
         (Cast("uint8_t", shifted_right(A, 2)), "(uint8_t)(a >> 2U)"),
         (shifted_right(Cast("uint8_t", A), 2), "(uint8_t)a >> 2U"),
-        (masked(Call("f", (joined("+", (A, B)),)), 7), "f(a + b) & 0x07U"),
+        (masked(Call("f", (join_operands("+", (A, B)),)), 7), "f(a + b) & 0x07U"),
         (Operation("-", (Operation("+", (A, B)), C)), "a + b - c"),
         (Operation("-", (A, Operation("+", (B, C)))), "a - (b + c)"),
         (Cast("int", Conditional(Operation("==", (A, Number(0))), B, C)), "(int)((a == 0U) ? b : c)"),
-        (joined("&&", (Operation("!=", (A, B)), Operation("!=", (A, C)))), "(a != b) && (a != c)"),
+        (join_operands("&&", (Operation("!=", (A, B)), Operation("!=", (A, C)))), "(a != b) && (a != c)"),
         (shifted_right(A, 0), "a"),
     ],
 )
@@ -99,5 +99,5 @@ def test_operations_within_others_stand_in_parentheses(tree: Expr, text: str) ->
 )  # fmt: skip
 def test_parameters_are_members_of_the_variant_or_functions_of_it(text: str, unsigned: str, signed: str) -> None:
     scope = Scope("m_d", {"set": 255}, {})
-    assert str(scope.of(Expression.parse(text))) == unsigned
+    assert str(scope.expression_of(Expression.parse(text))) == unsigned
     assert str(scope.signed(Expression.parse(text))) == signed

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from c_harness import FAMILIES, GCC, SANITIZED, WARNINGS, MadeOnce, Run, compile_c, runner
 from codewheel.model import Alternative, Answer, Device
-from codewheel.plan.frames import FrameSize, received
+from codewheel.plan.frames import FrameSize, received_sizes
 from codewheel.targets.c.device import views_of
 
 OK, LENGTH, CRC, CONSTANT, RANGE = range(5)
@@ -595,7 +595,7 @@ def test_the_constants_are_what_the_functions_say(
     count = 0
     for view in views:
         rows = {row.variant.code: row.macro for row in view.variants.rows}
-        for reception in received(view.device, view.context.interface):
+        for reception in received_sizes(view.device, view.context.interface):
             macro = rows[reception.variant.code]
             # The user's decision is the last argument of the function, and the end of the name.
             decisions = decided(view.device, reception)

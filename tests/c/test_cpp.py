@@ -131,7 +131,7 @@ def _assertions_of_layout(table: Table, view: DeviceView, codec: StructCodec, ra
             )
             if codec.is_read:
                 sent_bits = placed.layout.sent_bits.value(row.variant.parameters)
-                position = _signed(dict(numeric)[codec.measured])
+                position = _signed(dict(numeric)[codec.position_member])
                 rx = _line(view.context.interface.name, number, sent_bits)
                 yield _assertion_of_buffer(f"{space}::{head}read({row.macro}, {answers}rx)", position, rx)
 

@@ -6,7 +6,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from codewheel.commands.outputs import load_for, targets_named
+from codewheel.commands.outputs import load_for_targets, targets_named
 from codewheel.language.problems import Problem
 
 LIKA = Path(__file__).parents[2] / "specs" / "lika"
@@ -28,7 +28,7 @@ def exchanged(text: str, first: str, second: str) -> str:
 
 
 def unlike_parts(folder: Path) -> list[Problem]:
-    _, report = load_for([folder], targets_named())
+    _, report = load_for_targets([folder], targets_named())
     return [problem for problem in report.problems if problem.rule == "not-alike"]
 
 
@@ -68,5 +68,5 @@ def test_a_connector_that_no_device_has_is_reported(tmp_path: Path) -> None:
     maker = folder / "manufacturer.yaml"
     text = maker.read_text(encoding="utf-8")
     maker.write_text(text.replace("am36.m12_connector", "am36.m13_connector"), encoding="utf-8")
-    _, report = load_for([folder], targets_named())
+    _, report = load_for_targets([folder], targets_named())
     assert [problem.message for problem in report.problems] == ["'am36' has no connector or cable 'm13_connector'"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from codewheel.commands.outputs import load_for, targets_named
+from codewheel.commands.outputs import load_for_targets, targets_named
 from codewheel.language.files import packaged_specs
 from codewheel.order_codes.labels import find_code
 from codewheel.targets import Library
@@ -20,7 +20,7 @@ def test_broken(name: str) -> None:
     path = FOLDER / name
     lines = path.read_text().splitlines()
     expected = [line.removeprefix("# expect: ") for line in lines if line.startswith("# expect: ")]
-    _, report = load_for([path], targets_named())
+    _, report = load_for_targets([path], targets_named())
     reported = [f"{problem.line}:{problem.column}: {problem.rule}: {problem.message}" for problem in report.problems]
     assert reported == expected
     assert expected
@@ -38,7 +38,7 @@ def test_a_wrong_start_value_is_named_if_every_example_fits_another(tmp_path: Pa
     crc = text[text.index("name: rs485_8") :]
     (tmp_path / "amm5.yaml").write_text(text.replace(crc, crc.replace("init: 0", "init: 0x15", 1)), encoding="utf-8")
     (tmp_path / "manufacturer.yaml").write_bytes(spec.with_name("manufacturer.yaml").read_bytes())
-    _, report = load_for([tmp_path], targets_named())
+    _, report = load_for_targets([tmp_path], targets_named())
     messages = [problem.message for problem in report.problems if problem.rule == "example-contradicts"]
     assert len(messages) > 5
     hint = "; with 'init: 0x0' in the CRC 'rs485_8', every example matches"
@@ -50,7 +50,7 @@ SOUND = Path(__file__).parent / "ok_model"
 
 @pytest.mark.slow
 def test_sound_specs_have_no_problem_and_yield_every_output() -> None:
-    devices, report = load_for([SOUND], targets_named())
+    devices, report = load_for_targets([SOUND], targets_named())
     assert report.problems == ()
     assert {device.name for device in devices} == {path.stem for path in SOUND.glob("*.yaml")} - {"manufacturer"}
     for target in targets_named():
@@ -67,14 +67,14 @@ def test_sound_specs_have_no_problem_and_yield_every_output() -> None:
     ],
 )
 def test_a_value_of_an_order_code_may_have_a_slash(label: str, code: str, bits: int) -> None:
-    devices, _ = load_for([SOUND / "slashed.yaml"], targets_named())
+    devices, _ = load_for_targets([SOUND / "slashed.yaml"], targets_named())
     match = find_code(devices[0], label)
     assert (match.variant.code, match.variant.parameters["position_bits"]) == (code, bits)
 
 
 def test_a_limit_that_is_a_product_at_run_time_has_a_type_that_holds_it() -> None:
     """By default, it is 256 * 16 - 1. With both registers at their maximum, the product takes 33 bits."""
-    devices, _ = load_for([SOUND], targets_named())
+    devices, _ = load_for_targets([SOUND], targets_named())
     (device,) = (device for device in devices if device.name == "product_limit")
     (c_target,) = (target for target in targets_named() if target.name == "c")
     text = c_target.files(Library((device,)), {})["c/include/acme/product_limit_biss_registers.h"]

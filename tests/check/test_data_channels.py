@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from codewheel.commands.outputs import load_for, targets_named
+from codewheel.commands.outputs import load_for_targets, targets_named
 
 SPECS = Path(__file__).resolve().parents[1] / "specs"
 _CONTROL = "{name: singleturn, bits: control_bits, meaning: Angle within a revolution}"
@@ -127,7 +127,7 @@ def test_contradictions_are_reported_at_their_place(case: str, tmp_path: Path) -
         assert old in text
         text = text.replace(old, new)
     (tmp_path / "channels.yaml").write_text(text, encoding="utf-8")
-    _, report = load_for([tmp_path, SPECS / "manufacturer.yaml"], targets_named())
+    _, report = load_for_targets([tmp_path, SPECS / "manufacturer.yaml"], targets_named())
     found = [problem for problem in report.problems if problem.rule == "data-channels"]
     assert [problem.message for problem in found] == [message]
     assert found[0].path == f"interfaces.biss.channels{place}"
@@ -139,6 +139,6 @@ def test_a_channel_that_is_not_in_the_frame_cannot_be_compared(tmp_path: Path) -
     third = third.replace("name: safety_word", "name: third_word").replace("channel: 2", "channel: 3")
     text = text.replace("{control_word: singleturn, safety_word:", "{control_word: singleturn, third_word:") + third
     (tmp_path / "channels.yaml").write_text(text, encoding="utf-8")
-    _, report = load_for([tmp_path, SPECS / "manufacturer.yaml"], targets_named())
+    _, report = load_for_targets([tmp_path, SPECS / "manufacturer.yaml"], targets_named())
     messages = [problem.message for problem in report.problems]
     assert messages == ["'third_word' is not in 'order'; add it, or leave it out here"]

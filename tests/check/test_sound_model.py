@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from codewheel.commands.outputs import load_for, targets_named
+from codewheel.commands.outputs import load_for_targets, targets_named
 from codewheel.model import Device, Unused, Verdict
 from codewheel.order_codes.parameters import with_answers, with_registers
 from codewheel.reference import codec
@@ -24,7 +24,7 @@ def load_changed(folder: Path, *changes: tuple[str, str], more: str = "") -> tup
         text = text.replace(old, new, 1)
     (folder / "manufacturer.yaml").write_text(MAKER, encoding="utf-8")
     (folder / "minimal.yaml").write_text(text + more, encoding="utf-8")
-    devices, report = load_for([folder], targets_named())
+    devices, report = load_for_targets([folder], targets_named())
     return (devices[0] if devices else None), [f"{problem.rule}: {problem.message}" for problem in report.problems]
 
 

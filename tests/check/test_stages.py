@@ -5,13 +5,13 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from codewheel.commands.outputs import load_for, targets_named
+from codewheel.commands.outputs import load_for_targets, targets_named
 
 BROKEN = Path(__file__).parent / "broken_model"
 
 
 def problem_lines(folder: Path) -> list[str]:
-    _, report = load_for([folder], targets_named())
+    _, report = load_for_targets([folder], targets_named())
     return [f"{Path(problem.file).name}:{problem.line}: {problem.rule}" for problem in report.problems]
 
 

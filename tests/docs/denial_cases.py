@@ -19,7 +19,7 @@ from codewheel.commands.new import write_spec
 from codewheel.loading.library import load_library
 from codewheel.masters.frame_parts import cable_table
 from codewheel.masters.record import record
-from codewheel.masters.text import facts as record_facts
+from codewheel.masters.text import record_facts
 from codewheel.model import (
     Alarm,
     Biss,
@@ -69,7 +69,7 @@ from codewheel.say import order_code as timing
 from codewheel.say import register as field
 from codewheel.say import register as measurement
 from codewheel.say import report as alarm
-from codewheel.say.text import BY_NAME, Statement
+from codewheel.say.text import PLAIN_STYLE, Statement
 from codewheel.targets import Library
 from codewheel.targets.docs import (
     bytes_to_send,
@@ -149,7 +149,7 @@ def spec_only(device: Device) -> Device:
 
 
 def printed(statements: Iterable[Statement]) -> str:
-    return "\n".join(line for statement in statements for line in BY_NAME.lines(statement))
+    return "\n".join(line for statement in statements for line in PLAIN_STYLE.lines(statement))
 
 
 def generated_text(target: str, *devices: Device) -> str:
@@ -491,8 +491,8 @@ case("gaps", lambda: gaps_text("zero"), lambda: gaps_text(""))
 case("only", lambda: printed(names_and_places.only("A-x")), lambda: printed(names_and_places.only("")))
 case(
     "only_timing",
-    lambda: BY_NAME.sentence(timing.timing(a_timing("Pause", "A-x"))),
-    lambda: BY_NAME.sentence(timing.timing(a_timing("Pause"))),
+    lambda: PLAIN_STYLE.sentence(timing.timing(a_timing("Pause", "A-x"))),
+    lambda: PLAIN_STYLE.sentence(timing.timing(a_timing("Pause"))),
 )
 case(
     "open_part",
@@ -516,8 +516,8 @@ case(
 )
 case(
     "unused_bits",
-    lambda: report.deciding(replace(a_field(Unused(3)), widest=2)),
-    lambda: report.deciding(a_field(ERROR)),
+    lambda: report.deciding_bits(replace(a_field(Unused(3)), widest=2)),
+    lambda: report.deciding_bits(a_field(ERROR)),
 )
 case(
     "crc_inverted",
@@ -551,7 +551,7 @@ def network_text(several: bool) -> str:
 
 
 def exchange_text(reply: str) -> str:
-    return BY_NAME.sentence(interface.exchange(Exchange("ask", None, reply, "other", ())))
+    return PLAIN_STYLE.sentence(interface.exchange(Exchange("ask", None, reply, "other", ())))
 
 
 def gaps_text(value: str) -> str:
@@ -569,7 +569,7 @@ def special_model(suffix: str) -> Device:
 
 def succession_text(alone: bool) -> str:
     step = SendStep(data_id="reset", request=b"\xba", times=10, microseconds=40, in_succession=alone)
-    return BY_NAME.sentence(commands.step(tv62(), step))
+    return PLAIN_STYLE.sentence(commands.step(tv62(), step))
 
 
 def access_text(word: str) -> str:
@@ -582,7 +582,7 @@ def opened_text(by: str) -> str:
 
 
 def grade_text(word: str) -> str:
-    return BY_NAME.sentence(evidence.grade(replace(tv62(), evidence=replace(tv62().evidence, grade=word))))
+    return PLAIN_STYLE.sentence(evidence.grade(replace(tv62(), evidence=replace(tv62().evidence, grade=word))))
 
 
 def contact_text(codes: str) -> str:
@@ -882,7 +882,7 @@ case(
 def range_text(wraps: bool) -> str:
     """Return the sentence about the range of the position in a layout."""
     modulus = Expression.parse(1 << 24) if wraps else None
-    return BY_NAME.phrase(measurement.position_range(LayoutRange(modulus=modulus, wraps=wraps)))
+    return PLAIN_STYLE.phrase(measurement.position_range(LayoutRange(modulus=modulus, wraps=wraps)))
 
 
 case("never_wraps", lambda: range_text(wraps=False), lambda: range_text(wraps=True))

@@ -14,7 +14,7 @@ from codewheel.model.expressions import Expression
 from codewheel.order_codes.reduction import with_quantities
 from codewheel.targets import Library
 from codewheel.targets.docs.order_code_page import RESERVED_NAMES
-from codewheel.targets.docs.order_code_tables import patterns
+from codewheel.targets.docs.order_code_tables import code_patterns
 from codewheel.targets.registry import names_of_codes
 
 Files = Mapping[str, str]
@@ -162,7 +162,7 @@ def test_many_order_codes_stand_as_patterns_and_nothing_else_fits_them(library: 
     for device in library.devices:
         for part in device.interfaces:
             listed = [variant.code for variant in device.variants if variant.interface == part.name]
-            spelled_codes = [spelled for pattern in patterns(device, listed[1:]) for spelled in expanded(pattern)]
+            spelled_codes = [spelled for pattern in code_patterns(device, listed[1:]) for spelled in expanded(pattern)]
             assert sorted(spelled_codes) == sorted(listed[1:])
 
 

@@ -13,7 +13,7 @@ import pytest
 from codewheel.dump.plain import device_dump
 from codewheel.loading.library import load_library
 from codewheel.model import Biss, Device, Rs485
-from codewheel.say.markdown import cited, code, text
+from codewheel.say.markdown import citation, code, escape
 from codewheel.say.names_and_places import heading
 from codewheel.targets import Library
 from codewheel.targets.docs.files import generate
@@ -96,7 +96,7 @@ def test_everything_is_named(library: Library, files: Files) -> None:
         missing_sources = [source for source in sources(device) if source not in page]
         assert missing_sources == []
         whole = unlinked(page)
-        missing_texts = [value for value in texts(device) if " ".join(text(value).split()) not in whole]
+        missing_texts = [value for value in texts(device) if " ".join(escape(value).split()) not in whole]
         assert missing_texts == []
 
 
@@ -208,7 +208,7 @@ def test_every_text_of_the_plain_data_is_on_the_page(library: Library, files: Fi
 
 
 def is_on_page(value: str, page: str) -> bool:
-    written = (" ".join(text(value).split()), code(value), f"{value}", value.replace("_", " "))
+    written = (" ".join(escape(value).split()), code(value), f"{value}", value.replace("_", " "))
     return any(form in page for form in written)
 
 
@@ -268,7 +268,7 @@ def sources(device: Device) -> list[str]:
         device.leds,
         device.lost_figures,
     )
-    return [cited(member.source) for group in groups for member in group]
+    return [citation(member.source) for group in groups for member in group]
 
 
 def texts(device: Device) -> list[str]:

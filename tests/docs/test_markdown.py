@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from codewheel.loading.from_mapping import parse_sources
 from codewheel.model import cite
-from codewheel.say.markdown import cited, code, paragraph, table, text
+from codewheel.say.markdown import citation, code, escape, paragraph, table
 
 
 @pytest.mark.parametrize(
@@ -21,7 +21,7 @@ from codewheel.say.markdown import cited, code, paragraph, table, text
     ],
 )
 def test_text(plain: str, markdown: str) -> None:
-    assert text(plain) == markdown
+    assert escape(plain) == markdown
 
 
 @pytest.mark.parametrize(
@@ -47,7 +47,7 @@ def test_a_wrapped_line_begins_no_list_either() -> None:
 
 def test_sources() -> None:
     assert (
-        cited(parse_sources("6.4 p.35; it: 6.4 p.36; Cover; prot: p.7-8"))
+        citation(parse_sources("6.4 p.35; it: 6.4 p.36; Cover; prot: p.7-8"))
         == "§6.4 p.35, Cover, it: §6.4 p.36, prot: p.7-8"
     )
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import pytest
 from codewheel.model.steps import steps_of
-from codewheel.say.markdown import text
+from codewheel.say.markdown import escape
 from codewheel.targets import Library
 from codewheel.targets.docs.inline_errata import all_values
 
@@ -97,7 +97,7 @@ def test_the_reason_of_an_erratum_is_on_one_page(library: Library, pages: Files)
     for device in library.devices:
         for erratum in device.errata:
             if erratum.why and not erratum.overlay:
-                why = " ".join(text(erratum.why).split())
+                why = " ".join(escape(erratum.why).split())
                 family_pages = {name: page for name, page in pages.items() if name.startswith(f"docs/{device.name}")}
                 pages_with_reason = [name for name, page in family_pages.items() if why in unlinked(page)]
                 assert pages_with_reason == [f"docs/{device.name}/errata.md"], erratum.name
@@ -107,7 +107,7 @@ def test_the_reason_of_an_erratum_is_on_one_page(library: Library, pages: Files)
 def test_each_erratum_stands_in_full_on_one_page(library: Library, pages: Files) -> None:
     for device in library.devices:
         for erratum in device.errata:
-            head = f'<a id="erratum-{erratum.name}"></a>\n\n## {text(erratum.title)}\n'
+            head = f'<a id="erratum-{erratum.name}"></a>\n\n## {escape(erratum.title)}\n'
             heads = [name for name, page in pages.items() if head in page and device.name in name]
             assert heads == [f"docs/{device.name}/errata.md"]
 

@@ -223,7 +223,7 @@ const shown = (value) => (typeof value === "bigint" ? Number(value) : value);
 const results = groups.map(([code, layout, frames, parameters]) => {
   const given = Object.fromEntries(Object.entries(parameters).map(([name, one]) => [name, BigInt(one)]));
   const at = family.interfaces.find((one) => one.frames.some((frame) => frame.name === layout));
-  const placed = wheel.placedFor({ code, family, interface: at, given },
+  const placed = wheel.placedFor({ code, family, interface: at, parameters: given },
     at.frames.find((one) => one.name === layout));
   const word = (text) => wheel.decodeBits(placed, wheel.numberIn(text, placed.bits));
   return frames.map((one) => (Array.isArray(one) ? wheel.decodeBytes(placed, one) : word(one))).map((found) => [

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from codewheel.commands.outputs import load_for, targets_named
+from codewheel.commands.outputs import load_for_targets, targets_named
 
 MINIMAL = (Path(__file__).parents[1] / "check" / "ok" / "minimal.yaml").read_text()
 MAKER = 'codewheel: 1\nmanufacturer: acme\ntitle: Acme\nsource: "1"\n'
@@ -14,14 +14,14 @@ MAKER = 'codewheel: 1\nmanufacturer: acme\ntitle: Acme\nsource: "1"\n'
 def problem_texts(folder: Path, **files: str) -> list[str]:
     for name, text in files.items():
         (folder / f"{name}.yaml").write_text(text)
-    problems = load_for([folder], targets_named())[1].problems
+    problems = load_for_targets([folder], targets_named())[1].problems
     return [f"{Path(problem.file).name}:{problem.line}: {problem.rule}: {problem.message}" for problem in problems]
 
 
 def test_a_manufacturer_file_beside_the_device_is_found(tmp_path: Path) -> None:
     (tmp_path / "manufacturer.yaml").write_text(MAKER)
     (tmp_path / "minimal.yaml").write_text(MINIMAL)
-    devices, report = load_for([tmp_path / "minimal.yaml"], targets_named())
+    devices, report = load_for_targets([tmp_path / "minimal.yaml"], targets_named())
     assert not report
     assert [device.manufacturer.title for device in devices] == ["Acme"]
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from codewheel.commands import new
 from codewheel.commands.cli import main
-from codewheel.commands.outputs import load_for, targets_named
+from codewheel.commands.outputs import load_for_targets, targets_named
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document
 from codewheel.targets import Library
@@ -24,7 +24,7 @@ def test_it_passes_check_and_decodes(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert main(["new", "my_encoder", "-o", str(tmp_path)]) == 0
     names = ("my_encoder.yaml", "manufacturer.yaml", "device.schema.json", "manufacturer.schema.json")
     assert capsys.readouterr().out == "".join(f"written    {tmp_path}/{name}\n" for name in names)
-    devices, report = load_for([tmp_path], targets_named())
+    devices, report = load_for_targets([tmp_path], targets_named())
     assert not report.problems
     (device,) = devices
     assert [variant.code for variant in device.variants] == ["MY-ENCODER-13-SC", "MY-ENCODER-17-SC"]
@@ -55,7 +55,7 @@ def test_each_start_passes_check_and_decodes(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str, code: str, frame: str, position: int
 ) -> None:
     assert main(["new", "my_encoder", "--like", kind, "-o", str(tmp_path)]) == 0
-    assert not load_for([tmp_path], targets_named())[1].problems
+    assert not load_for_targets([tmp_path], targets_named())[1].problems
     text = (tmp_path / "my_encoder.yaml").read_text(encoding="utf-8")
     assert ("join: {position: [multiturn, singleturn]}" in text) == (kind not in {"linear", "spi"})
     assert "@" not in text
@@ -109,7 +109,7 @@ def test_a_manufacturer_that_is_there_is_used(tmp_path: Path) -> None:
     document = read_document(tmp_path / "demo.yaml", Report())
     assert document is not None
     assert document.data["manufacturer"] == "acme"
-    assert not load_for([tmp_path], targets_named())[1].problems
+    assert not load_for_targets([tmp_path], targets_named())[1].problems
     assert "Acme" in (tmp_path / "manufacturer.yaml").read_text(encoding="utf-8")
 
 
@@ -148,4 +148,4 @@ def test_an_example_may_have_anything_in_unspecified_bits(tmp_path: Path, gain: 
     example += f'values: {{field_weak: true, gain: {gain}}}, source: "6.1"}}'
     text = spec.read_text(encoding="utf-8")
     spec.write_text(text.replace("\nexamples:\n", f"\nexamples:\n  - {example}\n"), encoding="utf-8")
-    assert len(load_for([tmp_path], targets_named())[1].problems) == problems
+    assert len(load_for_targets([tmp_path], targets_named())[1].problems) == problems

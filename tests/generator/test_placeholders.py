@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from codewheel.commands.cli import main
 from codewheel.commands.new import LIKE, device_text
-from codewheel.commands.outputs import load_for, targets_named
+from codewheel.commands.outputs import load_for_targets, targets_named
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document
 from codewheel.render import our_templates
@@ -76,12 +76,12 @@ def test_a_manufacturer_that_is_still_the_template_s_allows_only_the_lowest_grad
     manual = new_spec.read_text(encoding="utf-8").replace("TODO pages that were read", "all pages")
     manual = manual.replace("TODO ", "").replace("grade: uncorroborated", "grade: manual")
     new_spec.write_text(manual, encoding="utf-8")
-    (problem,) = load_for([new_spec.parent], targets_named())[1].problems
+    (problem,) = load_for_targets([new_spec.parent], targets_named())[1].problems
     assert (problem.line, problem.rule) == (19, "evidence-grade")
     assert "still the template's: manufacturer.title;" in problem.message
     maker = new_spec.with_name("manufacturer.yaml")
     maker.write_text(maker.read_text(encoding="utf-8").replace("TODO Name of the manufacturer", "Acme"))
-    devices, report = load_for([new_spec.parent], targets_named())
+    devices, report = load_for_targets([new_spec.parent], targets_named())
     assert report.problems == ()
     assert devices[0].evidence.placeholders == ()
     (docs,) = (target for target in targets_named() if target.name == "docs")

@@ -234,7 +234,7 @@ const wheel = globalThis.codewheelDecode;
 const [family] = wheel.table.families;
 const at = family.interfaces.find((one) => one.frames.some((frame) => frame.name === layout));
 const frame = at.frames.find((one) => one.name === layout);
-const placed = wheel.placedFor({ code, family, interface: at, given: {} }, frame);
+const placed = wheel.placedFor({ code, family, interface: at, parameters: {} }, frame);
 const word = (text) => wheel.decodeBits(placed, wheel.numberIn(text, placed.bits));
 const decode = (one) => (Array.isArray(one) ? wheel.decodeBytes(placed, one) : word(one));
 const names = (found) => found.reports.map((one) => one.report);

@@ -197,7 +197,7 @@ def test_the_words_fit_a_terminal(devices: Mapping[str, Device]) -> None:
             for plant in maker(encoder, source):
                 decoded = decode_text(device, match.variant, "encoder", plant.text)
                 explained = why_text(device, match.variant, "encoder", plant.text, decoded)
-                text = explain(device, match, "encoder", decoded, why=explained)
+                text = explain(device, match, "encoder", decoded, diagnosis=explained)
                 assert [line for line in text.splitlines() if len(line) > 80] == []
                 assert (
                     explained is None

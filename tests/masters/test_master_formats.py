@@ -23,7 +23,7 @@ from codewheel.masters.record import Record, record
 from codewheel.masters.sheet import Master, Sheet, sheet
 from codewheel.model import Device
 from codewheel.targets import Library
-from codewheel.targets.masters.entries import content
+from codewheel.targets.masters.entries import content_of_file
 from codewheel.targets.masters.files import file_text, generate
 
 Raw = Mapping[str, Any]
@@ -342,7 +342,7 @@ def test_every_order_code_has_a_file_or_a_reason(library: Library, masters: dict
 
 def _read_back(name: str, text: str, settings_sheet: Sheet, on: str, rule: Raw) -> None:
     """Read a file with the reader of its format, and compare each value with the page of the master."""
-    entries = content(settings_sheet, rule, on).entries
+    entries = content_of_file(settings_sheet, rule, on).entries
     page = {setting.name: setting.value for setting in settings_sheet.settings}
     for entry in entries:
         assert entry.value == page.get(entry.name, entry.value)

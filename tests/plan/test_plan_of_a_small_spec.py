@@ -11,7 +11,15 @@ import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Fault, Piece, Rs485
 from codewheel.plan.codec import Codec, ShiftedBits, codec_of, moved_bits
-from codewheel.plan.frames import Reply, answer, dispatches, exchanges, held_parameters, received, reply_to
+from codewheel.plan.frames import (
+    Reply,
+    dispatches,
+    exchanges,
+    held_parameters,
+    received_sizes,
+    reply_to,
+    reply_to_data_id,
+)
 from codewheel.plan.limits import limits_of, outside, powers_of_two, refusals
 from codewheel.plan.operations import (
     AlwaysIs,
@@ -24,7 +32,7 @@ from codewheel.plan.operations import (
     ValueOfField,
 )
 from codewheel.plan.steps import AsMember, Call, FixedNumber, InField, Operation, Run, Verifies, Writes, run_of
-from codewheel.plan.values import Raw, counts, position_ranges
+from codewheel.plan.values import Raw, count_factors, position_ranges
 
 TESTS = Path(__file__).resolve().parents[1]
 
@@ -176,7 +184,8 @@ def test_parameter_in_a_register(small: Device) -> None:
 def test_sizes_of_received_frames(small: Device, by_hand: Device) -> None:
     """45 bits are around a BiSS frame, two around an SSI word. Zeros take up to 5 bits, and 5 by default."""
     sizes = [
-        (size.variant.code, size.layout.name, size.bits, size.bytes) for size in received(small, small.interfaces[0])
+        (size.variant.code, size.layout.name, size.bits, size.bytes)
+        for size in received_sizes(small, small.interfaces[0])
     ]
     assert sizes == [
         ("S12", "word", 12 + 2 + 6, 9),  # 65 bits
@@ -184,17 +193,17 @@ def test_sizes_of_received_frames(small: Device, by_hand: Device) -> None:
         ("S12", "padded_word", 12 + 5 + 8, 10),
         ("S16", "padded_word", 16 + 5 + 8, 10),  # 74 bits
     ]
-    moving = {size.layout.name: size.depends_on_registers for size in received(small, small.interfaces[0])}
+    moving = {size.layout.name: size.depends_on_registers for size in received_sizes(small, small.interfaces[0])}
     assert moving == {"word": False, "padded_word": True}
     words = {
         size.layout.name: (size.bits, size.bytes)
-        for size in received(by_hand, by_hand.interface("ssi"))
+        for size in received_sizes(by_hand, by_hand.interface("ssi"))
         if size.variant.code == "HABG"
     }
     assert words["digit_word"] == (14, 2)
     assert words["text_word"] == (16, 3)
     assert words["gray_word"] == (9, 2)
-    assert not list(received(by_hand, by_hand.interface("rs485")))
+    assert not list(received_sizes(by_hand, by_hand.interface("rs485")))
 
 
 def test_replies_by_their_first_byte(by_hand: Device) -> None:
@@ -203,7 +212,9 @@ def test_replies_by_their_first_byte(by_hand: Device) -> None:
     assert (dispatch.selector.name, dispatch.needs, dispatch.fallback) == ("id", 1, None)
     branches = [(branch.layout.name, branch.values) for branch in dispatch.branches]
     assert branches == [("low_reply", (1,)), ("high_reply", (3,)), ("modbus_reply", (2,))]
-    names = [layout.name if layout is not None else "" for layout in (answer(rs485, value) for value in range(5))]
+    names = [
+        layout.name if layout is not None else "" for layout in (reply_to_data_id(rs485, value) for value in range(5))
+    ]
     assert names == ["", "low_reply", "modbus_reply", "high_reply", ""]
 
 
@@ -295,7 +306,7 @@ def test_reasons_to_refuse_values(by_hand: Device) -> None:
     assert powers_of_two(plan(by_hand, "number_word")) == {"power"}
     names = [type(refusal).__name__ for refusal in refusals(plan(by_hand, "digit_word"))]
     assert names == ["DigitTooHigh", "DigitTooHigh", "DigitsDisagree"]
-    assert [type(refusal).__name__ for refusal in refusals(plan(by_hand, "gray_word"))][-1] == "WholeDisagrees"
+    assert [type(refusal).__name__ for refusal in refusals(plan(by_hand, "gray_word"))][-1] == "JoinDisagrees"
 
 
 def test_places_of_bits(by_hand: Device) -> None:
@@ -322,7 +333,7 @@ def test_reserved_bits(by_hand: Device) -> None:
 def test_numbers_of_several_fields(by_hand: Device) -> None:
     """5 turns and an angle of 10 in 5 bits are 5 x 32 + 10."""
     codec = plan(by_hand, "gray_word")
-    (position,) = codec.wholes
+    (position,) = codec.joined_numbers
     parameters = dict(by_hand.variant("HABG").parameters)
     assert position.joined({"turns": 5, "angle": 10}, parameters) == 5 * 32 + 10
     assert position.parts(5 * 32 + 10, parameters) == {"turns": 5, "angle": 10}
@@ -357,4 +368,4 @@ def test_range_of_the_position(small: Device) -> None:
     (position_range,) = position_ranges(small, small.interfaces[0])
     assert [layout.name for layout in position_range.layouts] == ["word", "padded_word"]
     assert (position_range.has_difference, position_range.never_wraps) == (True, False)
-    assert [factor.value({"position_bits": 12}) for factor in counts(position_range.measurement)] == [4096]
+    assert [factor.value({"position_bits": 12}) for factor in count_factors(position_range.measurement)] == [4096]

@@ -11,7 +11,7 @@ from codewheel.loading.library import load_library
 from codewheel.targets import Library
 from codewheel.targets.python import line_breaks
 from codewheel.targets.python.files import generate
-from codewheel.targets.python.line_breaks import broken
+from codewheel.targets.python.line_breaks import break_lines
 
 TESTS = Path(__file__).resolve().parents[1]
 FAMILIES = [TESTS / "python/specs", TESTS / "specs"]
@@ -46,14 +46,14 @@ FIRST, SECOND, THIRD = (f"self.variant.{name * 16}" for name in ("one", "two", "
 )
 def test_a_broken_line_means_the_same(line: str) -> None:
     assert len(line) > line_breaks.WIDTH
-    lines = broken(line).splitlines()
+    lines = break_lines(line).splitlines()
     assert len(lines) > 1
     assert ast.dump(ast.parse("\n".join(lines))) == ast.dump(ast.parse(line))
 
 
 def test_an_expression_in_parentheses_has_one_operand_per_line() -> None:
     line = f"is_active = ({FIRST} + 1 and not ({SECOND} or {THIRD} or {FIRST}) and {SECOND})"
-    assert broken(line).splitlines() == [
+    assert break_lines(line).splitlines() == [
         "is_active = (",
         f"    {FIRST} + 1",
         "    and not (",

@@ -154,7 +154,7 @@ class Program:
             "read": "\n".join(
                 f'            "{index}" => {_READ.format(code=struct.code, type=_type(struct))},'
                 for index, struct in enumerate(self.structs)
-                if struct.measured
+                if struct.position_member
             ),
             "crcs": _arms(f'format!("{{:X}}", {crc_name(crc)}({_crc_arguments(crc)}))' for crc in family.crcs),
             "registers": ", ".join(map(_constants, family.registers)),

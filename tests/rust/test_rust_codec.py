@@ -40,7 +40,7 @@ def test_positions_are_read_from_buffers(program: Program) -> None:
     random_ = random.Random("buffers")
     pairs = []
     for index, struct in enumerate(program.structs):
-        for case in cases(program, index) if struct.measured else ():
+        for case in cases(program, index) if struct.position_member else ():
             pairs.append((case.set, ""))
             sent_bits = struct.layout.sent_bits.value(case.variant.parameters)
             for number in numbers(case, 60, random_):
@@ -92,7 +92,7 @@ def reading(case: Case, number: int) -> str:
     assert verdict is not None
     if verdict is Verdict.NOT_USABLE:
         return "NotUsable"
-    return f"{decoded.values[case.struct.measured]} {pascal(verdict.value)}"
+    return f"{decoded.values[case.struct.position_member]} {pascal(verdict.value)}"
 
 
 def test_places_of_fields(program: Program) -> None:

@@ -16,19 +16,19 @@ from codewheel.order_codes.labels import find_code
 from codewheel.say import layout, order_code, register
 from codewheel.say import order_code as interface
 from codewheel.say import register as field
-from codewheel.say.markdown import STYLE as MARKDOWN
+from codewheel.say.markdown import MARKDOWN
 from codewheel.say.text import (
-    AS_LITERAL,
-    BY_NAME,
-    BY_TITLE,
+    DOCSTRING_STYLE,
+    PLAIN_STYLE,
+    TITLE_STYLE,
     Code,
     Hex,
     Level,
     Ref,
     Statement,
     Style,
-    listed,
-    parted,
+    join_groups,
+    list_parts,
     spec_text,
     statement,
 )
@@ -142,7 +142,7 @@ CASES = [
 
 @pytest.mark.parametrize(("statements", "name", "sentence"), CASES)
 def test_the_words(device: Device, statements: Statements, name: str, sentence: str) -> None:
-    assert sentence in [BY_NAME.sentence(fact) for fact in statements(device, name)]
+    assert sentence in [PLAIN_STYLE.sentence(fact) for fact in statements(device, name)]
 
 
 def test_nothing_else_is_said(device: Device) -> None:
@@ -152,7 +152,7 @@ def test_nothing_else_is_said(device: Device) -> None:
     for each_register in device.registers:
         field_names = [f"{each_register.name}.{each_field.name}" for each_field in each_register.layout.fields]
         for name, statements in [(each_register.name, of_register), *((name, of_field) for name in field_names)]:
-            sentences = {BY_NAME.sentence(fact) for fact in statements(device, name)}
+            sentences = {PLAIN_STYLE.sentence(fact) for fact in statements(device, name)}
             in_table = {sentence for row_name, sentence in table_rows if row_name == name}
             assert {sentence for sentence in sentences if not common.match(sentence)} <= in_table
 
@@ -214,10 +214,10 @@ def outputs(device: Device) -> dict[str, tuple[str, Phrase]]:
     files = generate_python(Library((device,)))
     module = files["python/acme_encoders/said.py"] + files["python/acme_encoders/facts/said.py"]
     return {
-        "show": (on_one_line(" ".join(show_texts)), BY_NAME.phrase),
+        "show": (on_one_line(" ".join(show_texts)), PLAIN_STYLE.phrase),
         "docs": (on_one_line(pages), MARKDOWN.phrase),
-        "c": (on_one_line(header), lambda fact: in_comment(BY_TITLE.phrase(fact))),
-        "python": (on_one_line(module), AS_LITERAL.phrase),
+        "c": (on_one_line(header), lambda fact: in_comment(TITLE_STYLE.phrase(fact))),
+        "python": (on_one_line(module), DOCSTRING_STYLE.phrase),
     }
 
 
@@ -233,7 +233,7 @@ def test_every_output_says_it(
     sentence: str,
 ) -> None:
     text, phrase = outputs[output]
-    (stated,) = [fact for fact in statements(device, name) if BY_NAME.sentence(fact) == sentence]
+    (stated,) = [fact for fact in statements(device, name) if PLAIN_STYLE.sentence(fact) == sentence]
     assert IN_CODE.get((output, name, sentence), phrase(stated)) in text
 
 
@@ -257,9 +257,9 @@ PARTS = statement(
 @pytest.mark.parametrize(
     ("style", "expected"),
     [
-        (BY_NAME, "How: Set a_b of one.two to 70,000, 3Fh or 2^n - 1."),
-        (BY_TITLE, "How: Set a_b of Two of One to 70,000, 3Fh or 2^n - 1."),
-        (AS_LITERAL, "How: Set ``a_b`` of ``one.two`` to 70,000, 3Fh or ``2^n - 1``."),
+        (PLAIN_STYLE, "How: Set a_b of one.two to 70,000, 3Fh or 2^n - 1."),
+        (TITLE_STYLE, "How: Set a_b of Two of One to 70,000, 3Fh or 2^n - 1."),
+        (DOCSTRING_STYLE, "How: Set ``a_b`` of ``one.two`` to 70,000, 3Fh or ``2^n - 1``."),
         (MARKDOWN, "How: Set `a_b` of [`one.two`](#register-one) to 70,000, 3Fh or `2^n - 1`."),
     ],
 )
@@ -271,20 +271,21 @@ def test_each_style_writes_the_parts_in_its_way(style: Style, expected: str) -> 
     ("text", "expected"), [("It is so", "It is so."), ("Is it so?", "Is it so?"), ("It is.", "It is."), ("", "")]
 )
 def test_a_sentence_ends_once(text: str, expected: str) -> None:
-    assert BY_NAME.sentence(statement(text)) == expected
+    assert PLAIN_STYLE.sentence(statement(text)) == expected
 
 
 @pytest.mark.parametrize(
-    ("style", "expected"), [(BY_TITLE, ["Active", "Inactive", "active"]), (AS_LITERAL, ["True", "False", "True"])]
+    ("style", "expected"),
+    [(TITLE_STYLE, ["Active", "Inactive", "active"]), (DOCSTRING_STYLE, ["True", "False", "True"])],
 )
 def test_a_flag_is_a_truth_value_in_docstrings(style: Style, expected: list[str]) -> None:
     assert [style.phrase(statement(level)) for level in Level] == expected
 
 
 def test_lists() -> None:
-    assert "".join(map(str, listed(["a"]))) == "a"
-    assert "".join(map(str, listed(["a", "b", "c"], " or "))) == "a, b or c"
-    assert "".join(map(str, parted([["a", "b"], [], ["c"]], "; "))) == "ab; c"
+    assert "".join(map(str, list_parts(["a"]))) == "a"
+    assert "".join(map(str, list_parts(["a", "b", "c"], " or "))) == "a, b or c"
+    assert "".join(map(str, join_groups([["a", "b"], [], ["c"]], "; "))) == "ab; c"
     assert list(spec_text("")) == []
     assert list(spec_text("x")) == [statement("x")]
 
@@ -298,9 +299,9 @@ def test_an_order_code_turns_expressions_into_numbers(device: Device) -> None:
     _, codes = order_code.parameter_origin(
         device, next(candidate for candidate in device.parameters if candidate.name == "coded")
     )
-    assert BY_NAME.sentence(codes) == "The register holds a code: 0 means 8, 16 means 12, 20 means 14."
+    assert PLAIN_STYLE.sentence(codes) == "The register holds a code: 0 means 8, 16 means 12, 20 means 14."
     (equals,) = order_code.parameter_origin(
         device, next(candidate for candidate in device.parameters if candidate.name == "doubled")
     )
-    assert BY_NAME.sentence(equals) == "Equals position_bits + position_bits."
+    assert PLAIN_STYLE.sentence(equals) == "Equals position_bits + position_bits."
     assert style_with({"position_bits": 16}).sentence(equals) == "Equals 32."

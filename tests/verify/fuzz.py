@@ -189,7 +189,7 @@ def _shares_length(argument: str, next_argument: str) -> bool:
 def source(batch: Batch, include: Path) -> str:
     """Return the text of the target."""
     header = Header(batch, include)
-    takers = "".join(_take(taker.name, taker.access.stem) for taker in batch.view.takers)
+    takers = "".join(_take(taker.name, taker.access.stem) for taker in batch.view.take_functions)
     values = {
         "prefix": header.prefix,
         "spelled": "1" if batch.device.order_code.also_written else "0",

@@ -132,7 +132,7 @@ def positions(driver: Driver, index: int) -> list[int]:
     parameters = driver.view.variants.rows[index].variant.parameters
     layout = driver.frame.struct.layout.place(parameters)
     joined = {join.name: join.fields for join in driver.frame.struct.layout.joins}
-    names = joined.get(driver.frame.measured, (driver.frame.measured,))
+    names = joined.get(driver.frame.position_member, (driver.frame.position_member,))
     bits = sum(field.width for field in layout.fields if field.name in names)
     return [0, 1, 1000, (1 << bits) - 1 - LARGEST_MOVEMENT, (1 << bits) // 3]
 

@@ -77,23 +77,23 @@ def narrowed(value: str, type_: str) -> str:
 
 def byte_of(piece: Piece) -> str:
     """Return the bits of a piece in its byte."""
-    byte = f"bytes[{piece.byte}] >> {piece.right}" if piece.right else f"bytes[{piece.byte}]"
-    masked = f"({byte}) & {hexadecimal(piece.mask)}" if piece.right else f"{byte} & {hexadecimal(piece.mask)}"
-    return byte if piece.mask == 0xFF >> piece.right else masked
+    byte = f"bytes[{piece.byte}] >> {piece.low_in_byte}" if piece.low_in_byte else f"bytes[{piece.byte}]"
+    masked = f"({byte}) & {hexadecimal(piece.mask)}" if piece.low_in_byte else f"{byte} & {hexadecimal(piece.mask)}"
+    return byte if piece.mask == 0xFF >> piece.low_in_byte else masked
 
 
 def joined_pieces(pieces: Iterable[Piece]) -> str:
     """Return the bits of these pieces of ``bytes`` as one number."""
-    parts = ((f"u64::from({byte_of(piece)})", piece.left) for piece in pieces)
+    parts = ((f"u64::from({byte_of(piece)})", piece.low_in_number) for piece in pieces)
     return " | ".join(f"({part} << {shift})" if shift else part for part, shift in parts) or "0_u64"
 
 
 def put_byte(piece: Piece, raw: str) -> str:
     """Return the contribution of a piece of a number, which fits, to its byte."""
-    part = f"({raw} >> {piece.left}) as u8" if piece.left else f"{raw} as u8"
-    if piece.mask != 0xFF >> piece.right:
+    part = f"({raw} >> {piece.low_in_number}) as u8" if piece.low_in_number else f"{raw} as u8"
+    if piece.mask != 0xFF >> piece.low_in_byte:
         part = f"{part} & {hexadecimal(piece.mask)}"
-    return f"({part}) << {piece.right}" if piece.right else part
+    return f"({part}) << {piece.low_in_byte}" if piece.low_in_byte else part
 
 
 PIECES = (byte_of, put_byte, joined_pieces)

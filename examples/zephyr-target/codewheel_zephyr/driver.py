@@ -37,10 +37,10 @@ class Driver:
         self.compatible = f"{view.maker.name},{view.stem.replace('_', '-')}".replace("_", "-")
         self.binding = f"{self.compatible.replace(',', '-')}.yaml"
         self.codes = [(row.variant.code, row.macro) for row in view.variants.rows]
-        self.is_read_twice = view.reading.twice
-        self.position_type = frame.struct.member_type(frame.measured)
-        self.member = c_name(frame.measured)
-        self.sets_position = frame.measured in frame.set_names
+        self.is_read_twice = view.reading.reads_twice
+        self.position_type = frame.struct.member_type(frame.position_member)
+        self.member = c_name(frame.position_member)
+        self.sets_position = frame.position_member in frame.set_names
 
     @property
     def lengths(self) -> list[str]:

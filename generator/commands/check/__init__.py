@@ -51,9 +51,9 @@ def add_arguments(parser: Parser) -> None:
 
 
 def _targets_help() -> str:
-    from ..outputs import listing
+    from ..outputs import targets_help
 
-    return listing()
+    return targets_help()
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -80,11 +80,11 @@ def run(arguments: argparse.Namespace) -> int:
     # The counts of the coverage, and the problems of chosen targets, depend on more than the stored inputs.
     is_storable = not arguments.coverage and not arguments.target
     options = filters_as_texts(settings.only) if settings is not None else []
-    cached_check = cached_result(cache if is_storable else NO_CACHE, "check", specs.paths, options)
+    cached_check = cached_result(cache if is_storable else NO_CACHE, "check", specs.paths, options=options)
     if _print_stored(cached_check, arguments):
         # Only runs without problems are stored.
         return 0
-    return _check(specs.paths, settings, arguments, cache, cached_check)
+    return _check_and_print(specs.paths, settings, arguments, cache, cached_check)
 
 
 def _print_stored(result: CachedResult, arguments: argparse.Namespace) -> bool:
@@ -98,7 +98,7 @@ def _print_stored(result: CachedResult, arguments: argparse.Namespace) -> bool:
     return True
 
 
-def _check(
+def _check_and_print(
     paths: Sequence[Path],
     settings: Configuration | None,
     arguments: argparse.Namespace,
@@ -187,10 +187,10 @@ def _review_text(report: Report, form: str) -> str:
     """Return the problems in a form for review tools, ``github`` or ``sarif``."""
     from ..review_formats import as_review
 
-    return as_review([_finding_of(problem) for problem in report.shown], form)
+    return as_review([_review_finding(problem) for problem in report.shown], form)
 
 
-def _finding_of(problem: Problem) -> Finding:
+def _review_finding(problem: Problem) -> Finding:
     """Return a problem in the form for review tools."""
     from ..review_formats import Finding
 

@@ -10,9 +10,9 @@ from ...model import Device, Fault, PlacedChannels, Variant, channel_frame
 from ...reference import codec
 from ...reference.channels import ChannelFindings, channel_findings, decode_channels
 from ...reference.findings import Findings
-from ...say import report as say
+from ...say import report as say_report
 from ...say.plain_text import WIDTH
-from ...say.text import WORTH
+from ...say.text import VERDICT_CLAUSES
 from ...why.hypotheses import TypedFrame
 from .field_table import wrapped
 from .frames import frame_number, undecorated, why_text
@@ -55,13 +55,13 @@ class ChannelDecoder:
         self._variant = variant
         self.frame = frame
 
-    def read(self, text: str) -> TypedFrame | None:
+    def read(self, frame_text: str) -> TypedFrame | None:
         """Return the frame in a text, or None if it is not longer than a single channel.
 
         Raises:
             FrameTextError: The text cannot be read as a number.
         """
-        typed_frame = frame_number(self.frame, undecorated(text), exact=True)
+        typed_frame = frame_number(self.frame, undecorated(frame_text), exact=True)
         longest_channel = max(channel.bits for channel in self.frame.channels)
         written_bits = typed_frame.bits if typed_frame.exact else max(typed_frame.bits, typed_frame.written - 3)
         return typed_frame if written_bits > longest_channel else None
@@ -84,19 +84,19 @@ class ChannelDecoder:
         result = ChannelResult(
             channels=decoded_channels,
             findings=findings,
-            whys=tuple(map(self._why, decoded_channels)),
+            whys=tuple(map(self._explain_channel, decoded_channels)),
             problems=problems,
             readings=(),
         )
-        return replace(result, readings=self._readings(number, bits)) if result.has_problem else result
+        return replace(result, readings=self._possible_readings(number, bits)) if result.has_problem else result
 
-    def _why(self, decoded: codec.Decoded) -> Diagnosis | None:
+    def _explain_channel(self, decoded: codec.Decoded) -> Diagnosis | None:
         """Return the explanations of a channel with an error, or None."""
         assert decoded.layout is not None
         text = f"0b{decoded.number:0{decoded.layout.bits}b}"
         return why_text(self._device, self._variant, "encoder", text, decoded) if decoded.problems else None
 
-    def _readings(self, number: int, bits: int) -> tuple[str, ...]:
+    def _possible_readings(self, number: int, bits: int) -> tuple[str, ...]:
         from ...why.channels import channel_readings
 
         return tuple(channel_readings(self._device, self.frame, number, bits))
@@ -111,7 +111,7 @@ def channel_decoder(device: Device, variant: Variant) -> ChannelDecoder | None:
 def report_of_length(frame: PlacedChannels, bits: int) -> str:
     """Return the message about a frame of another length."""
     names = ", ".join(channel.name for channel in frame.channels)
-    return say.length(names, f"{frame.bits} bits", f"{bits}")
+    return say_report.length(names, f"{frame.bits} bits", f"{bits}")
 
 
 def described_channels(device: Device, variant: Variant, frame: PlacedChannels, result: ChannelResult) -> Iterator[str]:
@@ -120,11 +120,11 @@ def described_channels(device: Device, variant: Variant, frame: PlacedChannels, 
     for decoded, findings, why in channels:
         yield from described_frame(device, variant, decoded, findings, why)
         yield ""
-    yield from (wrapped(line, WIDTH, prefix="  ", first="") for line in _summary(frame, result))
+    yield from (wrapped(line, WIDTH, prefix="  ", first="") for line in _summary_lines(frame, result))
     yield from evidence_lines(device)
 
 
-def _summary(frame: PlacedChannels, result: ChannelResult) -> Iterator[str]:
+def _summary_lines(frame: PlacedChannels, result: ChannelResult) -> Iterator[str]:
     """Yield the errors of the whole frame, the comparison of its positions, and its verdict."""
     for problem in result.problems:
         yield f"{problem.fault.value} error: {problem.message}"
@@ -134,16 +134,16 @@ def _summary(frame: PlacedChannels, result: ChannelResult) -> Iterator[str]:
     for reading in result.readings:
         yield f"All CRCs are correct {reading}."
     if result.findings.agree is not None:
-        yield comparison(frame, result.channels, agree=result.findings.agree)
+        yield comparison_sentence(frame, result.channels, agree=result.findings.agree)
     if result.findings.verdict is not None:
-        yield f"all channels together: {WORTH[result.findings.verdict]}"
+        yield f"all channels together: {VERDICT_CLAUSES[result.findings.verdict]}"
 
 
-def comparison(frame: PlacedChannels, decoded_channels: Sequence[codec.Decoded], *, agree: bool) -> str:
+def comparison_sentence(frame: PlacedChannels, decoded_channels: Sequence[codec.Decoded], *, agree: bool) -> str:
     """Return a sentence with the compared bits of each channel, and whether they agree."""
     numbers = frame.compared_numbers([decoded.values for decoded in decoded_channels])
     compared = [
         f"{frame.compared[channel.name]} of {channel.name} {number:#x}"
         for channel, number in zip((c for c in frame.channels if c.name in frame.compared), numbers, strict=True)
     ]
-    return say.compared(f"{frame.compared_bits}", " and ".join(compared), agree=agree)
+    return say_report.compared(f"{frame.compared_bits}", " and ".join(compared), agree=agree)

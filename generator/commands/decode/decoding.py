@@ -139,13 +139,13 @@ class Decoding:
                 if self._channels is not None and channel_frame is not None:
                     self._print_channels(line, self._channels, channel_frame)
                     continue
-                decoded, why = self._decode(line.text)
+                decoded, why = self._decode_text(line.text)
             except (FrameTextError, RegisterError, UndecidedError) as error:
                 self._codes.add(NO_FRAME)
                 line_prefix = f"line {line.number}: " if line.number is not None else ""
                 print(f"codewheel: {line_prefix}{error}", file=sys.stderr)
                 continue
-            frame_findings = self._findings(decoded)
+            frame_findings = self._findings_of_frame(decoded)
             self._codes.add(_exit_code(decoded, frame_findings))
             other_layouts = self._other_layouts(line.text, decoded)
             if is_frame_of_other_kind(decoded, other_layouts):
@@ -153,7 +153,7 @@ class Decoding:
                 why = None
             if why is not None and decoded.problems:
                 self._failed_frames.append((line.text, decoded, why))
-            output = self._output(line, decoded, frame_findings, why, other_layouts)
+            output = self._frame_output(line, decoded, frame_findings, why, other_layouts)
             # Someone who reads many frames should not have to wait for the end.
             is_one_of_many = line.number is not None
             print(output, flush=is_one_of_many)
@@ -205,7 +205,7 @@ class Decoding:
         whys = [why_text(device, variant, sender, text, decoded, with_pairs=True) for text, decoded, _ in failed_frames]
         return judge_together([why for why in whys if why is not None])
 
-    def _decode(self, text: str) -> tuple[codec.Decoded, Diagnosis | None]:
+    def _decode_text(self, frame_text: str) -> tuple[codec.Decoded, Diagnosis | None]:
         """Return a decoded frame with its explanations (None if it needs none), or a decoded register value with None.
 
         Raises:
@@ -216,12 +216,12 @@ class Decoding:
         device = self._request.device
         variant = self._request.match.variant
         if self._request.register is not None:
-            decoded = decode_register_text(device, variant, self._request.register, text)
+            decoded = decode_register_text(device, variant, self._request.register, frame_text)
             self._refuse_undecided(decoded)
             return decoded, None
-        decoded = self._decode_frame(text)
+        decoded = self._decode_frame(frame_text)
         self._refuse_undecided(decoded)
-        return decoded, why_text(device, variant, self._request.sender, text, decoded)
+        return decoded, why_text(device, variant, self._request.sender, frame_text, decoded)
 
     def _refuse_undecided(self, decoded: codec.Decoded) -> None:
         """Raise ``UndecidedError`` if the layout needs an answer that the user has not given.
@@ -237,7 +237,7 @@ class Decoding:
             refuse_undecided(self._request.device, placed.layout, self._request.answers)
             self._decided_layouts.add(placed.name)
 
-    def _findings(self, decoded: codec.Decoded) -> Findings:
+    def _findings_of_frame(self, decoded: codec.Decoded) -> Findings:
         """Return the verdict and the reports on a decoded frame, with all values that differ from the manual.
 
         These are, in this order, values of ``--register`` that contradict the order code, values in the frame that the
@@ -251,9 +251,9 @@ class Decoding:
         differences = (*request.register_differences, *frame_findings.differences, *edition_differences)
         return replace(frame_findings, differences=differences)
 
-    def _other_layouts(self, text: str, decoded: codec.Decoded) -> Sequence[PlacedLayout]:
+    def _other_layouts(self, frame_text: str, decoded: codec.Decoded) -> Sequence[PlacedLayout]:
         """Return the other layouts with which the text is a valid frame, unless the user named the layout."""
-        return self._other_frames.layouts_of(text, decoded) if self._other_frames is not None else ()
+        return self._other_frames.layouts_of(frame_text, decoded) if self._other_frames is not None else ()
 
     def _answers_used(self, decoded: codec.Decoded) -> dict[str, str]:
         """Return the answers that the result for a frame depends on, as ``{question: answer}``.
@@ -264,16 +264,20 @@ class Decoding:
             return {}
         return self._answers_for(decoded.layout) | self._decisive_answers(decoded)
 
-    def _answers_for(self, placed: PlacedLayout) -> dict[str, str]:
+    def _answers_for(self, placed_layout: PlacedLayout) -> dict[str, str]:
         """Return the user's answers that the places of the fields depend on, as ``{question: answer}``.
 
         They are the same for each frame of a layout, so they are kept by its name.
         """
-        if placed.name not in self._needed_answers:
+        if placed_layout.name not in self._needed_answers:
             answers = self._request.answers
-            question_names = [alternative.name for alternative in self._request.device.alternatives_of(placed.layout)]
-            self._needed_answers[placed.name] = {name: answers[name] for name in question_names if name in answers}
-        return self._needed_answers[placed.name]
+            question_names = [
+                alternative.name for alternative in self._request.device.alternatives_of(placed_layout.layout)
+            ]
+            self._needed_answers[placed_layout.name] = {
+                name: answers[name] for name in question_names if name in answers
+            }
+        return self._needed_answers[placed_layout.name]
 
     def _decisive_answers(self, decoded: codec.Decoded) -> dict[str, str]:
         """Return the answers, or their defaults, that decide the verdict of an active flag of the frame.
@@ -294,12 +298,12 @@ class Decoding:
                 decisive_answers[alternative.name] = answer
         return decisive_answers
 
-    def _output(
+    def _frame_output(
         self,
         line: Line,
         decoded: codec.Decoded,
         frame_findings: Findings,
-        why: Diagnosis | None,
+        diagnosis: Diagnosis | None,
         other_layouts: Sequence[PlacedLayout],
     ) -> str:
         """Return a frame as text, after a blank line except for the first, or as JSON, in one line for one of many."""
@@ -312,7 +316,7 @@ class Decoding:
                 request.sender,
                 decoded,
                 frame_findings,
-                why=why,
+                diagnosis=diagnosis,
                 line=line,
                 answers=answers,
                 other_layouts=other_layouts,
@@ -326,7 +330,7 @@ class Decoding:
             request.sender,
             decoded,
             findings=frame_findings,
-            why=why,
+            diagnosis=diagnosis,
             line=line,
             answers=answers,
             label=self._label,

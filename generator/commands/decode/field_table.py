@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ...model import PlacedLayout
 from ...reference import codec
-from ...say import report as say
+from ...say import report as say_report
 from ...say.names_and_places import bit_place
 from ...say.plain_text import WIDTH, quantity
 from ...say.plain_text import wrapped as wrapped_anew
@@ -49,23 +49,25 @@ def field_table(decoded: codec.Decoded) -> list[str]:
     return lines
 
 
-def _field_row(placed: PlacedLayout, field: codec.DecodedField) -> _FieldRow:
+def _field_row(placed_layout: PlacedLayout, field: codec.DecodedField) -> _FieldRow:
     """Return the row of a field. One bit is printed in decimal, and any other raw number as ``0x1f``."""
     has_place = field.high >= 0  # A joined number has no place of its own.
-    place = bit_place(placed.layout, placed.bits, field.high, field.low) if has_place else ""
+    place = bit_place(placed_layout.layout, placed_layout.bits, field.high, field.low) if has_place else ""
     is_one_bit = has_place and field.high <= field.low
     number_text = str(field.raw) if is_one_bit else f"{field.raw:#x}"
-    return _FieldRow(cells=(place, field.name, number_text, _value_text(field)), meaning=_meaning_text(placed, field))
+    return _FieldRow(
+        cells=(place, field.name, number_text, _value_text(field)), meaning=_meaning_text(placed_layout, field)
+    )
 
 
-def _meaning_text(placed: PlacedLayout, field: codec.DecodedField) -> str:
+def _meaning_text(placed_layout: PlacedLayout, field: codec.DecodedField) -> str:
     """Return the meaning, and for a number sent in Gray code also its value as sent and converted."""
-    if not placed.gray:
+    if not placed_layout.gray:
         return field.meaning
-    gray_names = (*placed.layout.names_in(placed.layout.gray_of), placed.layout.gray_of)
+    gray_names = (*placed_layout.layout.names_in(placed_layout.layout.gray_of), placed_layout.layout.gray_of)
     if field.name not in gray_names or not isinstance(field.value, int):
         return field.meaning
-    gray_text = say.in_gray_code(f"{field.raw:#x}", f"{field.value:#x}")
+    gray_text = say_report.in_gray_code(f"{field.raw:#x}", f"{field.value:#x}")
     return f"{sentence(field.meaning)} {capitalized(gray_text)}" if field.meaning else gray_text
 
 

@@ -25,7 +25,7 @@ from ...model import (
 from ...model.layout import have_lengths
 from ...reference import codec
 from ...reference.registers import decode_register
-from ...say import report as say
+from ...say import report as say_report
 from ...why.hypotheses import TypedFrame
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ def frame_lines(lines: Iterable[str]) -> Iterator[Line]:
             yield Line(number=line_number, time="", text=time_and_frame)
 
 
-def undecorated(text: str) -> str:
+def undecorated(frame_text: str) -> str:
     """Return the text of a frame without brackets, quotes and other marks of the program that it was copied from.
 
     ``{0x1Fu, 2Ah}`` becomes ``0x1F  0x2A``. A plain number with a prefix, such as ``0x1F2A``, stays as it is.
@@ -92,19 +92,19 @@ def undecorated(text: str) -> str:
     Raises:
         FrameTextError: The text is empty or longer than any frame.
     """
-    if len(text) > say.LONGEST:
-        raise FrameTextError(say.TOO_LONG)
-    if _BARE.fullmatch(text):
-        return text
+    if len(frame_text) > say_report.LONGEST:
+        raise FrameTextError(say_report.TOO_LONG)
+    if _BARE.fullmatch(frame_text):
+        return frame_text
     for pattern, replacement in _PASTED:
-        text = pattern.sub(replacement, text)
-    text = text.strip()
-    if not text:
-        raise FrameTextError(say.EMPTY)
-    return text
+        frame_text = pattern.sub(replacement, frame_text)
+    frame_text = frame_text.strip()
+    if not frame_text:
+        raise FrameTextError(say_report.EMPTY)
+    return frame_text
 
 
-def frame_bytes(text: str) -> bytes:
+def frame_bytes(frame_text: str) -> bytes:
     """Return the bytes of hex text, such as ``1F 2A`` or ``1F2A``. Each piece between spaces has whole bytes.
 
     A piece may begin with ``0x``. A single digit is a byte only after ``0x``.
@@ -113,43 +113,43 @@ def frame_bytes(text: str) -> bytes:
         FrameTextError: A piece is not hex, or has an odd number of digits.
     """
     frame = b""
-    for piece in text.split():
+    for piece in frame_text.split():
         quoted_piece = quoted(visible(piece))
         if not _HEX.fullmatch(piece):
-            raise FrameTextError(say.not_hex(quoted_piece))
+            raise FrameTextError(say_report.not_hex(quoted_piece))
         has_prefix = piece[:2] in ("0x", "0X")
         digits = piece[2:] if has_prefix else piece
         if len(digits) == 1 and has_prefix:
             digits = f"0{digits}"
         elif len(digits) == 1:
-            raise FrameTextError(say.one_digit(quoted_piece, digits))
+            raise FrameTextError(say_report.one_digit(quoted_piece, digits))
         elif len(digits) % 2:
-            raise FrameTextError(say.odd(quoted_piece))
+            raise FrameTextError(say_report.odd(quoted_piece))
         frame += bytes.fromhex(digits)
     return frame
 
 
-def placed_bytes(placed: PlacedLayout, variant: Variant, text: str) -> bytes:
+def placed_bytes(placed_layout: PlacedLayout, variant: Variant, frame_text: str) -> bytes:
     """Return the bytes of a frame in bytes: hex text or, if the line carries bits, also ``0b`` with every bit sent.
 
     Raises:
         FrameTextError: The text has another form, or another number of bits.
     """
     line_carries_bits = INTERFACES[variant.interface].carried_as != "bytes"
-    without_gaps = text.replace("_", "")
+    without_gaps = frame_text.replace("_", "")
     if not line_carries_bits or not _BITS.fullmatch(without_gaps):
-        return frame_bytes(text)
+        return frame_bytes(frame_text)
     # The line may carry fewer bits than the bytes of the frame have. The missing ones are the first, and zero.
-    bits = placed.layout.sent_bits.value(placed.parameters)
-    length = placed.bits // 8
+    bits = placed_layout.layout.sent_bits.value(placed_layout.parameters)
+    length = placed_layout.bits // 8
     written_bits = len(without_gaps) - len("0b")
     if written_bits != bits:
-        remedy = say.write_bits(str(bits), str(length))
-        raise FrameTextError(say.no_bits(quoted(visible(text)), str(bits), remedy))
+        remedy = say_report.write_bits(str(bits), str(length))
+        raise FrameTextError(say_report.no_bits(quoted(visible(frame_text)), str(bits), remedy))
     return int(without_gaps, 2).to_bytes(length, "big")
 
 
-def frame_number(placed: PlacedLayout | PlacedChannels, text: str, *, exact: bool = False) -> TypedFrame:
+def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exact: bool = False) -> TypedFrame:
     """Return a frame written as one number: ``0b`` and every bit, ``0x`` and hex digits, or bytes such as ``01 2A``.
 
     ``0b`` gives the exact number of bits. Hex digits do not, because the frame may begin with further zeros. With
@@ -160,15 +160,15 @@ def frame_number(placed: PlacedLayout | PlacedChannels, text: str, *, exact: boo
     Raises:
         FrameTextError: The text has another form.
     """
-    without_gaps = _GAPS.sub("", text)
+    without_gaps = _GAPS.sub("", frame_text)
     if _BITS.fullmatch(without_gaps):
         bits = len(without_gaps) - len("0b")
         return TypedFrame(int(without_gaps, 2), bits, exact=True, written=bits)
-    pieces = text.split()
+    pieces = frame_text.split()
     are_bytes = len(pieces) > 1 and all(map(_ONE_BYTE.fullmatch, pieces))
     if are_bytes:
         # Raises an error if the pieces may also be pairs of bits.
-        _refuse_bits_in_pairs(pieces, text)
+        _refuse_bits_in_pairs(pieces, frame_text)
         # The last two characters of a piece are its digits. A byte may have a prefix of its own.
         without_gaps = "0x" + "".join(piece[-2:] for piece in pieces)
         if exact and len(pieces) != (placed.bits + 7) // 8:
@@ -183,13 +183,13 @@ def frame_number(placed: PlacedLayout | PlacedChannels, text: str, *, exact: boo
     if len(possible_meanings) == 1 and are_all_bits:
         # As a decimal or hexadecimal number, this many digits would not fit.
         return TypedFrame(int(without_gaps, 2), placed.bits, exact=True, written=placed.bits)
-    remedy = say.write_number(str(placed.bits))
+    remedy = say_report.write_number(str(placed.bits))
     if possible_meanings:
-        remedy = say.write_one_of(", ".join(possible_meanings))
-    raise FrameTextError(say.no_bits(quoted(visible(text)), str(placed.bits), remedy))
+        remedy = say_report.write_one_of(", ".join(possible_meanings))
+    raise FrameTextError(say_report.no_bits(quoted(visible(frame_text)), str(placed.bits), remedy))
 
 
-def _refuse_bits_in_pairs(pieces: Sequence[str], text: str) -> None:
+def _refuse_bits_in_pairs(pieces: Sequence[str], frame_text: str) -> None:
     """Raise FrameTextError if the pieces, such as ``10 01 11``, may be bits as well as bytes.
 
     They may if all of them are two digits without a prefix, and all digits are 0 or 1.
@@ -197,7 +197,7 @@ def _refuse_bits_in_pairs(pieces: Sequence[str], text: str) -> None:
     have_no_prefix = all(len(piece) == 2 for piece in pieces)
     are_zeros_and_ones = set("".join(pieces)) <= {"0", "1"}
     if have_no_prefix and are_zeros_and_ones:
-        raise FrameTextError(say.bits_or_bytes(quoted(text)))
+        raise FrameTextError(say_report.bits_or_bytes(quoted(frame_text)))
 
 
 def _possible_meanings(digits: str, bits: int) -> Iterator[str]:
@@ -209,11 +209,11 @@ def _possible_meanings(digits: str, bits: int) -> Iterator[str]:
     largest = (1 << bits) - 1
     # A decimal number has no leading zero. More than 40 digits are not read as any of the three.
     if re.fullmatch(r"0|[1-9][0-9]{0,39}", digits) and int(digits) <= largest:
-        yield say.if_decimal(f"0x{int(digits):X}")
+        yield say_report.if_decimal(f"0x{int(digits):X}")
     if re.fullmatch(r"[0-9A-Fa-f]{1,40}", digits) and int(digits, 16) <= largest:
-        yield say.if_hex(digits)
+        yield say_report.if_hex(digits)
     if re.fullmatch(r"[01]{1,96}", digits):
-        yield say.if_bits(digits)
+        yield say_report.if_bits(digits)
 
 
 # -- decoding
@@ -286,40 +286,44 @@ def _no_layout_message(device: Device, variant: Variant, sender: str, name: str 
     return f"{variant.code} has no layout '{name}' from the {sender}{hint}; it has: {known_names}"
 
 
-def decode_register_text(device: Device, variant: Variant, name: str, text: str) -> codec.Decoded:
+def decode_register_text(device: Device, variant: Variant, name: str, frame_text: str) -> codec.Decoded:
     """Decode the value of the register ``name`` from hex bytes in ascending order of address.
 
     Raises:
         FrameTextError: The text is not hex bytes.
         RegisterError: There is no such register, or it has another length.
     """
-    return decode_register(device, variant, name, frame_bytes(undecorated(text)))
+    return decode_register(device, variant, name, frame_bytes(undecorated(frame_text)))
 
 
-def _layout_of_length(text: str, first: PlacedLayout, layouts: Sequence[Layout], variant: Variant) -> PlacedLayout:
+def _layout_of_length(
+    frame_text: str, first: PlacedLayout, layouts: Sequence[Layout], variant: Variant
+) -> PlacedLayout:
     """Return the layout that has the length of the text: ``first`` if it has it, else the only other one that has it.
 
     If no other layout or several have this length, it is also ``first``. The decoder then reports the wrong length.
     """
-    if _has_length(first, text):
+    if _has_length(first, frame_text):
         return first
     candidates = [layout.place(variant.parameters) for layout in layouts]
-    fitting_layouts = [candidate for candidate in candidates if _has_length(candidate, text)]
+    fitting_layouts = [candidate for candidate in candidates if _has_length(candidate, frame_text)]
     return fitting_layouts[0] if len(fitting_layouts) == 1 else first
 
 
-def _has_length(placed: PlacedLayout, text: str) -> bool:
+def _has_length(placed_layout: PlacedLayout, frame_text: str) -> bool:
     """Return whether the text can be a frame of this layout by its number of bits.
 
     ``0b`` and hex bytes of another number must have exactly the bits of the layout. Other hex may have fewer, because
     its leading zeros may be missing.
     """
-    frame = frame_number(placed, text, exact=True)
-    bits = placed.layout.sent_bits.value(placed.parameters)
+    frame = frame_number(placed_layout, frame_text, exact=True)
+    bits = placed_layout.layout.sent_bits.value(placed_layout.parameters)
     return frame.bits == bits if frame.exact else frame.bits <= bits
 
 
-def decode_as(device: Device, variant: Variant, placed: PlacedLayout, text: str, *, exact: bool) -> codec.Decoded:
+def decode_as(
+    device: Device, variant: Variant, placed_layout: PlacedLayout, frame_text: str, *, exact: bool
+) -> codec.Decoded:
     """Decode text that ``undecorated`` returned, with a known layout.
 
     ``exact`` means that frames of the sender have different lengths, so that hex bytes have no further zeros in front.
@@ -327,16 +331,16 @@ def decode_as(device: Device, variant: Variant, placed: PlacedLayout, text: str,
     Raises:
         FrameTextError: The text cannot be read as a frame.
     """
-    if placed.layout.in_bytes:
-        return codec.decode_placed(device, placed, placed_bytes(placed, variant, text))
-    frame = frame_number(placed, text, exact=exact)
+    if placed_layout.layout.in_bytes:
+        return codec.decode_placed(device, placed_layout, placed_bytes(placed_layout, variant, frame_text))
+    frame = frame_number(placed_layout, frame_text, exact=exact)
     if frame.exact:
-        return codec.decode_bits(device, placed, frame.number, frame.bits)
-    return codec.decode(device, placed, frame.number)
+        return codec.decode_bits(device, placed_layout, frame.number, frame.bits)
+    return codec.decode(device, placed_layout, frame.number)
 
 
 def why_text(
-    device: Device, variant: Variant, sender: str, text: str, decoded: codec.Decoded, *, with_pairs: bool = False
+    device: Device, variant: Variant, sender: str, frame_text: str, decoded: codec.Decoded, *, with_pairs: bool = False
 ) -> Diagnosis | None:
     """Return explanations of a frame whose CRC, length or constant is wrong, or None if nothing explains it.
 
@@ -346,14 +350,14 @@ def why_text(
     """
     placed = decoded.layout
     if placed is not None and not placed.layout.in_bytes:
-        return _why_bits(device, variant, sender, text, placed, decoded, with_pairs=with_pairs)
+        return _why_bits(device, variant, sender, frame_text, placed, decoded, with_pairs=with_pairs)
     if placed is None:
-        data = frame_bytes(undecorated(text))
+        data = frame_bytes(undecorated(frame_text))
     else:
         faults = {problem.fault for problem in decoded.problems}
         if not faults & {*_TRANSMISSION_FAULTS, Fault.CONSTANT}:
             return None
-        data = placed_bytes(placed, variant, undecorated(text))
+        data = placed_bytes(placed, variant, undecorated(frame_text))
     from ...why.explain import explain_bytes
 
     return explain_bytes(device, variant, sender, placed, data, with_pairs=with_pairs)
@@ -363,8 +367,8 @@ def _why_bits(
     device: Device,
     variant: Variant,
     sender: str,
-    text: str,
-    placed: PlacedLayout,
+    frame_text: str,
+    placed_layout: PlacedLayout,
     decoded: codec.Decoded,
     *,
     with_pairs: bool,
@@ -377,17 +381,17 @@ def _why_bits(
     """
     faults = {problem.fault for problem in decoded.problems}
     is_valid_without_crc = not faults and decoded.crc is None
-    has_equal_bits = decoded.number in (0, (1 << placed.bits) - 1)
+    has_equal_bits = decoded.number in (0, (1 << placed_layout.bits) - 1)
     is_suspicious = is_valid_without_crc or has_equal_bits or bool(faults & _TRANSMISSION_FAULTS)
     if not is_suspicious and Fault.CONSTANT not in faults:
         return None
     from ...why.explain import explain_bits, explain_constant
 
     is_exact = have_lengths(device.interface(variant.interface).layouts, sender)
-    frame = frame_number(placed, undecorated(text), exact=is_exact)
+    frame = frame_number(placed_layout, undecorated(frame_text), exact=is_exact)
     if is_suspicious:
-        return explain_bits(device, variant, placed, frame, is_valid=not faults, with_pairs=with_pairs)
-    return explain_constant(device, variant, placed, frame)
+        return explain_bits(device, variant, placed_layout, frame, is_valid=not faults, with_pairs=with_pairs)
+    return explain_constant(device, variant, placed_layout, frame)
 
 
 class OtherFrames:
@@ -406,12 +410,12 @@ class OtherFrames:
         if len(layouts) > 1 and not has_selector:
             self._candidates = [layout.place(variant.parameters) for layout in layouts]
 
-    def layouts_of(self, text: str, decoded: codec.Decoded) -> tuple[PlacedLayout, ...]:
+    def layouts_of(self, frame_text: str, decoded: codec.Decoded) -> tuple[PlacedLayout, ...]:
         """Return the other layouts with which the text is a valid frame.
 
         ``decoded`` is the result of ``decode_text`` for the text, with one of the layouts.
         """
-        return tuple(candidate for candidate in self._candidates if self._is_valid_as(candidate, text, decoded))
+        return tuple(candidate for candidate in self._candidates if self._is_valid_as(candidate, frame_text, decoded))
 
     def _is_valid_as(self, candidate: PlacedLayout, text: str, decoded: codec.Decoded) -> bool:
         """Return whether the text, which was decoded with another layout, is a valid frame of the candidate.

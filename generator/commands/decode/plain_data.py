@@ -24,7 +24,7 @@ def decoded_data(
     sender: str,
     decoded: codec.Decoded,
     frame_findings: Findings,
-    why: Diagnosis | None = None,
+    diagnosis: Diagnosis | None = None,
     line: Line = NO_LINE,
     answers: Mapping[str, str] = NO_ANSWERS,
     other_layouts: Sequence[PlacedLayout] = (),
@@ -50,7 +50,7 @@ def decoded_data(
         "reports": [_report_data(report) for report in frame_findings.reports],
         "verdict": frame_findings.verdict.value if frame_findings.verdict is not None else None,
         "differences": [_difference_data(difference) for difference in frame_findings.differences],
-        "why": _why_data(why) if why is not None else None,
+        "why": _why_data(diagnosis) if diagnosis is not None else None,
     }
 
 
@@ -64,7 +64,7 @@ def channel_data(device: Device, variant: Variant, sender: str, result: ChannelR
     data = decoded_data(device, variant, sender, whole_frame, findings_of_frame, line=line)
     channels = zip(result.channels, result.findings.channels, result.whys, strict=True)
     data["channels"] = [
-        decoded_data(device, variant, sender, decoded, channel_findings, why=why, line=line)
+        decoded_data(device, variant, sender, decoded, channel_findings, diagnosis=why, line=line)
         for decoded, channel_findings, why in channels
     ]
     data["agree"] = result.findings.agree
@@ -128,16 +128,16 @@ def _report_data(report: Report) -> dict[str, Any]:
     }
 
 
-def _why_data(why: Diagnosis) -> dict[str, Any]:
+def _why_data(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return the explanations of a frame with an error, for JSON."""
     return {
-        "explanations": [_explanation_data(explanation) for explanation in why.explanations],
-        "tried": why.tried,
-        "coincidence": round(why.coincidence, 4),
-        "cannot_see": list(why.cannot_see),
-        "disturbed": list(why.disturbed),
-        "missing": why.missing or None,
-        "another_frame_helps": why.needs_another_frame,
+        "explanations": [_explanation_data(explanation) for explanation in diagnosis.explanations],
+        "tried": diagnosis.tried,
+        "coincidence": round(diagnosis.coincidence, 4),
+        "cannot_see": list(diagnosis.cannot_see),
+        "disturbed": list(diagnosis.disturbed),
+        "missing": diagnosis.missing or None,
+        "another_frame_helps": diagnosis.needs_another_frame,
     }
 
 

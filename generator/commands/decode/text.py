@@ -13,13 +13,13 @@ from ...order_codes.labels import Match
 from ...order_codes.parameters import parameters_of
 from ...reference import codec
 from ...reference.findings import Findings, Report
-from ...say import report as say
+from ...say import report as say_report
 from ...say.evidence import origin, placeholders
 from ...say.names_and_places import words
 from ...say.order_code import not_on_label
 from ...say.plain_text import WIDTH, decimal
 from ...say.report import ANOTHER_FRAME, UNCERTAIN_READINGS
-from ...say.text import BY_NAME, WORTH, counted, sentence
+from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES, counted, sentence
 from .field_table import capitalized, field_table, wrapped
 from .frames import Line, frame_number, is_frame_of_other_kind, undecorated
 
@@ -34,11 +34,11 @@ _NO_FINDINGS = Findings()
 
 def explain(
     device: Device,
-    match: Match,
+    code_match: Match,
     sender: str,
     decoded: codec.Decoded,
     findings: Findings = _NO_FINDINGS,
-    why: Diagnosis | None = None,
+    diagnosis: Diagnosis | None = None,
     line: Line = NO_LINE,
     answers: Mapping[str, str] = NO_ANSWERS,
     label: Sequence[str] | None = None,
@@ -48,9 +48,9 @@ def explain(
 
     ``label`` are the ``label_lines`` if they are known. ``other_frames`` names the other frames that it can be.
     """
-    lines = [line_prefix(line) + heading(device, match.variant, sender, decoded.layout)]
-    lines += label_lines(device, match) if label is None else label
-    lines += described_frame(device, match.variant, decoded, findings, why, answers, other_frames, line.text)
+    lines = [line_prefix(line) + heading(device, code_match.variant, sender, decoded.layout)]
+    lines += label_lines(device, code_match) if label is None else label
+    lines += described_frame(device, code_match.variant, decoded, findings, diagnosis, answers, other_frames, line.text)
     return "\n".join([*lines, *evidence_lines(device)])
 
 
@@ -59,14 +59,14 @@ def described_frame(
     variant: Variant,
     decoded: codec.Decoded,
     findings: Findings,
-    why: Diagnosis | None = None,
+    diagnosis: Diagnosis | None = None,
     answers: Mapping[str, str] = NO_ANSWERS,
     other_frames: str = "",
-    text: str = "",
+    frame_text: str = "",
 ) -> Iterator[str]:
     """Yield the lines about a frame itself: its layout, fields, position and CRC, its errors or reports, and causes.
 
-    ``text`` is the frame as typed, if it was typed alone.
+    ``frame_text`` is the frame as typed, if it was typed alone.
     """
     if decoded.layout is not None:
         yield _layout_line(decoded.layout)
@@ -80,9 +80,9 @@ def described_frame(
     yield from ("", *_problem_lines(decoded, findings))
     if other_frames:
         yield wrapped(other_frames, WIDTH, prefix="  ", first="")
-    yield from _other_position_lines(device, variant, decoded, text)
-    if why is not None:
-        yield from _why_lines(why, decoded.layout)
+    yield from _other_position_lines(device, variant, decoded, frame_text)
+    if diagnosis is not None:
+        yield from _why_lines(diagnosis, decoded.layout)
 
 
 def evidence_lines(device: Device) -> Iterator[str]:
@@ -92,10 +92,10 @@ def evidence_lines(device: Device) -> Iterator[str]:
         yield wrapped(placeholders(device), WIDTH, prefix="  ", first="")
 
 
-def _other_position_lines(device: Device, variant: Variant, decoded: codec.Decoded, text: str) -> Iterator[str]:
+def _other_position_lines(device: Device, variant: Variant, decoded: codec.Decoded, frame_text: str) -> Iterator[str]:
     """Yield lines about a frame without errors that may still be wrong: other readings, and an own request over SPI.
 
-    ``text`` is the frame as typed.
+    ``frame_text`` is the frame as typed.
     """
     placed_layout = decoded.layout
     if decoded.problems or placed_layout is None or placed_layout.layout.in_bytes:
@@ -103,15 +103,15 @@ def _other_position_lines(device: Device, variant: Variant, decoded: codec.Decod
     from ...why.doubts import other_positions, position_name
     from ...why.exchanges import own_request
 
-    typed_frame = frame_number(placed_layout, undecorated(text)) if text else None
+    typed_frame = frame_number(placed_layout, undecorated(frame_text)) if frame_text else None
     other_readings = other_positions(device, variant, decoded, typed_frame)
     readings = [f"{position} {reason}" for reason, position in other_readings]
     if readings:
-        suggestion = say.looks_wrong(position_name(device, variant), ", ".join(readings))
+        suggestion = say_report.looks_wrong(position_name(device, variant), ", ".join(readings))
         yield wrapped(sentence(suggestion), WIDTH, prefix="  ", first="")
     request_name = own_request(device, variant, placed_layout, decoded.number)
     if request_name:
-        yield wrapped(sentence(capitalized(say.own_request(request_name))), WIDTH, prefix="  ", first="")
+        yield wrapped(sentence(capitalized(say_report.own_request(request_name))), WIDTH, prefix="  ", first="")
 
 
 def line_prefix(line: Line) -> str:
@@ -122,49 +122,51 @@ def line_prefix(line: Line) -> str:
     return f"{number_and_time}: " if number_and_time else ""
 
 
-def heading(device: Device, variant: Variant, sender: str, placed: PlacedLayout | None) -> str:
+def heading(device: Device, variant: Variant, sender: str, placed_layout: PlacedLayout | None) -> str:
     """Return the order code, its interface and, unless it is a register, the sender."""
     text = f"{variant.code}, {device.interface(variant.interface).title}"
-    is_register = placed is not None and not placed.layout.sender
+    is_register = placed_layout is not None and not placed_layout.layout.sender
     return text if is_register else f"{text}, from the {sender}"
 
 
-def label_lines(device: Device, match: Match) -> Iterator[str]:
+def label_lines(device: Device, code_match: Match) -> Iterator[str]:
     """Yield the parameters read from registers, how the label differs from the manual, and where the spec is from."""
-    variant = match.variant
+    variant = code_match.variant
     names_read = [parameter.name for parameter in parameters_of(device, variant.interface) if parameter.read_from]
     if names_read:
         state = ", ".join(f"{name} = {variant.parameters[name]}" for name in names_read)
         yield wrapped(f"with {state} (from registers; --register changes them)", WIDTH, prefix="  ")
     # Text after the order code does not matter for decoding.
-    yield from label_differences(device, replace(match, tail=""))
+    yield from label_differences(device, replace(code_match, tail=""))
     for statement in origin(device):
-        yield wrapped(BY_NAME.sentence(statement), WIDTH, prefix="  ")
+        yield wrapped(PLAIN_STYLE.sentence(statement), WIDTH, prefix="  ")
 
 
-def label_differences(device: Device, match: Match) -> Iterator[str]:
+def label_differences(device: Device, code_match: Match) -> Iterator[str]:
     """Yield how a label differs from the codes in the manual: made up, other spelling, unlisted, tail, or special."""
     for statement in not_on_label(device):
-        yield wrapped(BY_NAME.sentence(statement), WIDTH, prefix="  ")
-    if match.written_as_in:
-        yield wrapped(f"the label is written as in {match.written_as_in}", WIDTH, prefix="  ")
-    if match.unlisted:
-        yield wrapped(f"accepted, although not listed in the manual: {', '.join(match.unlisted)}", WIDTH, prefix="  ")
-    if match.tail:
-        yield f"  the label continues with {match.tail}"
-    if match.special:
+        yield wrapped(PLAIN_STYLE.sentence(statement), WIDTH, prefix="  ")
+    if code_match.written_as_in:
+        yield wrapped(f"the label is written as in {code_match.written_as_in}", WIDTH, prefix="  ")
+    if code_match.unlisted:
+        yield wrapped(
+            f"accepted, although not listed in the manual: {', '.join(code_match.unlisted)}", WIDTH, prefix="  "
+        )
+    if code_match.tail:
+        yield f"  the label continues with {code_match.tail}"
+    if code_match.special:
         special = device.order_code.special or "A code that ends in /Sxxx may differ from the manual."
         yield wrapped(special, WIDTH, prefix="  ")
 
 
-def _layout_line(placed: PlacedLayout) -> str:
+def _layout_line(placed_layout: PlacedLayout) -> str:
     """Return the line about a layout, such as ``Single cycle data, 45 bits, data channel 2``."""
-    layout = placed.layout
-    title = layout.printed_name or words(placed.name)
+    layout = placed_layout.layout
+    title = layout.printed_name or words(placed_layout.name)
     if layout.in_bytes:
-        length = counted(placed.bits // 8, "byte")
+        length = counted(placed_layout.bits // 8, "byte")
     else:
-        length = counted(placed.bits, "bit")
+        length = counted(placed_layout.bits, "bit")
     channel = f", data channel {layout.channel}" if layout.channel else ""
     return f"{title}, {length}{channel}"
 
@@ -182,13 +184,13 @@ def _answer_lines(device: Device, answers: Mapping[str, str]) -> Iterator[str]:
             # The default of an alternative, if it has one, is its first answer.
             is_default = bool(alternative.default) and index == 0
             if is_default:
-                options = " or ".join(_other_options(alternative))
+                options = " or ".join(_options_for_other_answers(alternative))
                 yield wrapped(
                     f"this is the default; for another reading, add {options}", WIDTH, prefix="    ", first="  "
                 )
 
 
-def _other_options(alternative: Alternative) -> Iterator[str]:
+def _options_for_other_answers(alternative: Alternative) -> Iterator[str]:
     """Yield the options that choose another answer than the first."""
     return (f"--choose {alternative.name}={answer.name}" for answer in alternative.answers[1:])
 
@@ -219,17 +221,17 @@ def _report_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
         for report in findings.reports:
             yield wrapped(_report_text(report), WIDTH, prefix=" " * 6, first="  - ")
         if findings.verdict:
-            yield f"so {WORTH[findings.verdict]}"
+            yield f"so {VERDICT_CLAUSES[findings.verdict]}"
         return
     statements = [_no_error_text(decoded, findings)]
-    if _is_frame(decoded) and decoded.crc is None:
+    if _is_known_frame(decoded) and decoded.crc is None:
         statements.append(_no_crc_text(decoded))
     if findings.verdict is not None:
-        statements.append(WORTH[findings.verdict])
+        statements.append(VERDICT_CLAUSES[findings.verdict])
     yield wrapped("; ".join(statements), WIDTH, prefix="  ", first="")
 
 
-def _is_frame(decoded: codec.Decoded) -> bool:
+def _is_known_frame(decoded: codec.Decoded) -> bool:
     """Return whether a frame with a known layout was decoded, not a register."""
     return decoded.layout is not None and decoded.layout.layout.sender != ""
 
@@ -237,7 +239,7 @@ def _is_frame(decoded: codec.Decoded) -> bool:
 def _no_error_text(decoded: codec.Decoded, findings: Findings) -> str:
     if findings.differences:
         return "no other error"
-    return "no frame error" if _is_frame(decoded) else "the value is valid"
+    return "no frame error" if _is_known_frame(decoded) else "the value is valid"
 
 
 def _no_crc_text(decoded: codec.Decoded) -> str:
@@ -298,20 +300,20 @@ def _value_or_zero(expression: Expression | None, variant: Variant) -> int:
     return expression.value(variant.parameters) if expression is not None else 0
 
 
-def _why_lines(why: Diagnosis, placed: PlacedLayout | None) -> list[str]:
+def _why_lines(diagnosis: Diagnosis, placed_layout: PlacedLayout | None) -> list[str]:
     """Return the lines that explain the frame: only the dead line if that is it, else disturbed bits and mistakes."""
-    is_line_stuck = [explanation.kind for explanation in why.explanations] == ["line_stuck"]
+    is_line_stuck = [explanation.kind for explanation in diagnosis.explanations] == ["line_stuck"]
     if is_line_stuck:
-        explanation = sentence(capitalized(why.explanations[0].text))
+        explanation = sentence(capitalized(diagnosis.explanations[0].text))
         return ["", wrapped(explanation, WIDTH, prefix="  ", first="")]
-    return [*_disturbed_lines(why.disturbed, placed), *_mistake_lines(why)]
+    return [*_disturbed_lines(diagnosis.disturbed, placed_layout), *_mistake_lines(diagnosis)]
 
 
-def _disturbed_lines(disturbed: Sequence[int], placed: PlacedLayout | None) -> list[str]:
+def _disturbed_lines(disturbed: Sequence[int], placed_layout: PlacedLayout | None) -> list[str]:
     """Return the hint that a bit may have been inverted on the line, one of those in ``disturbed``, or nothing."""
-    if not disturbed or placed is None:
+    if not disturbed or placed_layout is None:
         return []
-    bits = _bit_name(disturbed[0], placed) if len(disturbed) == 1 else f"one of {len(disturbed)} bits"
+    bits = _bit_name(disturbed[0], placed_layout) if len(disturbed) == 1 else f"one of {len(disturbed)} bits"
     explanation = (
         "If only some frames fail, one bit may have been disturbed on the line: the CRC matches with "
         f"{bits} inverted. In that case, no change is needed. If all frames fail, read on."
@@ -319,42 +321,44 @@ def _disturbed_lines(disturbed: Sequence[int], placed: PlacedLayout | None) -> l
     return ["", wrapped(explanation, WIDTH, prefix="  ", first="")]
 
 
-def _bit_name(bit: int, placed: PlacedLayout) -> str:
+def _bit_name(bit: int, placed_layout: PlacedLayout) -> str:
     """Return ``bit 9`` for a frame of bits, or ``bit 1 of byte 2`` with the first byte as 0. Bit 0 is the last sent."""
-    if not placed.layout.in_bytes:
+    if not placed_layout.layout.in_bytes:
         return f"bit {bit}"
-    last_byte = placed.bits // 8 - 1
+    last_byte = placed_layout.bits // 8 - 1
     return f"bit {bit % 8} of byte {last_byte - bit // 8}"
 
 
-def _mistake_lines(why: Diagnosis) -> list[str]:
+def _mistake_lines(diagnosis: Diagnosis) -> list[str]:
     """Return the mistakes that explain a frame, each with its chance, or that none does, and the hints that follow."""
     # From 0.5 % on, the number is rounded to at least 1.
-    percent = f"{100 * why.coincidence:.0f}" if why.coincidence >= 0.005 else "less than 1"
-    mistakes = counted(why.tried, "common mistake")
+    percent = f"{100 * diagnosis.coincidence:.0f}" if diagnosis.coincidence >= 0.005 else "less than 1"
+    mistakes = counted(diagnosis.tried, "common mistake")
     chance = f"{mistakes} tried; {percent} of 100 random frames would match at least one"
     lines = [""]
-    if why.explanations:
-        lines.append(wrapped(_introduction(why, chance), WIDTH, prefix="  ", first=""))
-    elif why.tried:
+    if diagnosis.explanations:
+        lines.append(wrapped(_introduction_sentence(diagnosis, chance), WIDTH, prefix="  ", first=""))
+    elif diagnosis.tried:
         lines.append(wrapped(f"No common mistake explains it ({chance}).", WIDTH, prefix="  ", first=""))
-    for explanation in why.explanations:
+    for explanation in diagnosis.explanations:
         lines.append(wrapped(explanation.text, WIDTH, prefix=" " * 6, first="    - "))
         for detail in (_chance_and_values(explanation), _parts_of_recording(explanation)):
             if detail:
                 lines.append(wrapped(detail, WIDTH, prefix=" " * 6, first=" " * 6))
-    return [*lines, *_hint_lines(why)]
+    return [*lines, *_hint_lines(diagnosis)]
 
 
-def _hint_lines(why: Diagnosis) -> list[str]:
+def _hint_lines(diagnosis: Diagnosis) -> list[str]:
     """Return what a recording lacks, whether another frame would help, and what the CRC cannot detect."""
     lines = []
-    if why.missing:
-        lines.append(wrapped(sentence(capitalized(why.missing)), WIDTH, prefix="  ", first=""))
-    if why.needs_another_frame:
+    if diagnosis.missing:
+        lines.append(wrapped(sentence(capitalized(diagnosis.missing)), WIDTH, prefix="  ", first=""))
+    if diagnosis.needs_another_frame:
         lines.append(wrapped(ANOTHER_FRAME, WIDTH, prefix="  ", first=""))
-    if why.cannot_see:
-        lines.append(wrapped(f"This CRC cannot detect: {'; '.join(why.cannot_see)}.", WIDTH, prefix="  ", first=""))
+    if diagnosis.cannot_see:
+        lines.append(
+            wrapped(f"This CRC cannot detect: {'; '.join(diagnosis.cannot_see)}.", WIDTH, prefix="  ", first="")
+        )
     return lines
 
 
@@ -363,19 +367,19 @@ def together_lines(mistakes: Sequence[CommonMistake], failed_frames: int) -> Ite
     if not mistakes or mistakes[0].frames < 2:
         return
     explained_frames = mistakes[0].frames
-    introduction = say.explained_together(f"{explained_frames}", f"{failed_frames}")
+    introduction = say_report.explained_together(f"{explained_frames}", f"{failed_frames}")
     yield f"\n{wrapped(introduction, WIDTH, prefix='  ', first='')}:"
     for mistake in mistakes:
-        chance = f"; matches by chance in {_frequency(mistake.one_in)}" if mistake.one_in > 1 else ""
+        chance = f"; matches by chance in {_frequency_text(mistake.one_in)}" if mistake.one_in > 1 else ""
         yield wrapped(f"{mistake.text}{chance}", WIDTH, prefix=" " * 6, first="    - ")
     yield ""
 
 
-def _introduction(why: Diagnosis, chance: str) -> str:
+def _introduction_sentence(diagnosis: Diagnosis, chance: str) -> str:
     """Return the sentence in front of the explanations. Only with a CRC does it give their ``chance``."""
-    if not why.has_crc:
+    if not diagnosis.has_crc:
         return f"{UNCERTAIN_READINGS}:"
-    needs_two = why.explanations[-1].twice
+    needs_two = diagnosis.explanations[-1].twice
     introduction = "No single mistake explains it. Two at once would" if needs_two else "Possible explanations"
     return f"{introduction}, most likely first ({chance}):"
 
@@ -384,7 +388,7 @@ def _chance_and_values(explanation: Explanation) -> str:
     """Return how often a mistake matches by chance, and the values without it: ``…1 of 64 frames, and gives x 5``."""
     details = []
     if explanation.one_in > 1:
-        details.append(f"matches by chance in {_frequency(explanation.one_in)} frames")
+        details.append(f"matches by chance in {_frequency_text(explanation.one_in)} frames")
     if explanation.reads:
         values = ", ".join(f"{name} {number}" for name, number in explanation.reads.items())
         details.append(f"gives {values}")
@@ -396,7 +400,7 @@ def _parts_of_recording(explanation: Explanation) -> str:
     return ", ".join(f"{name.replace('_', '-')} {bits}" for name, bits in explanation.parts)
 
 
-def _frequency(frames_per_match: int) -> str:
+def _frequency_text(frames_per_match: int) -> str:
     return f"1 of {frames_per_match:,}" if frames_per_match < 1_000_000 else "fewer than 1 of a million"
 
 
@@ -406,7 +410,7 @@ def other_frames_line(decoded: codec.Decoded, other_layouts: Sequence[PlacedLayo
         return ""
     layout_names = ", ".join(layout.name for layout in other_layouts)
     if not decoded.problems:
-        return f"{say.also_possible(layout_names)} (choose with --layout)"
+        return f"{say_report.also_possible(layout_names)} (choose with --layout)"
     if is_frame_of_other_kind(decoded, other_layouts):
-        return f"{say.valid_other(layout_names)}: add --layout {layout_names}"
-    return f"{say.possible_instead(layout_names)} (choose with --layout)"
+        return f"{say_report.valid_other(layout_names)}: add --layout {layout_names}"
+    return f"{say_report.possible_instead(layout_names)} (choose with --layout)"

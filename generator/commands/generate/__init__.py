@@ -103,9 +103,9 @@ def _add_own_files(parser: argparse.ArgumentParser) -> None:
 
 
 def _targets_help() -> str:
-    from ..outputs import listing
+    from ..outputs import targets_help
 
-    return listing()
+    return targets_help()
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -130,7 +130,14 @@ def _render_and_write(arguments: argparse.Namespace, cache: Cache, selection: Se
     from ...loading.library import load_families
     from ...removable_outputs import owners
     from ...targets import Library
-    from ..outputs import accepted_devices, are_built_in, complete, devices_by_target, options_named, targets_named
+    from ..outputs import (
+        accepted_devices,
+        are_built_in,
+        complete_devices,
+        devices_by_target,
+        options_named,
+        targets_named,
+    )
     from ..read_specs import report_unknown_families
     from .files import result_to_store, write_or_compare
 
@@ -144,13 +151,13 @@ def _render_and_write(arguments: argparse.Namespace, cache: Cache, selection: Se
     options = options_named(selection.options_for([device.name for device in c_devices]), targets)
     _refuse_misused_options(arguments, targets)
     with Progress("codewheel: checking the specs"):
-        devices = complete(families, targets, arguments.edition, report, selection.only)
+        devices = complete_devices(families, targets, arguments.edition, report, selection.only)
     if report:
         raise problems(report)
     specs_line = _line_about_specs(devices, report, arguments.packaged, selection.packaged)
     print(specs_line)
     accepted = devices_by_target([target.name for target in targets], devices, selection.only)
-    files = _render(Library(devices, arguments.templates), accepted, targets, options, cache)
+    files = _render_targets(Library(devices, arguments.templates), accepted, targets, options, cache)
     families_by_target = {name: owners(target_devices) for name, target_devices in accepted.items()}
     if are_built_in(targets, arguments.target):
         result.put(result_to_store(specs_line, files, families_by_target))
@@ -178,7 +185,7 @@ def _result_of_earlier_run(arguments: argparse.Namespace, selection: Selection, 
     options = [*(arguments.target or ()), "", *selection.options, "", *arguments.edition, "", *arguments.packaged, ""]
     options += filters_as_texts(selection.only)
     is_cacheable = arguments.templates is None and arguments.biss_dtd is None
-    return cached_result(cache if is_cacheable else NO_CACHE, "generate", selection.paths, options)
+    return cached_result(cache if is_cacheable else NO_CACHE, "generate", selection.paths, options=options)
 
 
 def _refuse_misused_options(arguments: argparse.Namespace, targets: Sequence[Target]) -> None:
@@ -205,7 +212,7 @@ def _line_about_specs(
     return f"{specs_line}\n{todo_line}" if todo_line else specs_line
 
 
-def _render(
+def _render_targets(
     library: Library,
     accepted: Mapping[str, tuple[Device, ...]],
     targets: Sequence[Target],
@@ -218,7 +225,7 @@ def _render(
     """
     from ...family_parts import FamilyParts
     from ...targets.registry import files_of
-    from ..outputs import rendered
+    from ..outputs import render_targets
 
     render_target = FamilyParts(cache).files_of if cache else files_of
     with Progress("codewheel: rendering") as progress:
@@ -228,4 +235,4 @@ def _render(
             accepted_library = replace(library, devices=accepted[target.name])
             return render_target(target, accepted_library, target_options)
 
-        return rendered(library, targets, options, render_with_progress)
+        return render_targets(library, targets, options, render_with_progress)

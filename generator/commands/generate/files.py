@@ -174,27 +174,27 @@ def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
         print(f"valid against {dtd}: {path_by_name[name]}")
 
 
-def changed_files(old: Sequence[Device], new: Sequence[Device], cache: Cache) -> FileCounts | None:
+def changed_files(old_devices: Sequence[Device], new_devices: Sequence[Device], cache: Cache) -> FileCounts | None:
     """Return the paths that our targets add, remove or change, their total, and changed names in the files.
 
     It is None if a target cannot express a family or a template fails.
     """
-    family_parts = FamilyParts(cache, only_paths=unchanged_families(old, new))
+    family_parts = FamilyParts(cache, only_paths=unchanged_families(old_devices, new_devices))
     try:
-        old_files, new_files = _rendered_files(old, family_parts), _rendered_files(new, family_parts)
+        old_files, new_files = _rendered_files(old_devices, family_parts), _rendered_files(new_devices, family_parts)
     except (TargetError, TemplateFault):
         return None
     paths = sorted({*old_files, *new_files})
     changed_paths = tuple(path for path in paths if old_files.get(path) != new_files.get(path))
-    changed_names = name_changes(old_files, new_files, {device.name for device in (*old, *new)})
+    changed_names = name_changes(old_files, new_files, {device.name for device in (*old_devices, *new_devices)})
     return FileCounts(changed_paths, len(paths), changed_names)
 
 
-def unchanged_families(old: Sequence[Device], new: Sequence[Device]) -> frozenset[str]:
+def unchanged_families(old_devices: Sequence[Device], new_devices: Sequence[Device]) -> frozenset[str]:
     """Return the names of the families that are on both sides, with the same digest of their models."""
-    new_by_name = {device.name: device for device in new}
+    new_by_name = {device.name: device for device in new_devices}
     unchanged_names = set()
-    for old_device in old:
+    for old_device in old_devices:
         new_device = new_by_name.get(old_device.name)
         if new_device is not None and _have_same_model(old_device, new_device):
             unchanged_names.add(old_device.name)

@@ -14,13 +14,13 @@ from ...say.plain_text import WIDTH
 _PICTURE_MARGIN = 3
 
 
-def picture(placed: PlacedLayout) -> list[str]:
+def picture(placed_layout: PlacedLayout) -> list[str]:
     """Return the lines of a picture: rows of boxes, one per field in the order sent, each at most 80 columns wide."""
     rows_of_boxes: list[list[_Box]] = [[]]
     used_columns = _PICTURE_MARGIN
-    for placed_field in placed.fields:
+    for placed_field in placed_layout.fields:
         box_text = _box_text(placed_field.field)
-        place_text = bit_place(placed.layout, placed.bits, placed_field.high, placed_field.low)
+        place_text = bit_place(placed_layout.layout, placed_layout.bits, placed_field.high, placed_field.low)
         width = max(len(box_text), len(place_text)) + 2  # with a space on each side
         width_with_edge = width + 1
         if rows_of_boxes[-1] and used_columns + width_with_edge > WIDTH:

@@ -39,8 +39,8 @@ from ...say.errata import needed_answers, question
 from ...say.evidence import grade, origin
 from ...say.names_and_places import bits, field_at, hexadecimal
 from ...say.order_code import open_values, spelling
-from ...say.plain_text import WIDTH, decimal, pairs, wrapped
-from ...say.text import BY_NAME, Style, counted, language
+from ...say.plain_text import WIDTH, decimal, two_columns, wrapped
+from ...say.text import PLAIN_STYLE, Style, counted, language
 from ..decode.text import label_differences
 from .picture import picture
 
@@ -50,7 +50,7 @@ def device_text(device: Device) -> str:
     lines = [wrapped(f"{device.title} ({device.manufacturer.title})", WIDTH)]
     lines += [*_manual_lines(device), *_order_code_lines(device)]
     parameters = [(parameter.name, _about_parameter(device, parameter)) for parameter in device.parameters]
-    lines += ["", "Parameters", *pairs(parameters, indent=2), *alternative_lines(device)]
+    lines += ["", "Parameters", *two_columns(parameters, indent=2), *alternative_lines(device)]
     measurements = [("", device.measurement)]
     measurements += [(interface.title, interface.measurement) for interface in device.interfaces]
     lines += _position_lines(measurements, None)
@@ -64,12 +64,12 @@ def device_text(device: Device) -> str:
     return "\n".join(lines)
 
 
-def variant_text(device: Device, match: Match) -> str:
+def variant_text(device: Device, code_match: Match) -> str:
     """Return the text about an order code: its parameters, interface, frames, registers, procedures and errata."""
-    variant = match.variant
+    variant = code_match.variant
     reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
     lines = [wrapped(f"{variant.code}: {device.title} ({device.manufacturer.title})", WIDTH, prefix="  ", first="")]
-    lines += [*label_differences(device, match), *_manual_lines(device), *_parameter_lines(device, variant)]
+    lines += [*label_differences(device, code_match), *_manual_lines(device), *_parameter_lines(device, variant)]
     lines += alternative_lines(reduced_device)
     lines += _position_lines([("", device.measurement_of(variant.interface))], variant.parameters)
     lines += _range_lines(reduced_device, variant.interface, variant.parameters)
@@ -85,8 +85,8 @@ def variant_text(device: Device, match: Match) -> str:
 def style_with(parameters: Mapping[str, int] | None) -> Style:
     """Return the style in which expressions are numbers for an order code, or text for a family (None)."""
     if parameters is None:
-        return BY_NAME
-    return replace(BY_NAME, resolve=lambda expression: Expression(expression.value(parameters)))
+        return PLAIN_STYLE
+    return replace(PLAIN_STYLE, resolve=lambda expression: Expression(expression.value(parameters)))
 
 
 def _manual_lines(device: Device) -> list[str]:
@@ -94,7 +94,7 @@ def _manual_lines(device: Device) -> list[str]:
     manual = device.manual
     date = f" of {manual.date}" if manual.date else ""
     sentences = [f"from the manual {manual.title}, revision {manual.revision}{date}, in {language(manual.language)}"]
-    sentences += [BY_NAME.sentence(statement) for statement in (grade(device), *origin(device))]
+    sentences += [PLAIN_STYLE.sentence(statement) for statement in (grade(device), *origin(device))]
     if device.editions:
         revisions = ", ".join(edition.revision for edition in device.editions)
         sentences.append(f"--edition shows the others: {revisions}")
@@ -107,14 +107,14 @@ def _order_code_lines(device: Device) -> Iterator[str]:
     yield f"Order codes: {device.order_code.pattern}"
     for part in device.order_code.parts:
         yield wrapped(part.meaning, WIDTH, prefix="    ", first=f"  {part.name}: ")
-        yield from pairs(((option.text, option.meaning) for option in part.values), indent=4)
+        yield from two_columns(((option.text, option.meaning) for option in part.values), indent=4)
         for statement in open_values(part):
-            yield _paragraph(BY_NAME.sentence(statement))
+            yield _indented_paragraph(PLAIN_STYLE.sentence(statement))
     for also_written in device.order_code.also_written:
-        yield wrapped(BY_NAME.sentence(spelling(also_written)), WIDTH, prefix="    ", first="  ")
+        yield wrapped(PLAIN_STYLE.sentence(spelling(also_written)), WIDTH, prefix="    ", first="  ")
 
 
-def _paragraph(text: str) -> str:
+def _indented_paragraph(text: str) -> str:
     """Return text about something that has a heading, whose further lines are indented."""
     return wrapped(text, WIDTH, prefix="      ", first="    ")
 
@@ -150,11 +150,11 @@ def _value_lines(device: Device, parameters: Sequence[Parameter], variant: Varia
     for parameter, value_text in zip(parameters, values, strict=True):
         name_and_value = f"{parameter.name.ljust(name_width)}  {value_text.ljust(value_width)}"
         rows_of_parameters.append((name_and_value, _about_parameter(device, parameter)))
-    return pairs(rows_of_parameters, indent=2)
+    return two_columns(rows_of_parameters, indent=2)
 
 
 def _about_parameter(device: Device, parameter: Parameter) -> str:
-    return BY_NAME.paragraph(say_order_code.parameter(device, parameter))
+    return PLAIN_STYLE.paragraph(say_order_code.parameter(device, parameter))
 
 
 def alternative_lines(device: Device) -> list[str]:
@@ -164,10 +164,12 @@ def alternative_lines(device: Device) -> list[str]:
     lines = ["", "Left open by the manual, for you to choose"]
     for alternative in device.alternatives:
         lines.append(
-            wrapped(BY_NAME.sentence(question(alternative)), WIDTH, prefix="      ", first=f"  {alternative.name}: ")
+            wrapped(
+                PLAIN_STYLE.sentence(question(alternative)), WIDTH, prefix="      ", first=f"  {alternative.name}: "
+            )
         )
-        lines += [_paragraph(BY_NAME.sentence(say_answer(answer))) for answer in alternative.answers]
-        lines.append(_paragraph(_how_to_choose(alternative)))
+        lines += [_indented_paragraph(PLAIN_STYLE.sentence(say_answer(answer))) for answer in alternative.answers]
+        lines.append(_indented_paragraph(_how_to_choose(alternative)))
     return lines
 
 
@@ -199,7 +201,7 @@ def _position_lines(
         counts = style_with(parameters).phrase(say_measurement.measurement(measurement))
         length = _whole_length(measurement, parameters)
         title_and_range_rows.append((title or measurement.of, f"{counts}{length}  [{cite(measurement.source)}]"))
-    return ["", "Position", *pairs(title_and_range_rows, indent=2)] if title_and_range_rows else []
+    return ["", "Position", *two_columns(title_and_range_rows, indent=2)] if title_and_range_rows else []
 
 
 def _whole_length(measurement: Measurement, parameters: Mapping[str, int] | None) -> str:
@@ -223,7 +225,7 @@ def _range_lines(device: Device, interface: str, parameters: Mapping[str, int] |
     for layout_name, own_range in say_measurement.own_ranges(device, interface):
         range_text = style.phrase(say_measurement.position_range(own_range))
         range_rows.append((f"in {layout_name}", f"{range_text}  [{cite(own_range.source)}]"))
-    return pairs(range_rows, indent=2)
+    return two_columns(range_rows, indent=2)
 
 
 # -- interfaces and frames
@@ -232,8 +234,8 @@ def _range_lines(device: Device, interface: str, parameters: Mapping[str, int] |
 def interface_lines(device: Device, interface: Interface) -> list[str]:
     """Return the title of an interface, and a line for each fact about it, such as its clock or its port."""
     facts = say_interface.facts(device, interface)
-    fact_rows = [(fact.label, f"{BY_NAME.phrase(fact)}  {BY_NAME.cited(fact.source)}") for fact in facts]
-    return [f"{interface.title}  [{cite(interface.source)}]", *pairs(fact_rows, indent=2)]
+    fact_rows = [(fact.label, f"{PLAIN_STYLE.phrase(fact)}  {PLAIN_STYLE.cited(fact.source)}") for fact in facts]
+    return [f"{interface.title}  [{cite(interface.source)}]", *two_columns(fact_rows, indent=2)]
 
 
 def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[str]:
@@ -242,12 +244,12 @@ def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[s
     for field in layout.fields:
         name = field.group or field.name
         widths_by_name.setdefault(name, []).append(_width_text(field))
-    heading = BY_NAME.sentence(say_layout.head(interface, layout, layout.name, device.alternatives))
+    heading = PLAIN_STYLE.sentence(say_layout.head(interface, layout, layout.name, device.alternatives))
     lines = [wrapped(heading, WIDTH, prefix="    ", first="  ")]
     width_rows = [(name, ", ".join(widths)) for name, widths in widths_by_name.items()]
-    lines += pairs(width_rows, indent=4)
+    lines += two_columns(width_rows, indent=4)
     for statement in (*say_layout.facts(interface, layout), *needed_answers(device, layout)):
-        lines.append(_paragraph(BY_NAME.sentence(statement)))
+        lines.append(_indented_paragraph(PLAIN_STYLE.sentence(statement)))
     return lines
 
 
@@ -297,13 +299,13 @@ def _notes_about_choices(device: Device, layout: Layout, style: Style) -> Iterat
             yield f"{style.sentence(statement)} The picture shows {alternative.answers[0].name}."
 
 
-def _position_code_note(device: Device, placed: PlacedLayout) -> str:
+def _position_code_note(device: Device, placed_layout: PlacedLayout) -> str:
     """Return a sentence with the code of the position, Gray or binary, and with the registers that decide it."""
-    layout = placed.layout
-    code = "Gray code" if placed.gray else "binary"
+    layout = placed_layout.layout
+    code = "Gray code" if placed_layout.gray else "binary"
     code_text = f"{layout.gray_of} is in {code}"
-    if placed.gray_excess:
-        code_text += f" with an excess of {placed.gray_excess}"
+    if placed_layout.gray_excess:
+        code_text += f" with an excess of {placed_layout.gray_excess}"
     deciding_names = device.needed_parameters([layout.gray_when]) if layout.gray_when else ()
     deciding_parameters = [parameter for parameter in device.run_time_parameters if parameter.name in deciding_names]
     if not deciding_parameters:
@@ -341,9 +343,9 @@ def _lines_about_register(device: Device, register: Register, variant: Variant |
         for placed_field in register.layout.place(variant.parameters).fields:
             place = bits(placed_field.high, placed_field.low)
             field_rows.append((place, _about_field(device, placed_field.field, style)))
-        lines += pairs(field_rows, indent=4)
+        lines += two_columns(field_rows, indent=4)
     value_rows = [(hexadecimal(value.value), _about_value(value)) for value in register.values]
-    return lines + pairs(value_rows, indent=4)
+    return lines + two_columns(value_rows, indent=4)
 
 
 def _about_value(value: Value) -> str:
@@ -370,17 +372,17 @@ def _input_and_procedure_lines(device: Device) -> list[str]:
     if device.inputs:
         input_rows = []
         for device_input in device.inputs:
-            input_rows.append((device_input.name, _with_source(device_input.meaning, device_input.source)))
-        lines += ["", "Inputs", *pairs(input_rows, indent=2)]
+            input_rows.append((device_input.name, _append_source(device_input.meaning, device_input.source)))
+        lines += ["", "Inputs", *two_columns(input_rows, indent=2)]
     if device.procedures:
         procedure_rows = []
         for procedure in device.procedures:
-            procedure_rows.append((procedure.name, _with_source(procedure.title, procedure.source)))
-        lines += ["", "Procedures", *pairs(procedure_rows, indent=2)]
+            procedure_rows.append((procedure.name, _append_source(procedure.title, procedure.source)))
+        lines += ["", "Procedures", *two_columns(procedure_rows, indent=2)]
     return lines
 
 
-def _with_source(text: str, source: Sources) -> str:
+def _append_source(text: str, source: Sources) -> str:
     return f"{text}  [{cite(source)}]"
 
 
@@ -394,8 +396,8 @@ def _errata_lines(device: Device) -> list[str]:
         if erratum.severity == "wording":
             wording_count += 1
             continue
-        heading, *details = BY_NAME.lines(say_errata.erratum(erratum, whole=True))
-        lines += [wrapped(heading, WIDTH, prefix="    ", first="  "), *map(_paragraph, details)]
+        heading, *details = PLAIN_STYLE.lines(say_errata.erratum(erratum, whole=True))
+        lines += [wrapped(heading, WIDTH, prefix="    ", first="  "), *map(_indented_paragraph, details)]
     if wording_count:
         summary = f"and {wording_count} about wording only, listed by --json and the documentation"
         lines.append(wrapped(summary, WIDTH, prefix="    ", first="  "))

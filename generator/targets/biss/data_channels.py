@@ -13,7 +13,7 @@ from functools import lru_cache
 
 from markupsafe import Markup, escape
 
-from ...dump.xml import clean
+from ...dump.xml import without_invalid_characters
 from ...model import Biss, Crc, Device, Field, Layout, Variant
 from ...model.record import dataclass
 from ...order_codes.parameters import run_time_widths
@@ -24,7 +24,7 @@ from ...say.layout import crc_parameters
 from ...say.names_and_places import field_at
 from ...say.order_code import initial
 from ...say.plain_text import counted, in_ascii, plain
-from ...say.text import BY_NAME
+from ...say.text import PLAIN_STYLE
 from .identity import DataLength, IdBits, profile_ids
 
 _MAX_LINE = 132
@@ -75,7 +75,7 @@ def _wrapped_lines(paragraph: str, width: int) -> Sequence[str]:
 
 def ascii_text(text: object) -> Markup:
     """Return ``text`` for an element, in ASCII and with character references."""
-    return Markup(str(escape(clean(plain(text)))).encode("ascii", "xmlcharrefreplace").decode())
+    return Markup(str(escape(without_invalid_characters(plain(text)))).encode("ascii", "xmlcharrefreplace").decode())
 
 
 @dataclass(frozen=True)
@@ -173,7 +173,7 @@ def master_settings(
 
     ``crc`` is None if order codes differ in it. Each length then states its own CRC.
     """
-    heading = "Further settings of the master:" if one_encoder else _heading(device, layout, lengths)
+    heading = "Further settings of the master:" if one_encoder else _first_settings_line(device, layout, lengths)
     lines = [heading, *_lengths_by_profile(device, lengths)]
     for length in lengths:
         own_crc_text = _own_crc_text(device, length) if crc is None else ""
@@ -184,7 +184,7 @@ def master_settings(
         lines.append(f"  CRC: {_crc_text(device, crc)}. CrcPoly is the polynomial with its top bit")
     lines += _other_channels(device, layout)
     settings = say_order_code.settings(device, device.interface(Biss.name))
-    lines += [f"  {BY_NAME.sentence(setting)}" for setting in settings]
+    lines += [f"  {PLAIN_STYLE.sentence(setting)}" for setting in settings]
     lines += _one_profile(device, lengths)
     lines += _errata_lines(device, layout, ids)
     lines.append(f"  registers, procedures and everything else: {device.manufacturer.name}-{device.name}.xml")
@@ -195,7 +195,7 @@ def _length_line(length: DataLength) -> str:
     """Return a length, such as ``X-24: position 24 = 24 bits, with status bits 26, with CRC 32``."""
     widths = " + ".join(f"{name} {width}" for name, width in length.parts.items())
     return (
-        f"{_encoders_of(length)}: {widths} = {length.data_bits} bits, "
+        f"{_codes_and_answers_text(length)}: {widths} = {length.data_bits} bits, "
         f"with status bits {length.with_status}, with CRC {length.total}"
     )
 
@@ -205,7 +205,7 @@ def _own_crc_text(device: Device, length: DataLength) -> str:
     return f", CRC of {_crc_text(device, length.crc)}" if length.crc is not None else ", without a CRC"
 
 
-def _encoders_of(length: DataLength) -> str:
+def _codes_and_answers_text(length: DataLength) -> str:
     """Return the order codes with a length, and the answers on which it depends: ``X-24, X-25 with wide``."""
     order_codes = ", ".join(length.codes)
     return f"{order_codes} with {' and '.join(length.answers)}" if length.answers else order_codes
@@ -217,7 +217,7 @@ def _errata_lines(device: Device, layout: Layout, ids: Sequence[IdBits]) -> list
     paths = (f"interfaces.biss.{layout.name}", *dict.fromkeys(register_paths))
     indented_lines = []
     for frame_erratum in errata(device, *paths):
-        first_line, *further_lines = BY_NAME.lines(erratum(frame_erratum))
+        first_line, *further_lines = PLAIN_STYLE.lines(erratum(frame_erratum))
         indented_lines.append(f"  {first_line}")
         indented_lines += [f"    {line}" for line in further_lines]
     return indented_lines
@@ -257,7 +257,7 @@ def _one_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
     line = f"  profile ID, registers 42h and 43h: {profile_id:04X}h"
     if _number_of_lengths(lengths) > 1:
         low_byte = profile_id & 0xFF
-        matching_encoders = [_encoders_of(length) for length in lengths if length.data_bits == low_byte]
+        matching_encoders = [_codes_and_answers_text(length) for length in lengths if length.data_bits == low_byte]
         line += ", for all lengths"
         if matching_encoders:
             line += f". Its low byte, {low_byte}, is the data length of {', '.join(matching_encoders)} only"
@@ -296,7 +296,7 @@ def _sent_fields(layout: Layout) -> str:
     return ", ".join(texts_in_order) + without_status
 
 
-def _heading(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> str:
+def _first_settings_line(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> str:
     """Return the first line of the settings, with the reason if the file gives no length.
 
     The reason is that registers change the length, or that one device ID covers several lengths.

@@ -62,7 +62,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
             about = [f"{maker.title}: encoders with a BiSS C interface."]
             files[f"biss/{file_name}"] = _render_identifier(maker, maker.biss_id, about, nodes, library, left_out)
         for device in devices:
-            files |= library.files_of(_family, device, options)
+            files |= library.files_of(_files_of_family, device, options)
     if files:
         readme: Readme = {"identifiers": identifiers}
         files["biss/README.md"] = TEMPLATES.render("README.md.jinja", readme, library.own_templates)
@@ -75,17 +75,17 @@ def identifier_name(biss_id: int) -> str:
     return f"idbiss{biss_id:04X}.xml"
 
 
-def _family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
+def _files_of_family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path of each file of a family, and a function for its text."""
     maker = device.manufacturer
     yield f"biss/{maker.name}-{device.name}.xml", lambda: to_xml(device_dump(device))
     if maker.biss_id is not None:
-        yield from _of_encoders(maker.biss_id, device, library)
+        yield from _single_encoder_files(maker.biss_id, device, library)
     if options.get(_BY_CODE.name, _BY_CODE.default) == _EACH:
-        yield from _by_code(f"biss/{maker.name}-{device.name}", device)
+        yield from _files_of_order_codes(f"biss/{maker.name}-{device.name}", device)
 
 
-def _by_code(folder: str, device: Device) -> Iterator[tuple[str, Callable[[], str]]]:
+def _files_of_order_codes(folder: str, device: Device) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield a description of each listed order code, with numbers instead of expressions."""
     names = names_of_codes(variant.code for variant in device.variants)
     for name, variant in zip(names, device.variants, strict=True):
@@ -110,7 +110,7 @@ def _identified_nodes(devices: Sequence[Device]) -> tuple[list[Node], str]:
         if not ids:
             titles_without_id.append(device.title)
             continue
-        node = _device(device, ids)
+        node = _device_element(device, ids)
         if node is not None:
             nodes.append(node)
     if not titles_without_id:
@@ -118,7 +118,7 @@ def _identified_nodes(devices: Sequence[Device]) -> tuple[list[Node], str]:
     return nodes, f"Not listed, because the spec has no device ID: {', '.join(titles_without_id)}"
 
 
-def _of_encoders(biss_id: int, device: Device, library: Library) -> Iterator[tuple[str, Callable[[], str]]]:
+def _single_encoder_files(biss_id: int, device: Device, library: Library) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield a file for each order code, or for each answer where the manual leaves the length open.
 
     There are none if a master cannot identify the family, or if it has no single cycle data.
@@ -145,7 +145,7 @@ def _encoder_xml(
 ) -> str:
     """Return the file of an order code with these answers to its open questions."""
     maker = device.manufacturer
-    node = _device(_one_encoder(device, variant, decided), device_bits(device), one_encoder=True)
+    node = _device_element(_one_encoder(device, variant, decided), device_bits(device), one_encoder=True)
     about = [f"{maker.title}: {variant.code}.", _ONE_ENCODER_NOTE]
     questions = {question.name: question for question in device.alternatives}
     about += [_about_answer(questions[name], answer) for name, answer in decided.items()]
@@ -181,7 +181,7 @@ def _render_identifier(
     root = Node((manufacturer_bits(biss_id),), label=maker.title, notes=(_MANUFACTURER_NOTE,), devices=tuple(nodes))
     values: Identifier = {
         "notes": [
-            _warning(biss_id),
+            _warning_comment(biss_id),
             "\n".join([*about, _ABOUT]),
             *(f"Trademarks: {text}" for text in maker.trademarks),
         ],
@@ -191,7 +191,7 @@ def _render_identifier(
     return TEMPLATES.render("idbiss.xml.jinja", values, library.own_templates)
 
 
-def _warning(biss_id: int) -> str:
+def _warning_comment(biss_id: int) -> str:
     """Return the first comment of a file, which a person reads before installing it."""
     return (
         f"No BiSS master is known to accept this file. A manufacturer may supply its own {identifier_name(biss_id)}. "
@@ -223,7 +223,7 @@ _ONE_ENCODER_NOTE = (
 )
 
 
-def _device(device: Device, ids: tuple[IdBits, ...], one_encoder: bool = False) -> Node | None:
+def _device_element(device: Device, ids: tuple[IdBits, ...], one_encoder: bool = False) -> Node | None:
     """Return the element of a family, or of one encoder, or None without single cycle data.
 
     ``ids`` are the bits that identify it. Inside it is the element with the data length, unless registers change that.
@@ -258,5 +258,5 @@ TARGET = Target(
     files=generate,
     options=(_BY_CODE,),
     templates=TEMPLATES,
-    family=_family,
+    family=_files_of_family,
 )

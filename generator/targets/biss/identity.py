@@ -210,16 +210,20 @@ def _stated_value(layout: Layout, field: Field, variant: Variant) -> int:
     return only_value(layout, field) or 0
 
 
-def _data_length(device: Device, placed: PlacedLayout, codes: tuple[str, ...], answers: tuple[str, ...]) -> DataLength:
+def _data_length(
+    device: Device, placed_layout: PlacedLayout, order_codes: tuple[str, ...], answers: tuple[str, ...]
+) -> DataLength:
     """Return the data and status bits of a placed frame, and its CRC. The CRC field counts as neither."""
-    status_names = [field.name for field in placed.layout.status_fields]
-    data_fields = [field for field in placed.fields if field != placed.crc_field and field.name not in status_names]
+    status_names = [field.name for field in placed_layout.layout.status_fields]
+    data_fields = [
+        field for field in placed_layout.fields if field != placed_layout.crc_field and field.name not in status_names
+    ]
     data_widths = {field.name: field.width for field in data_fields}
     return DataLength(
-        codes=codes,
+        codes=order_codes,
         answers=answers,
         data_bits=sum(data_widths.values()),
-        status_bits=sum(field.width for field in placed.fields if field.name in status_names),
-        crc=device.crc_of(placed),
+        status_bits=sum(field.width for field in placed_layout.fields if field.name in status_names),
+        crc=device.crc_of(placed_layout),
         parts=data_widths,
     )

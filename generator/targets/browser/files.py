@@ -39,11 +39,11 @@ from ...render import Templates, our_templates
 from ...say import report
 from ...say.evidence import GRADES, grade, lowest_grade, mark_in_lists, origin
 from ...say.layout import as_one_number
-from ...say.markdown import text
+from ...say.markdown import escape
 from ...say.names_and_places import field_at
 from ...say.order_code import not_on_label
 from ...say.plain_text import plain
-from ...say.text import BY_NAME, WORTH
+from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES
 from ...why import MOST_FRAMES
 from ...why.doubts import READINGS
 from ...why.exchanges import (
@@ -141,8 +141,8 @@ def family_data(device: Device) -> Data:
         base=device.base,
         special=next((overlay.special for overlay in device.overlays if overlay.special), ""),
         special_codes=device.order_code.special,
-        about=[BY_NAME.sentence(fact) for fact in (*not_on_label(device), *origin(device))],
-        evidence=BY_NAME.sentence(grade(device)),
+        about=[PLAIN_STYLE.sentence(fact) for fact in (*not_on_label(device), *origin(device))],
+        evidence=PLAIN_STYLE.sentence(grade(device)),
         mark=mark_in_lists(device),
         given=parameter_names,
         derived=[[name, expression_data(value)] for name, value in device.definitions.items()],
@@ -274,7 +274,7 @@ def _dispatch_data(interface: Interface, dispatch: Dispatch) -> Data:
     return without_empty(
         sender=dispatch.sender,
         selector=dispatch.selector.name,
-        pieces=[[piece.byte, piece.right, piece.mask, piece.left] for piece in dispatch.bits.pieces],
+        pieces=[[piece.byte, piece.low_in_byte, piece.mask, piece.low_in_number] for piece in dispatch.bits.pieces],
         needs=dispatch.needs,
         frames=[[indexes[branch.layout.name], *map(json_number, branch.values)] for branch in dispatch.branches],
     ) | {"fallback": indexes[dispatch.fallback.name] if dispatch.fallback is not None else -1}
@@ -376,7 +376,7 @@ def script_table(library: Library) -> Data:
     """
     return {
         "faults": [fault_code.value for fault_code in Fault],
-        "worth": {verdict.value: WORTH[verdict] for verdict in Verdict},
+        "worth": {verdict.value: VERDICT_CLAUSES[verdict] for verdict in Verdict},
         "unexplained": UNEXPLAINED,
         "said": _MESSAGES,
         "limits": {"text": report.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
@@ -420,7 +420,7 @@ def sha256(part: str) -> str:
 TEMPLATES = Templates(
     our_templates("browser"),
     values=dict.fromkeys(("README.md.jinja", "decode.html.jinja", "decode.js.jinja"), Page),
-    filters={"script_json": script_json, "md": text, "sha256": sha256},
+    filters={"script_json": script_json, "md": escape, "sha256": sha256},
 )
 TARGET = Target(
     name="browser",

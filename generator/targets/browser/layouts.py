@@ -26,7 +26,7 @@ from ...model.expressions import Expression, Factor, Term
 from ...model.lookup import assert_never
 from ...order_codes.labels import edition_before, tests_of
 from ...plan.codec import Codec, codec_of
-from ...plan.description import Description, Name, Tells, describe
+from ...plan.description import DescribedReportCause, Description, Name, describe
 from ...plan.limits import Limits, limits_of
 from ...plan.operations import (
     AlwaysIs,
@@ -41,12 +41,12 @@ from ...plan.operations import (
     ReservedBits,
     ZerosAbove,
 )
-from ...plan.verdicts import ReportCause, Reporting, explained
+from ...plan.verdicts import ReportCause, Reporting, codes_with_explanation
 from ...say.layout import box_colour
 from ...say.names_and_places import register_at, title
 from ...say.register import facts
 from ...say.report import alarm_of, meaning, of_older_edition, remedy, source, states
-from ...say.text import BY_NAME, spec_text
+from ...say.text import PLAIN_STYLE, spec_text
 from ...why.exchanges import usual_values_of
 
 Data = dict[str, Any]
@@ -66,14 +66,14 @@ def json_number(value: int) -> int | str:
     return value if abs(value) <= _HIGHEST_EXACT_INTEGER else f"{value:#x}"
 
 
-def expression_data(value: Expression) -> Any:
+def expression_data(expression: Expression) -> Any:
     """Return a number, or a list of a number and terms, each of a multiple and factors.
 
     ``^name`` is two to the power ``name``: ``8 + 2 * turns - 2 ** bits`` becomes ``[8, [2, "turns"], [-1, "^bits"]]``.
     """
-    if value.is_constant:
-        return json_number(value.constant)
-    return [json_number(value.constant), *map(_term_data, value.terms)]
+    if expression.is_constant:
+        return json_number(expression.constant)
+    return [json_number(expression.constant), *map(_term_data, expression.terms)]
 
 
 def _term_data(term: Term) -> list[int | str]:
@@ -131,9 +131,9 @@ class SharedParts:
     def with_indexes(self, layout: Data) -> Data:
         """Return the layout with indexes in place of its fields, checks and reports: ``{"fields": [0, 4], …}``."""
         names = [name for name in ("fields", "checks", "tells") if name in layout]
-        return layout | {name: list(map(self._index, layout[name])) for name in names}
+        return layout | {name: list(map(self._index_of_part, layout[name])) for name in names}
 
-    def _index(self, part: Data) -> int:
+    def _index_of_part(self, part: Data) -> int:
         """Return the index of a part, which is added unless there is an equal one. Equal parts have the same JSON."""
         index = self._indexes.setdefault(script_json(part), len(self.parts))
         if index == len(self.parts):
@@ -169,8 +169,8 @@ def frame_data(device: Device, interface: str, layout: Layout, reporting: Report
     description = describe(codec, reporting)
     causes = reporting.causes if reporting is not None else ()
     reports = []
-    for tells, cause in zip(description.tells, causes, strict=True):
-        reports.append(_report_data(device, tells, cause))
+    for described_cause, cause in zip(description.report_causes, causes, strict=True):
+        reports.append(_report_data(device, described_cause, cause))
     # Use the order of the frame, without flags first. Values with a verdict come last.
     flags = (*layout.fields, *(sign.flag for sign in layout.signs))
     flag_names = [flag.name for flag in flags]
@@ -206,7 +206,7 @@ def register_data(device: Device, register: Register) -> Data:
         place=register_at(register),
         length=register.length,
         # The script gives the limits in numbers of the order code.
-        about=[BY_NAME.sentence(statement) for statement in statements if statement.label != "Limits"],
+        about=[PLAIN_STYLE.sentence(statement) for statement in statements if statement.label != "Limits"],
         writable=register.writable,
         default=default.hex(" ").upper() if default is not None else "",
         limits=[_limits_data(case, limits_of(device, register, case)) for case in meanings],
@@ -215,15 +215,15 @@ def register_data(device: Device, register: Register) -> Data:
     )
 
 
-def _report_data(device: Device, tells: Tells, cause: ReportCause) -> Data:
+def _report_data(device: Device, described_cause: DescribedReportCause, cause: ReportCause) -> Data:
     """Return a report of a frame with its texts."""
-    data: Data = plain_data(tells)
+    data: Data = plain_data(described_cause)
     return data | _report_texts(cause.made_of, alarm_of(device, cause.made_of))
 
 
 def _alarm_report_data(field: Field, alarm: Alarm) -> Data:
     """Return the report of an alarm in a register with its texts."""
-    data: Data = plain_data(Tells(report="", flag=Name(field.name), only=explained(field)))
+    data: Data = plain_data(DescribedReportCause(report="", flag=Name(field.name), only=codes_with_explanation(field)))
     return data | _report_texts(field, alarm)
 
 
@@ -232,13 +232,21 @@ def _layout_data(device: Device, codec: Codec, description: Description) -> Data
 
     ``asks`` are the open questions that a decoder needs answers to, and ``offers`` those that only affect the verdict.
     """
-    described_members = ("bits", "order", "joins", "speaks", "gray", "otherwise", "judging_bits")
+    described_members = {
+        "bits": description.bits,
+        "order": description.order,
+        "joins": description.joins,
+        "speaks": description.verdict_causes,
+        "gray": description.gray,
+        "otherwise": description.otherwise,
+        "judging_bits": description.judging_bits,
+    }
     checks = zip(description.checks, codec.checks, strict=True)
     crc = codec.only_crc
     optional_crcs = {frame_crc.field.name: frame_crc.crc.name for frame_crc in codec.crcs if frame_crc.is_optional}
     return without_empty(
         name=codec.layout.name,
-        **{name: plain_data(getattr(description, name)) for name in described_members},
+        **{name: plain_data(member) for name, member in described_members.items()},
         fields=[*_field_data(codec, description)],
         checks=[plain_data(check) | _check_message(codec.layout, operation) for check, operation in checks],
         # A byte that the bits sent do not fill begins with these zeros.
@@ -271,7 +279,7 @@ def _field_data(codec: Codec, description: Description) -> Iterator[Data]:
     terms = {term.field.name: term.value for term in codec.terms}
     for column, field in zip(description.columns, codec.layout.fields, strict=True):
         when_active, when_inactive = states(field)
-        only = explained(field)
+        only = codes_with_explanation(field)
         texts = without_empty(
             printed=field.printed_name,
             meaning=field.meaning,
@@ -292,9 +300,11 @@ def _value_data(value: Value) -> list[Any]:
     return _without_empty_end(json_number(value.value), value.name, value.meaning)
 
 
-def _digits_data(run: Digits) -> list[Any]:
+def _digits_data(digit_run: Digits) -> list[Any]:
     """Return a run of digits: its name, its divisor, its modulus, and its meaning if it has one."""
-    return _without_empty_end(run.name, json_number(run.divisor), json_number(run.modulus), run.meaning)
+    return _without_empty_end(
+        digit_run.name, json_number(digit_run.divisor), json_number(digit_run.modulus), digit_run.meaning
+    )
 
 
 def _without_empty_end(*row: Any) -> list[Any]:

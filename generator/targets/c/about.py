@@ -29,8 +29,8 @@ from ...say import register as say_field
 from ...say import register as say_register
 from ...say import report as say_report
 from ...say.names_and_places import addresses, bit_range, field_place, full_title, register_field, title
-from ...say.text import Code, Statement, counted, listed, statement
-from .comments import Paragraph, S
+from ...say.text import Code, Statement, counted, list_parts, statement
+from .comments import HEADER_STYLE, Paragraph
 from .order_codes import unknown_parts
 from .structs import Struct
 
@@ -47,9 +47,9 @@ _IN_CODE = ("Default", "Limits")
 _PLACE = 30
 
 
-def _with_heading(name: str, items: Iterable[Statement]) -> list[Paragraph]:
+def _paragraphs_with_heading(name: str, items: Iterable[Statement]) -> list[Paragraph]:
     """Return the statements, with the name before the first one. Without statements, it is the name alone."""
-    lines = list(map(S.sentence, items))
+    lines = list(map(HEADER_STYLE.sentence, items))
     return [f"{name}: {lines[0]}", *lines[1:]] if lines else [f"{name}."]
 
 
@@ -69,7 +69,7 @@ def about_order_codes(device: Device) -> list[Paragraph]:
     paragraphs: list[Paragraph] = []
     for order_code_statement in say_order_code.order_code(device):
         if order_code_statement not in statements_on_unknown_parts:
-            paragraphs.append(S.sentence(order_code_statement))
+            paragraphs.append(HEADER_STYLE.sentence(order_code_statement))
     if names_of_unknown_parts:
         paragraphs.append(f"Only the listed values are known here for: {', '.join(names_of_unknown_parts)}.")
     return paragraphs
@@ -80,16 +80,16 @@ def about_parameter(device: Device, prefix: str, parameter: Parameter) -> str:
     update = f" {prefix}_take_{parameter.register}() updates it." if parameter.read_from else ""
     in_code = list(say_parameter.parameter_origin(device, parameter)) if parameter.equals is not None else ()
     statements = say_parameter.parameter(device, parameter)
-    return S.paragraph(statement for statement in statements if statement not in in_code) + update
+    return HEADER_STYLE.paragraph(statement for statement in statements if statement not in in_code) + update
 
 
 def about_alarm(device: Device, alarm: Alarm) -> list[Paragraph]:
-    return _with_heading(title(alarm), say_report.alarm(device, alarm))
+    return _paragraphs_with_heading(title(alarm), say_report.alarm(device, alarm))
 
 
 def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
     """Return the comment on the function of a CRC: its argument, the facts of the CRC, and a special form."""
-    facts = list(map(S.sentence, say_crc.crc(device, function.crc)))
+    facts = list(map(HEADER_STYLE.sentence, say_crc.crc(device, function.crc)))
     if function.carrier is Carrier.BITS:
         return ["Return the CRC of bits. Bit 0 is the last one sent.", *facts]
     paragraphs: list[Paragraph] = ["Return the CRC of bytes in the order sent.", *facts]
@@ -103,14 +103,14 @@ def about_word_crc(device: Device, crc: Crc, folds: bool) -> list[Paragraph]:
     use = "The result is 0 if a received word is valid. With 0 in place of the CRC, it is the CRC to send."
     return [
         f"Compute CRC {crc.name} over a whole word. {use}",
-        *map(S.sentence, say_crc.crc(device, crc)),
+        *map(HEADER_STYLE.sentence, say_crc.crc(device, crc)),
         _explain_derivation(crc) if folds else "",
     ]
 
 
 def about_bits_crc(device: Device, crc: Crc) -> list[Paragraph]:
     """Return the comment on the function that computes a CRC over the bits of a frame in bytes."""
-    return [f"Return CRC {crc.name} of a frame, bit by bit.", *map(S.sentence, say_crc.crc(device, crc))]
+    return [f"Return CRC {crc.name} of a frame, bit by bit.", *map(HEADER_STYLE.sentence, say_crc.crc(device, crc))]
 
 
 def _explain_derivation(crc: Crc) -> str:
@@ -146,11 +146,11 @@ def about_layout(device: Device, interface: Interface, struct: Struct) -> list[P
     statements_on_joins = list(say_layout.joins(frame_layout))  # The comments on their members have them.
     errata = list(say_layout.errata_of(device, interface, frame_layout))
     head = say_layout.head(interface, frame_layout, Code(frame_layout.name), device.alternatives)
-    paragraphs: list[Paragraph] = [S.sentence(head)]
+    paragraphs: list[Paragraph] = [HEADER_STYLE.sentence(head)]
     for layout_statement in say_layout.layout(device, interface, frame_layout):
         if layout_statement not in statements_on_joins and layout_statement not in errata:
-            paragraphs.append(S.sentence(layout_statement))
-    return [*paragraphs, *table(struct), *map(S.sentence, errata)]
+            paragraphs.append(HEADER_STYLE.sentence(layout_statement))
+    return [*paragraphs, *table(struct), *map(HEADER_STYLE.sentence, errata)]
 
 
 def about_member(struct: Struct, member: Field) -> str:
@@ -159,19 +159,19 @@ def about_member(struct: Struct, member: Field) -> str:
     statements = say_field.field(struct.device, member)
     about = [statement for statement in statements if choice is None or statement not in choice.statements]
     ending = "No terminator." if isinstance(meaning_of(member), Characters) else ""
-    return " ".join(filter(None, (S.paragraph(about) or f"{title(member)}.", ending)))
+    return " ".join(filter(None, (HEADER_STYLE.paragraph(about) or f"{title(member)}.", ending)))
 
 
 def about_unused(struct: Struct) -> str:
     """Describe the member for all unused bits, with the bits of it that belong to each unused field."""
     unused = struct.layout.unused
-    fields = listed([f"{bit_range(low + field.widest - 1, low)} {field.name}" for field, low in unused])
-    return f"Unused bits, each 1 if it differs from the manual: {S.phrase(statement(*fields))}."
+    fields = list_parts([f"{bit_range(low + field.widest - 1, low)} {field.name}" for field, low in unused])
+    return f"Unused bits, each 1 if it differs from the manual: {HEADER_STYLE.phrase(statement(*fields))}."
 
 
-def place(frame_layout: Layout, placed_field: Field) -> str:
+def place_of_field(frame_layout: Layout, placed_field: Field) -> str:
     """Return the position of a field in words, such as ``bits 46:31`` or ``byte 1, bits 7:1``."""
-    return S.phrase(statement(*field_place(frame_layout, placed_field)))
+    return HEADER_STYLE.phrase(statement(*field_place(frame_layout, placed_field)))
 
 
 def _facts_without_member(struct: Struct, field: Field) -> str:
@@ -182,9 +182,9 @@ def _facts_without_member(struct: Struct, field: Field) -> str:
     is_member = field.carries_data and field is not struct.plan.selector
     about = () if is_member else say_field.field(struct.device, field)
     if field.is_fixed:
-        return S.paragraph(about)
-    width = field.width.constant if field.width.is_constant else S.number(field.width)
-    return S.paragraph((statement(counted(width, "bit")), *about))
+        return HEADER_STYLE.paragraph(about)
+    width = field.width.constant if field.width.is_constant else HEADER_STYLE.number(field.width)
+    return HEADER_STYLE.paragraph((statement(counted(width, "bit")), *about))
 
 
 def _table_rows(struct: Struct) -> Iterator[tuple[str, str, str]]:
@@ -192,7 +192,7 @@ def _table_rows(struct: Struct) -> Iterator[tuple[str, str, str]]:
     for placed_field in struct.layout.fields:
         if struct.plan.by_word or not placed_field.padding_of:
             name = "-" if placed_field.fills_gap else placed_field.name
-            yield place(struct.layout, placed_field), name, _facts_without_member(struct, placed_field)
+            yield place_of_field(struct.layout, placed_field), name, _facts_without_member(struct, placed_field)
 
 
 def table(struct: Struct) -> Iterator[Paragraph]:
@@ -220,7 +220,7 @@ def about_register(device: Device, register: Register) -> list[Paragraph]:
     """Return the comment on a register, without its default and limits, which constants and functions have."""
     head = say_register.head(device, register, full_title(register))
     about = [statement for statement in say_register.register(device, register) if statement.label not in _IN_CODE]
-    return list(map(S.sentence, (head, *about)))
+    return list(map(HEADER_STYLE.sentence, (head, *about)))
 
 
 def about_access(device: Device, register: Register, writes: bool, read_state: str) -> Iterator[Paragraph]:
@@ -245,12 +245,12 @@ def about_access(device: Device, register: Register, writes: bool, read_state: s
 
 
 def about_procedure(device: Device, procedure: Procedure) -> list[Paragraph]:
-    head = S.sentence(statement(procedure.title, source=procedure.source))
-    return [head, *map(S.sentence, say_commands.procedure(device, procedure))]
+    head = HEADER_STYLE.sentence(statement(procedure.title, source=procedure.source))
+    return [head, *map(HEADER_STYLE.sentence, say_commands.procedure(device, procedure))]
 
 
 def about_argument(device: Device, argument: Argument) -> str:
-    return S.sentence(say_commands.argument(device, argument))
+    return HEADER_STYLE.sentence(say_commands.argument(device, argument))
 
 
 def about_run(device: Device, run: Run, read_state: str) -> Iterator[Paragraph]:
@@ -271,7 +271,7 @@ def note_of_step(device: Device, operation: Operation) -> str:
     meaning = operation.step.meaning
     match operation:
         case Waits(step):
-            return meaning or S.phrase(say_commands.step(device, step))
+            return meaning or HEADER_STYLE.phrase(say_commands.step(device, step))
         case Sends(step=step):
             alone = "in succession, with no other request in between" if step.in_succession else ""
             return "; ".join(filter(None, (step.data_id, alone, meaning)))

@@ -11,7 +11,7 @@ from dataclasses import replace
 from ...model import Digits, Field, Piece, first_of
 from ...model.record import dataclass
 from ...plan.codec import Codec, ShiftedBits, moved_bits
-from ...plan.operations import Bits, Reserved, Whole
+from ...plan.operations import Bits, JoinedNumber, Reserved
 from .names import (
     Call,
     Cast,
@@ -20,7 +20,7 @@ from .names import (
     Number,
     Operation,
     Scope,
-    joined,
+    join_operands,
     masked,
     shifted_left,
     shifted_right,
@@ -47,15 +47,15 @@ def of_bytes(pieces: tuple[Piece, ...]) -> tuple[str, Expr]:
     shifted_type = "uint64_t" if width > 32 else "uint32_t"
     shifted_pieces: list[Expr] = []
     for piece in pieces:
-        shifted_pieces.append(shifted_left(Cast(shifted_type, _bits_of_piece(piece)), piece.left))
-    number = joined("|", tuple(shifted_pieces))
+        shifted_pieces.append(shifted_left(Cast(shifted_type, _bits_of_piece(piece)), piece.low_in_number))
+    number = join_operands("|", tuple(shifted_pieces))
     return type_, number if type_ == shifted_type else Cast(type_, number)
 
 
 def _bits_of_piece(piece: Piece) -> Expr:
     """Return the bits of a byte that belong to a field, shifted to bit 0, such as ``(bytes[2] >> 3) & 0x07U``."""
-    shifted_byte = shifted_right(Name(f"bytes[{piece.byte}]"), piece.right)
-    reaches_top = piece.right + piece.mask.bit_length() == 8
+    shifted_byte = shifted_right(Name(f"bytes[{piece.byte}]"), piece.low_in_byte)
+    reaches_top = piece.low_in_byte + piece.mask.bit_length() == 8
     return shifted_byte if reaches_top else masked(shifted_byte, piece.mask)
 
 
@@ -105,17 +105,19 @@ class Reader:
             width = bits.width.constant
             return masked(shifted_right(self.lower(low + width), low), (1 << width) - 1)
         if not bits.on_top:
-            return Call("cw_field", (self.word, self.scope.of(bits.low), self.scope.of(bits.width)))
+            return Call(
+                "cw_field", (self.word, self.scope.expression_of(bits.low), self.scope.expression_of(bits.width))
+            )
         # There are no bits above it: the length has been checked.
         if bits.low.is_constant:
             return shifted_right(self.lower(self.word_size), bits.low.constant)
-        return Call("cw_above", (self.word, self.scope.of(bits.low)))
+        return Call("cw_above", (self.word, self.scope.expression_of(bits.low)))
 
     def flag(self, bits: Bits) -> Expr:
         """Return the bit of a flag at its position: in the word, or in the byte ``flags``."""
         if not self.plan.by_word:
             (piece,) = bits.pieces
-            return masked(Name("flags"), piece.mask << piece.right)
+            return masked(Name("flags"), piece.mask << piece.low_in_byte)
         if not bits.are_fixed:
             return self.in_word(bits)
         return masked(self.lower(bits.low.constant + 1), 1 << bits.low.constant)
@@ -125,23 +127,23 @@ class Reader:
         has_32_bits = self.word_size == 32 and self.plan.gray is None
         return Cast("uint32_t", self.word) if high <= 32 and not has_32_bits else self.word
 
-    def whole(self, whole: Whole, name_of: Callable[[Field], Expr]) -> Expr:
+    def number_of_join(self, joined_number: JoinedNumber, name_of: Callable[[Field], Expr]) -> Expr:
         """Return a join as one number: from the word if its fields are adjacent, otherwise from its fields by name."""
-        if whole.bits is None:
-            return self.joined(whole, name_of)
-        number = self.in_word(whole.bits)
-        return number if whole.widest > 32 else Cast(unsigned(whole.widest), number)
+        if joined_number.bits is None:
+            return self.number_from_fields(joined_number, name_of)
+        number = self.in_word(joined_number.bits)
+        return number if joined_number.widest > 32 else Cast(unsigned(joined_number.widest), number)
 
-    def joined(self, whole: Whole, name_of: Callable[[Field], Expr]) -> Expr:
+    def number_from_fields(self, joined_number: JoinedNumber, name_of: Callable[[Field], Expr]) -> Expr:
         """Return the fields of a join as one number of the join's type. The first field has the highest bits."""
-        highest_field, *lower_fields = whole.fields
-        type_ = unsigned(whole.widest)
-        is_short = size_of(whole.widest) < 32
+        highest_field, *lower_fields = joined_number.fields
+        type_ = unsigned(joined_number.widest)
+        is_short = size_of(joined_number.widest) < 32
         # Several operands below 32 bits would make the result signed.
         is_promoted = is_short and len(lower_fields) > 1
         number: Expr = Cast("uint32_t" if is_promoted else type_, name_of(highest_field))
         for field in lower_fields:
-            shifted_number = shifted_left(number, self.scope.of(field.width))
+            shifted_number = shifted_left(number, self.scope.expression_of(field.width))
             number = Operation("|", (shifted_number, name_of(field)))
         return Cast(type_, number) if is_short and lower_fields else number
 
@@ -150,14 +152,14 @@ class Reader:
         """The reader of the word before any Gray code in it is converted."""
         return replace(self, as_sent=True)
 
-    def sent(self, field: Field) -> Expr:
+    def bits_as_sent(self, field: Field) -> Expr:
         """Return the bits of a field before any Gray code in the word is converted."""
         _, bits = self.before_conversion.value(self.plan.bits_of(field.name))
         return bits
 
     def parity_as_sent(self, fields: Sequence[Field], mask: int) -> Expr:
         """Return the parity of fields before any Gray code in the word is converted."""
-        return self.parity([(self.sent(field), field.widest) for field in fields], mask)
+        return self.parity([(self.bits_as_sent(field), field.widest) for field in fields], mask)
 
     def parity(self, numbers_and_widths: Sequence[tuple[Expr, int]], mask: int) -> Expr:
         """Return the common parity of these numbers, 1 for an odd number of ones. Each comes with its largest width.
@@ -180,14 +182,14 @@ class Reader:
         return Call("cw_parity", (combined,))
 
 
-def digits(number: object, field: Field, run: Digits) -> Expr:
+def digits(number: object, field: Field, digit_run: Digits) -> Expr:
     """Return a run of decimal digits extracted from a number, such as ``(number / 100U) % 10U``."""
     quotient: Expr = Name(str(number))
-    if run.divisor > 1:
-        quotient = Operation("/", (quotient, Number(run.divisor)))
+    if digit_run.divisor > 1:
+        quotient = Operation("/", (quotient, Number(digit_run.divisor)))
     # No digits are above the highest run, so that it needs no remainder.
-    is_highest_run = run is field.runs[0]
-    return quotient if is_highest_run else Operation("%", (quotient, Number(run.modulus)))
+    is_highest_run = digit_run is field.runs[0]
+    return quotient if is_highest_run else Operation("%", (quotient, Number(digit_run.modulus)))
 
 
 _MEMBER = Name("in->unused")
@@ -228,21 +230,21 @@ class Unused:
         """
         all_bits = (*map(self._moved_bits, self.moved), *map(self._single_bits, self.single))
         documented = _express_documented_value(sum(moved.value for moved in self.moved))
-        return Cast(self.type, _with_inverted(joined("|", all_bits), documented))
+        return Cast(self.type, _with_inverted(join_operands("|", all_bits), documented))
 
     def at_place(self, moved: ShiftedBits, byte: Expr) -> Expr:
         """Return a byte shifted to the place of its bits in the member, which is never lower than in the byte."""
-        return shifted_left(Cast(self.work, byte), -moved.shift) if moved.shift else byte
+        return shifted_left(Cast(self.work_type, byte), -moved.shift) if moved.shift else byte
 
     def member_from(self, bits: Expr) -> Expr:
         """Return the member from bytes that ``at_place`` shifted, without their other bits."""
         mask = sum(moved.mask for moved in self.moved)
         documented = _express_documented_value(sum(moved.value for moved in self.moved))
         differing_bits = _with_inverted(masked(bits, mask), documented)
-        return differing_bits if self.type == self.work else Cast(self.type, differing_bits)
+        return differing_bits if self.type == self.work_type else Cast(self.type, differing_bits)
 
     @property
-    def work(self) -> str:
+    def work_type(self) -> str:
         """The type in which a decoder assembles bytes."""
         return unsigned(max(self.width, 32))
 
@@ -260,16 +262,16 @@ class Unused:
         documented = self._express_documented(reserved)
         if not reserved.place:
             return _with_inverted(bits, documented)
-        differing_bits = _with_inverted(Cast(self.work, bits), documented)
+        differing_bits = _with_inverted(Cast(self.work_type, bits), documented)
         if not reserved.bits.width.is_constant:
             # The mask of a variable width has 64 bits.
-            differing_bits = Cast(self.work, differing_bits)
+            differing_bits = Cast(self.work_type, differing_bits)
         return shifted_left(differing_bits, reserved.place)
 
     # -- encoding
 
     @property
-    def refused(self) -> Expr | None:
+    def refusal_condition(self) -> Expr | None:
         """The condition that the member has a bit other than the unused ones, or None if its type has no such bit.
 
         With fields whose width depends on the order code, that is ``(in->unused & mask) != in->unused``.
@@ -285,7 +287,7 @@ class Unused:
             masks.append(shifted_left(self.reader.scope.mask(reserved.bits.width), reserved.place))
         if fixed_mask:
             masks.append(Number(fixed_mask, hexadecimal=True))
-        unused_bits_of_member = Operation("&", (_MEMBER, joined("|", tuple(masks))))
+        unused_bits_of_member = Operation("&", (_MEMBER, join_operands("|", tuple(masks))))
         return Operation("!=", (unused_bits_of_member, _MEMBER))
 
     @property
@@ -303,7 +305,7 @@ class Unused:
                 _with_inverted(_MEMBER, self._express_documented(reserved)) if is_all else self._bits_to_send(reserved)
             )
             low = reserved.bits.low
-            distance = low.constant if low.is_constant else self.reader.scope.of(low)
+            distance = low.constant if low.is_constant else self.reader.scope.expression_of(low)
             yield shifted_left(Cast(self.reader.encoded_type, bits), distance)
 
     @property
@@ -314,8 +316,8 @@ class Unused:
             yield moved.byte, self._moved_bits_to_send(moved)
         for reserved in self.single:
             for piece in reserved.bits.pieces:
-                bits = shifted_right(self._bits_to_send(reserved), piece.left)
-                yield piece.byte, _shift_bits(_masked_byte(bits, piece.mask), -piece.right)
+                bits = shifted_right(self._bits_to_send(reserved), piece.low_in_number)
+                yield piece.byte, _shift_bits(_masked_byte(bits, piece.mask), -piece.low_in_byte)
 
     def _moved_bits_to_send(self, moved: ShiftedBits) -> Expr:
         """Return bits of the member, shifted to their places in the frame and combined with the documented ones."""

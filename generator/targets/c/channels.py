@@ -25,7 +25,7 @@ class ChannelCode:
         self.compared: list[tuple[str, Expr]] = []
         for field in frame.compared:
             member = f"{c_name(field.layout.name)}.{c_name(field.name)}"
-            self.compared.append((member, context.scope.of(field.width)))
+            self.compared.append((member, context.scope.expression_of(field.width)))
 
     def declared(self) -> Iterator[Declared]:
         """Yield the names of the struct, its functions and its macros."""
@@ -51,7 +51,7 @@ class ChannelCode:
 
     @property
     def compared_bits(self) -> Expr:
-        return self._context.scope.of(self._frame.compared_bits)
+        return self._context.scope.expression_of(self._frame.compared_bits)
 
     @property
     def tolerance(self) -> int:

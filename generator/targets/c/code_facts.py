@@ -80,13 +80,13 @@ class CodeFacts:
     each order code is another name of it.
     """
 
-    def __init__(self, context: Context, interface: Interface, rows: Sequence[CodeRow]) -> None:
+    def __init__(self, context: Context, interface: Interface, code_rows: Sequence[CodeRow]) -> None:
         self._context = context
         self._interface = interface
         self.clock_limits: list[ClockLimitFunction] = []
         self.timeouts: list[TimeoutFunction] = []
         self._times = [*_repeated_times(interface.timings), *_repeated_times(context.device.timings)]
-        self.macros = list(chain.from_iterable(map(self._macros_of, rows)))
+        self.macros = list(chain.from_iterable(map(self._macros_of, code_rows)))
 
     @property
     def codes(self) -> str:

@@ -7,15 +7,15 @@ from functools import cached_property
 
 from ...model import Biss, ChannelFrame, Field, Spi, Ssi, channel_frame
 from ...model.expressions import Expression
-from ...plan.limits import OutsideLimits, depends
+from ...plan.limits import OutsideLimits, depends_on_order_code
 from ...plan.operations import FrameCrc
 from .about import about_bits_crc, about_member, about_unused, about_word_crc
 from .comments import Paragraph
-from .crc_functions import BitsCrc, WordCrc, folds
+from .crc_functions import BitsCrc, WordCrc, fold_operations
 from .decode import Decoder
 from .encode import Encoder
 from .enumerations import AlternativeCode, alternatives_in
-from .names import Declared, Expr, Name, Number, Operation, c_name, joined, number, string, unsigned
+from .names import Declared, Expr, Name, Number, Operation, c_name, join_operands, number, string, unsigned
 from .structs import Struct
 
 
@@ -33,7 +33,7 @@ class StructCodec:
         self.decoder = Decoder(struct)
         self.encoder = Encoder(struct, outside)
         alternatives = struct.context.alternatives
-        self.alternatives = tuple(code for code in alternatives if code.item in self.plan.alternatives)
+        self.alternatives = tuple(code for code in alternatives if code.alternative in self.plan.alternatives)
         #: Whether a program that talks to an encoder decodes it, and encodes it. A simulator does the rest.
         self.decodes = struct.register is not None or struct.layout.sender == "encoder"
         self.encodes = struct.register is not None or not self.decodes
@@ -63,18 +63,18 @@ class StructCodec:
         if self.word_crc is not None:
             yield self.word_crc.name
         yield from (bits_crc.name for bits_crc in self.bits_crcs.values())
-        if self.measured:
+        if self.position_member:
             yield f"{self.name}_position"
         if self.is_received:
             yield f"{self.name}_receive"
         if self.is_read:
             yield f"{self.name}_read"
-        if self.tells_difference:
+        if self.can_differ_from_manual:
             yield f"{self.name}_is_expected"
             yield from (self.expected_macro(field) for field in self.expected if self.has_one_value(field))
 
     @property
-    def measured(self) -> str:
+    def position_member(self) -> str:
         """The field or join with the position that a function returns, or an empty string if there is no such function.
 
         A frame has it if its verdict is known.
@@ -110,7 +110,7 @@ class StructCodec:
     @property
     def is_read(self) -> bool:
         """True if a function returns the position from a buffer."""
-        return bool(self.measured and self.receiver)
+        return bool(self.position_member and self.receiver)
 
     @cached_property
     def whole_frame(self) -> ChannelFrame | None:
@@ -169,7 +169,7 @@ class StructCodec:
     @property
     def set_names(self) -> tuple[str, ...]:
         """The members that other members repeat: joins, and numbers of decimal digits."""
-        join_names = (whole.join.name for whole in self.plan.wholes)
+        join_names = (whole.join.name for whole in self.plan.joined_numbers)
         decimal_names = (part.field.name for part in self.plan.parts if part.field.runs)
         return (*join_names, *decimal_names)
 
@@ -181,7 +181,7 @@ class StructCodec:
         # The shift register of the function has 32 bits.
         if crc is None or not crc.divides or crc.crc.width > 32:
             return None
-        fold_steps = tuple(folds(crc.steps, bits, "word")) if crc.steps else ()
+        fold_steps = tuple(fold_operations(crc.steps, bits, "word")) if crc.steps else ()
         return WordCrc(
             name=f"{self.name}_crc",
             function=self.struct.crc_function(crc),
@@ -232,7 +232,7 @@ class StructCodec:
         gray = self.plan.gray
         gray_depends = gray is not None and gray.depends
         terms_depend = any(term.depends for term in self.plan.terms) or self.struct.unused.depends
-        limits_depend = any(depends(refusal) for refusal in self.encoder.refusals)
+        limits_depend = any(depends_on_order_code(refusal) for refusal in self.encoder.refusals)
         crcs_depend = any(map(self._crc_depends, self.plan.crcs))
         return gray_depends or terms_depend or limits_depend or crcs_depend
 
@@ -249,7 +249,7 @@ class StructCodec:
         return tuple(part.field for part in self.plan.parts if part.field.equals is not None)
 
     @property
-    def tells_difference(self) -> bool:
+    def can_differ_from_manual(self) -> bool:
         """True if a valid frame can differ from the manual."""
         return bool(self.expected or self.struct.unused)
 
@@ -285,7 +285,7 @@ class StructCodec:
             conditions += self._has_expected_value(field)
         if self.struct.unused:
             conditions.append(Operation("==", (Name("in->unused"), Number(0))))
-        return joined("&&", tuple(conditions))
+        return join_operands("&&", tuple(conditions))
 
     def _has_expected_value(self, field: Field) -> Iterator[Expr]:
         """Yield the conditions that a member has the value of the manual. A string has one per character."""
@@ -296,6 +296,6 @@ class StructCodec:
                 for index in range(len(characters)):
                     yield Operation("==", (Name(f"{member}[{index}]"), Name(f"{macro}[{index}]")))
             case Expression() as equals if not equals.is_constant:
-                yield Operation("==", (Name(member), self.scope.of(equals)))
+                yield Operation("==", (Name(member), self.scope.expression_of(equals)))
             case _:
                 yield Operation("==", (Name(member), Name(macro)))

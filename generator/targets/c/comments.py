@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Iterator, Sequence
 
 from ...say.plain_text import in_ascii, plain
-from ...say.text import BY_TITLE, Statement, Style
+from ...say.text import TITLE_STYLE, Statement, Style
 from .names import string
 
 COLUMNS = 100
@@ -102,7 +102,7 @@ class InHeader(Style):
         return self.text(statement.brief)
 
 
-S = InHeader(text=BY_TITLE.text, code=BY_TITLE.code, ref=BY_TITLE.ref)
+HEADER_STYLE = InHeader(text=TITLE_STYLE.text, code=TITLE_STYLE.code, ref=TITLE_STYLE.ref)
 
 
 #: Places where a long line may be broken, the better ones first.
@@ -122,7 +122,7 @@ def end_comment(note: object) -> str:
     return f" /* {safe_note} */" if safe_note else ""
 
 
-def in_lines(parts: Sequence[str], indent: int) -> str:
+def call_in_lines(parts: Sequence[str], indent: int) -> str:
     """Return a call with its arguments on one line, or each on its own line if that is too long.
 
     The parts are the start of the call, such as ``f(``, and the arguments with their commas.
@@ -145,7 +145,7 @@ def literals(text: object, indent: int) -> str:
     return f"\n{' ' * indent}".join(literals_of_lines)
 
 
-def documented(text: str) -> str:
+def mark_for_doxygen(text: str) -> str:
     """Mark the comments of a header for Doxygen: those above a declaration, and those after one.
 
     A comment that becomes too long for the end of its line moves above it.
@@ -228,25 +228,25 @@ def _broken_lines(line: str, *, continues_previous: bool) -> Iterator[str]:
         yield from _broken_code(code.lstrip(), margin, further_margin)
 
 
-def _broken_code(code: str, margin: str, further_margin: str) -> Sequence[str]:
+def _broken_code(c_code: str, margin: str, further_margin: str) -> Sequence[str]:
     """Break code after a question mark or an assignment if that is enough, else between conditions or anywhere.
 
     ``further_margin`` begins all lines but the first. A question mark inside two or more brackets does not count, and
     neither does any if parts are joined by ``|``.
     """
     # It has the length of the code, so that places in it are places in the code.
-    without_strings = _STRING.sub(lambda string: "x" * len(string[0]), code)
+    without_strings = _STRING.sub(lambda string: "x" * len(string[0]), c_code)
     left_side, mark, _ = without_strings.partition(" ? ")
     is_inside_brackets = left_side.count("(") > left_side.count(")") + 1
     if not mark or is_inside_brackets:
         left_side, mark, _ = without_strings.partition(" = ")
     # The second line begins here. The space before it is left out.
     second_start = len(left_side) + len(mark)
-    two_lines = [margin + code[: second_start - 1], further_margin + code[second_start:]]
+    two_lines = [margin + c_code[: second_start - 1], further_margin + c_code[second_start:]]
     if mark and " | " not in without_strings and _all_fit(two_lines):
         return two_lines
-    lines = _break_code(code, without_strings, margin, further_margin, _CONDITIONS)
-    return lines if _all_fit(lines) else _break_code(code, without_strings, margin, further_margin, _ANYWHERE)
+    lines = _break_code(c_code, without_strings, margin, further_margin, _CONDITIONS)
+    return lines if _all_fit(lines) else _break_code(c_code, without_strings, margin, further_margin, _ANYWHERE)
 
 
 def _all_fit(lines: Sequence[str]) -> bool:
@@ -254,15 +254,15 @@ def _all_fit(lines: Sequence[str]) -> bool:
 
 
 def _break_code(
-    code: str, without_strings: str, margin: str, further_margin: str, breaks: re.Pattern[str]
+    c_code: str, without_strings: str, margin: str, further_margin: str, breaks: re.Pattern[str]
 ) -> list[str]:
     """Break code as late as possible at the spaces that ``breaks`` finds in ``without_strings``, which is as long."""
     break_indices = [space.start() for space in breaks.finditer(without_strings)]
     lines: list[str] = []
     current_line = margin
     start = 0
-    for end in (*break_indices, len(code)):
-        segment = code[start:end]
+    for end in (*break_indices, len(c_code)):
+        segment = c_code[start:end]
         if start and len(current_line) + len(segment) > COLUMNS:
             lines.append(current_line)
             # The space at the break is left out.

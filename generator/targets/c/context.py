@@ -9,8 +9,8 @@ from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.crcs import carriers
 from ...plan.frames import held_parameters
-from ...say.order_code import timing as said_of
-from .comments import S
+from ...say.order_code import timing as say_timing
+from .comments import HEADER_STYLE
 from .enumerations import AlternativeCode, Enumerations, Reports
 from .names import BY_VALUE, Cast, Expr, Passing, Scope, number, unsigned
 
@@ -36,7 +36,7 @@ class Context:
         argument_by_parameter: dict[str, str] = {}
         for alternative in self.alternatives:
             # All answers of an alternative set the same parameters.
-            argument_by_parameter |= dict.fromkeys(alternative.item.answers[0].sets, alternative.argument)
+            argument_by_parameter |= dict.fromkeys(alternative.alternative.answers[0].sets, alternative.argument)
         self.scope = Scope(
             prefix=self.prefix, largest=_largest_values(device), answers=argument_by_parameter, passing=passing
         )
@@ -93,7 +93,7 @@ class Function:
     uses_variant: bool
 
 
-def number_of(scope: Scope, name: str, expression: Expression, largest: int, about: str) -> Function:
+def number_function(scope: Scope, name: str, expression: Expression, largest: int, about: str) -> Function:
     """Build a function for numbers up to ``largest``, in 32 bits if they and all intermediate results fit.
 
     ``about`` is the comment on the function.
@@ -103,16 +103,16 @@ def number_of(scope: Scope, name: str, expression: Expression, largest: int, abo
     subtracted = min(expression.constant, 0) if has_product else 0
     largest_intermediate = largest - subtracted
     bits = max(largest_intermediate.bit_length(), 32)
-    value = scope.of(expression)
+    value = scope.expression_of(expression)
     # A power of two is computed in 64 bits.
     if bits == 32 and any(term.is_power for term in expression.terms):
         value = Cast("uint32_t", value)
     return Function(name, type=unsigned(bits), value=value, about=about, uses_variant=not expression.is_constant)
 
 
-def wide_number_of(scope: Scope, name: str, expression: Expression, about: str) -> Function:
+def wide_number_function(scope: Scope, name: str, expression: Expression, about: str) -> Function:
     """Build a function for numbers of 64 bits."""
-    value = scope.of(expression)
+    value = scope.expression_of(expression)
     # A power of two is computed in 64 bits, and so is what follows it.
     has_64_bits = bool(expression.terms) and expression.terms[0].is_power
     if not has_64_bits:
@@ -132,7 +132,7 @@ def timing_macros(timing: Timing, stem: str) -> Iterator[Macro]:
 
     The comment on the first one describes all of them, and the others refer to it.
     """
-    note = S.sentence(said_of(timing))
+    note = HEADER_STYLE.sentence(say_timing(timing))
     bounds = {"AT_LEAST": timing.at_least_us, "TYPICAL": timing.typical_us, "AT_MOST": timing.at_most_us}
     for bound, value in bounds.items():
         if value is not None:

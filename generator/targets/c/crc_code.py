@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from ...model import Crc
 from ...model.record import dataclass
-from ...plan.crcs import Carrier, CrcFunction, Form, carrier_of, reflect, table, word_table
+from ...plan.crcs import Carrier, CrcFunction, Form, byte_table, carrier_of, reflect, word_table
 from .about import about_crc
 from .codec import StructCodec
 from .comments import Paragraph
@@ -17,7 +17,7 @@ from .structs import covers_32_bits
 
 @dataclass(frozen=True)
 class CrcCode:
-    """The function of a CRC over bits or bytes. ``table`` holds the remainder of each byte, if there is a table.
+    """The function of a CRC over bits or bytes. ``byte_table`` holds the remainder of each byte, if there is a table.
 
     The function exists only if a frame calls it. Frames that are one number mostly have a CRC function of their own.
     """
@@ -78,7 +78,7 @@ def crc_code(context: Context, function: CrcFunction, codecs: Sequence[StructCod
         name=context.crc_name(function.crc, function.carrier.value),
         function=function,
         about=tuple(about_crc(context.device, function)),
-        table=_table_of(function) if users else (),
+        table=_table_entries(function) if users else (),
         is_called=any(codec.word_crc is None for codec in users),
         data_type=_data_type(function, users),
     )
@@ -98,12 +98,12 @@ def _uses_function(codec: StructCodec, function: CrcFunction) -> bool:
     return carrier_of(codec.struct.layout) is function.carrier
 
 
-def _table_of(function: CrcFunction) -> tuple[int, ...]:
+def _table_entries(function: CrcFunction) -> tuple[int, ...]:
     """Return the entries of the table of a CRC, if it has one. A folded CRC has one only for frames that are words."""
     crc = function.crc
     if function.form is Form.TABLE:
         is_reflected = function.carrier is Carrier.BYTES and crc.refin
-        return table(crc.width, crc.poly, is_reflected)
+        return byte_table(crc.width, crc.poly, is_reflected)
     if function.form is Form.FOLD and function.in_words:
         return word_table(crc.width, crc.poly)
     return ()

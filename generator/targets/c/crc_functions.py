@@ -49,7 +49,7 @@ class Narrow:
 FoldOperation = FoldWide | FoldHalves | Fold | Narrow
 
 
-def folds(steps: Sequence[FoldStep], bits: int, source: str) -> Iterator[FoldOperation]:
+def fold_operations(steps: Sequence[FoldStep], bits: int, source: str) -> Iterator[FoldOperation]:
     """Yield the steps over ``source``, a number of this many bits. They leave the remainder in ``v``.
 
     A step takes the bits from ``shift`` up, moves them lower and XORs them. It is done in 64 bits (``wide``) if more
@@ -108,17 +108,17 @@ class WordCrc:
     @property
     def at_once(self) -> int:
         """The number of bytes that initially fill the register."""
-        return min(max(self.crc.width // 8, 1), self._bytes)
+        return min(max(self.crc.width // 8, 1), self._register_bytes)
 
     @property
     def one_by_one(self) -> tuple[HalfByte, ...]:
         """The bytes after them, in the order received, for the table."""
-        places = range(self._bytes - self.at_once - 1, -1, -1)
+        places = range(self._register_bytes - self.at_once - 1, -1, -1)
         return tuple(_locate_half_byte(place) for place in places)
 
     @property
     def first(self) -> HalfByte:
-        return _locate_half_byte(self._bytes - 1)
+        return _locate_half_byte(self._register_bytes - 1)
 
     @property
     def needs_high(self) -> bool:
@@ -137,7 +137,7 @@ class WordCrc:
         return fold_plan(self.crc.width, self.crc.poly, 8) if self.crc.width < 8 else ()
 
     @property
-    def _bytes(self) -> int:
+    def _register_bytes(self) -> int:
         return (self.bits + 7) // 8
 
 

@@ -191,7 +191,7 @@ def without_settings(text: str, settings: Collection[str]) -> str:
     return "".join(kept_lines)
 
 
-def needed_by(roots: Iterable[str], declarations: Sequence[Declaration]) -> list[Declaration]:
+def declarations_needed_by(roots: Iterable[str], declarations: Sequence[Declaration]) -> list[Declaration]:
     """Return the declarations that ``roots`` name, those that they need, and the titles above them, in their order."""
     declaration_by_name: dict[str, Declaration] = {}
     for declaration in declarations:

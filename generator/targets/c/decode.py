@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from ...model import Field, assert_never
 from ...model.record import dataclass
 from ...plan.codec import ShiftedBits, characters, is_plain_flag
-from ...plan.operations import AlwaysIs, Check, ParityIs, Part, Whole, ZerosAbove
+from ...plan.operations import AlwaysIs, Check, JoinedNumber, ParityIs, Part, ZerosAbove
 from ...plan.values import (
     Active,
     Characters,
@@ -28,7 +28,7 @@ from .names import (
     Number,
     Operation,
     c_name,
-    joined,
+    join_operands,
     masked,
     unsigned,
 )
@@ -118,7 +118,7 @@ class Decoder:
 
     def bits_as_sent(self, field: Field) -> Expr:
         """Return the bits of a field before any Gray code is converted."""
-        return self.reader.sent(field)
+        return self.reader.bits_as_sent(field)
 
     # -- errors
 
@@ -176,8 +176,8 @@ class Decoder:
                 mask = constant.mask
                 expected_value = constant.value
         for piece, number in pieces:
-            mask |= piece.mask << piece.right
-            expected_value |= ((number >> piece.left) & piece.mask) << piece.right
+            mask |= piece.mask << piece.low_in_byte
+            expected_value |= ((number >> piece.low_in_number) & piece.mask) << piece.low_in_byte
         whole_byte = Name(f"bytes[{byte}]")
         compared_bits = masked(whole_byte, mask) if mask != 0xFF else whole_byte
         return Operation("!=", (compared_bits, Number(expected_value, hexadecimal=True)))
@@ -188,7 +188,7 @@ class Decoder:
         selector = parity.selector
         other_value = self.struct.is_none_of(selector, self.local(selector), selects, is_raw=True)
         other_parity = Operation("!=", (self.local(parity.field), Number(known_parity)))
-        return joined("||", (other_value, other_parity))
+        return join_operands("||", (other_value, other_parity))
 
     def _mask_in_word(self, parity: ParityIs) -> int:
         """Return the mask of a parity bit and all bits that it covers, 0 if they are not always in the lower 32 bits.
@@ -220,7 +220,7 @@ class Decoder:
     # -- members
 
     @property
-    def fills(self) -> Iterator[FlagsIn | Part | Whole | UnusedIn | UnusedAre]:
+    def fill_operations(self) -> Iterator[FlagsIn | Part | JoinedNumber | UnusedIn | UnusedAre]:
         """The operations that fill the members, in order. Unused bits are taken from a byte together with its flags."""
         unused = self.struct.unused
         # The unused bits of each byte that no operation has taken yet. It shrinks in the calls below.
@@ -251,14 +251,14 @@ class Decoder:
         if not ungathered:
             yield UnusedAre(unused.member_from(Name("unused")))
 
-    def _parts_and_wholes(self) -> Iterator[FlagsIn | Part | Whole]:
+    def _parts_and_wholes(self) -> Iterator[FlagsIn | Part | JoinedNumber]:
         """Yield all parts and joins. The byte of adjacent flags comes before the first of them."""
         flags_in = self._first_flags_of_bytes()
         for part in self.plan.parts:
             if part.field.name in flags_in:
                 yield flags_in[part.field.name]
             yield part
-        yield from self.plan.wholes
+        yield from self.plan.joined_numbers
 
     def _first_flags_of_bytes(self) -> dict[str, FlagsIn]:
         """Return the bytes of flags, by the name of the first flag of each run of flags in the same byte.
@@ -288,7 +288,7 @@ class Decoder:
             case Raw() | Named():
                 yield name, self._bits_as(type_, part)
             case TwosComplement():
-                width = self.struct.scope.of(part.field.width)
+                width = self.struct.scope.expression_of(part.field.width)
                 yield name, Cast(type_, Call("cw_signed", (bits, width)))
             case ZeroMeans(number):
                 is_zero = Operation("==", (bits, Number(0)))
@@ -315,7 +315,7 @@ class Decoder:
         An active-low flag is compared with its width, which is 1, or 0 if there is no flag.
         """
         if low_is_active and not part.field.width.is_constant:
-            return Operation("!=", (bit, self.struct.scope.of(part.field.width)))
+            return Operation("!=", (bit, self.struct.scope.expression_of(part.field.width)))
         return Operation("==" if low_is_active else "!=", (bit, Number(0)))
 
     def _bits_as(self, type_: str, part: Part) -> Expr:
@@ -328,8 +328,8 @@ class Decoder:
         """Return True if a field always has the same bits."""
         return field.name in self.plan.constants
 
-    def whole(self, whole: Whole) -> Expr:
-        return self.reader.whole(whole, self.local)
+    def number_of_join(self, joined_number: JoinedNumber) -> Expr:
+        return self.reader.number_of_join(joined_number, self.local)
 
 
 def _constant_bytes(checks: Iterable[Check]) -> list[ByteIs]:
@@ -343,12 +343,12 @@ def _constant_bytes(checks: Iterable[Check]) -> list[ByteIs]:
                     constant_bytes[piece.byte] = ByteIs(piece.byte, mask=0xFF, value=0, reasons=(f"above {name}",))
             case AlwaysIs(bits=bits, value=constant):
                 for piece in bits.pieces:
-                    # Bit ``left`` of the number is bit ``right`` of the byte.
+                    # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
                     earlier = constant_bytes.get(piece.byte, ByteIs(piece.byte, mask=0, value=0, reasons=()))
-                    value_in_byte = ((constant >> piece.left) & piece.mask) << piece.right
+                    value_in_byte = ((constant >> piece.low_in_number) & piece.mask) << piece.low_in_byte
                     constant_bytes[piece.byte] = ByteIs(
                         piece.byte,
-                        mask=earlier.mask | (piece.mask << piece.right),
+                        mask=earlier.mask | (piece.mask << piece.low_in_byte),
                         value=earlier.value | value_in_byte,
                         reasons=tuple(dict.fromkeys((*earlier.reasons, name))),
                     )

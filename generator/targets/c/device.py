@@ -25,7 +25,7 @@ from .channels import channel_code
 from .chosen import chosen_variant
 from .code_facts import CodeFacts
 from .codec import StructCodec
-from .comments import Paragraph, S
+from .comments import HEADER_STYLE, Paragraph
 from .context import Context, timing_macros
 from .crc_code import CrcCode, crc_code
 from .interfaces import InterfaceCode, ReplyRequest
@@ -47,16 +47,16 @@ class _Declaring(Protocol):
 class Usage:
     """The names for reading a position: the frame, its verdict function, the member, and the request for the frame.
 
-    The request is a macro, or a frame of its own, ``asking``. ``twice`` is true if no CRC protects the frame, so that
-    two frames must agree.
+    The request is a macro, or a frame of its own, ``request_for_reply``. ``reads_twice`` is true if no CRC protects the
+    frame, so that two frames must agree.
     """
 
     frame: StructCodec
     verdict: str
     member: str
     request: str
-    asking: ReplyRequest | None
-    twice: bool
+    request_for_reply: ReplyRequest | None
+    reads_twice: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +88,7 @@ class DeviceView:
         self.reports = context.reports
         self.alternatives = context.alternatives
         self.variants = VariantCode(context)
-        self.interface = _with_path(
+        self.interface = _with_path_in_errors(
             partial(InterfaceCode, context, context.interface), "interfaces", context.interface.name
         )
         #: The order code in all samples.
@@ -100,10 +100,14 @@ class DeviceView:
         self.registers = [self._build_register(register) for register in _bank_selectors_first(device)]
         self.crcs = list(self._crc_codes())
         codes = {code.register.name: code for code in self.registers}
-        self.takers = [Taker(context, group, codes[group.register.name].access) for group in held_parameters(device)]
+        self.take_functions = [
+            Taker(context, group, codes[group.register.name].access) for group in held_parameters(device)
+        ]
         usage = self.usage
-        twice = usage is not None and usage.twice
-        self.reading = ReadCode(context, usage.frame if usage is not None else None, self.lengths, twice=twice)
+        reads_twice = usage is not None and usage.reads_twice
+        self.reading = ReadCode(
+            context, usage.frame if usage is not None else None, self.lengths, reads_twice=reads_twice
+        )
         self.initial = initial(device)
         self.read_state = f"{self.prefix}_read_state" if state_registers(device) else ""
         self.identities = list(identity_codes(context, codes))
@@ -128,11 +132,11 @@ class DeviceView:
         return self.parameter(self.prefix, "variant")
 
     def _build_register(self, register: Register) -> RegisterCode:
-        return _with_path(partial(RegisterCode, self.context, register), "registers", register.name)
+        return _with_path_in_errors(partial(RegisterCode, self.context, register), "registers", register.name)
 
     def _build_procedure(self, procedure: Procedure, codes: Mapping[str, RegisterCode]) -> ProcedureCode:
         build = partial(ProcedureCode, self.context, codes, self.read_state, procedure)
-        return _with_path(build, "procedures", procedure.name)
+        return _with_path_in_errors(build, "procedures", procedure.name)
 
     @property
     def header(self) -> str:
@@ -178,7 +182,7 @@ class DeviceView:
         return f"{self.header}pp"
 
     @property
-    def space(self) -> str:
+    def namespace(self) -> str:
         """The namespace of the functions for C++17."""
         return f"{c_name(self.maker.name)}::{c_name(self.stem)}"
 
@@ -203,7 +207,7 @@ class DeviceView:
             self.alternatives,
             [self.interface, self.lengths, self.code_facts, self.reading],
             *([optional_part] for optional_part in (self.channels, self.positions) if optional_part is not None),
-            *(self.registers, self.takers, self.identities, self.procedures, self.alarms),
+            *(self.registers, self.take_functions, self.identities, self.procedures, self.alarms),
         )
         for declaring_part in declaring_parts:
             yield from declaring_part.declared()
@@ -211,14 +215,14 @@ class DeviceView:
             yield macro.name, ("timings",)
 
     @property
-    def measured(self) -> str:
+    def position_member(self) -> str:
         """The field or join with the position, in the only frame of the interface. Empty if there is none."""
         codecs = self.interface.codecs
-        return codecs[0].measured if len(codecs) == 1 else ""
+        return codecs[0].position_member if len(codecs) == 1 else ""
 
     @property
     def manual(self) -> str:
-        return manual_of(self.device)
+        return manual_title(self.device)
 
     @property
     def errata_page(self) -> str:
@@ -231,7 +235,7 @@ class DeviceView:
         return titled_in_lists(self.device)
 
     @property
-    def traced(self) -> str:
+    def version_and_hash(self) -> str:
         """The version of the runtime, and the spec with its hash, from which a header was generated."""
         major, minor = runtime_version()
         device = self.device
@@ -240,18 +244,18 @@ class DeviceView:
     @property
     def evidence(self) -> list[Paragraph]:
         """Grade of the evidence."""
-        return [S.sentence(grade(self.device))]
+        return [HEADER_STYLE.sentence(grade(self.device))]
 
     @property
     def origin(self) -> list[Paragraph]:
         """Statements about the family that are not in its manual. Most families have none."""
         where = f"in {self.errata_page}"
         statements = (*origin(self.device), *other_editions(self.device, where), *removals(self.device))
-        return [S.sentence(statement) for statement in statements]
+        return [HEADER_STYLE.sentence(statement) for statement in statements]
 
     def documents(self, text: str) -> list[Paragraph]:
         """Return the other documents that ``text`` cites."""
-        cited_documents = (document for document in self.device.documents if _cites(text, document.key))
+        cited_documents = (document for document in self.device.documents if _has_source_with_key(text, document.key))
         return [(f"  {document.key}: ", _title_and_url(document)) for document in cited_documents]
 
     @property
@@ -291,8 +295,8 @@ class DeviceView:
                     verdict=verdict,
                     member=c_name(measurement.of),
                     request=self.interface.request_of(layout),
-                    asking=self.interface.asking(layout),
-                    twice=self._is_read_twice(codec, measurement.of),
+                    request_for_reply=self.interface.request_for_reply(layout),
+                    reads_twice=self._is_read_twice(codec, measurement.of),
                 )
         return None
 
@@ -300,11 +304,13 @@ class DeviceView:
         """Return True if no CRC protects the position, and it is not negative, so that two words can agree."""
         meanings = (part.meaning for part in codec.plan.parts if part.field.name == member)
         is_signed = any(isinstance(meaning, TwosComplement) for meaning in meanings)
-        is_unprotected = bool(codec.measured) and isinstance(self.context.interface, Ssi) and not codec.plan.only_crc
+        is_unprotected = (
+            bool(codec.position_member) and isinstance(self.context.interface, Ssi) and not codec.plan.only_crc
+        )
         return is_unprotected and not is_signed
 
     def errata(self, *paths: str) -> list[Paragraph]:
-        return [S.sentence(erratum(correction)) for correction in errata(self.device, *paths)]
+        return [HEADER_STYLE.sentence(erratum(correction)) for correction in errata(self.device, *paths)]
 
 
 def _bank_selectors_first(device: Device) -> list[Register]:
@@ -313,7 +319,7 @@ def _bank_selectors_first(device: Device) -> list[Register]:
     return sorted(device.registers, key=lambda register: register.name not in selector_names)
 
 
-def _cites(text: str, key: str) -> bool:
+def _has_source_with_key(text: str, key: str) -> bool:
     """Return True if a text has a source such as ``data sheet: page 4`` with this key."""
     # The first test is much faster, and few documents pass it.
     return f"{key}:" in text and re.search(rf"\b{key}:", text) is not None
@@ -327,7 +333,7 @@ def _is_range_of(functions: RangeFunctions, layout: Layout) -> bool:
     return any(candidate.name == layout.name for candidate in functions.layouts)
 
 
-def manual_of(device: Device) -> str:
+def manual_title(device: Device) -> str:
     """Return the title, revision, date and language of a manual, with the editions that it was compared with."""
     manual = device.manual
     editions = ", ".join(f"{edition.language} {edition.revision}" for edition in manual.editions)
@@ -369,7 +375,7 @@ def _with_known_register(parameter: Parameter, known_registers: Set[str]) -> Par
     return parameter if parameter.register in known_registers else replace(parameter, read_from="")
 
 
-def _with_path(build: Callable[[], _Built], *path: str) -> _Built:
+def _with_path_in_errors(build: Callable[[], _Built], *path: str) -> _Built:
     """Return the result of ``build``. An error from it gets this path in the spec, unless it has one already."""
     try:
         return build()

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from ...model import Field, Piece, assert_never
 from ...plan.codec import characters
 from ...plan.limits import NoPowerOfTwo, OutsideLimits, Refusal, TooWide, refusals
-from ...plan.operations import Fixed, ParityIs, ParityOf, ReservedBits, Term, ValueOfField, Whole, ZerosAbove
+from ...plan.operations import Fixed, JoinedNumber, ParityIs, ParityOf, ReservedBits, Term, ValueOfField, ZerosAbove
 from ...plan.values import (
     Active,
     Characters,
@@ -27,7 +27,7 @@ from .names import (
     Number,
     Operation,
     c_name,
-    joined,
+    join_operands,
     masked,
     shifted_left,
     shifted_right,
@@ -73,9 +73,9 @@ class Encoder:
                 needs_cast = False
         return Cast("uint32_t", self.member_of(field)) if needs_cast else self.member_of(field)
 
-    def joined(self, whole: Whole) -> Expr:
+    def number_from_members(self, joined_number: JoinedNumber) -> Expr:
         """Return the number that the members of a join form, the first one in its highest bits."""
-        return self.reader.joined(whole, self._unsigned_bits_of_member)
+        return self.reader.number_from_fields(joined_number, self._unsigned_bits_of_member)
 
     def total(self, field: Field) -> Expr:
         """Return the number that a field's runs of digits form, such as ``(uint32_t)in->tens * 10U + in->ones``."""
@@ -87,7 +87,7 @@ class Encoder:
                 products.append(Operation("*", (Cast(type_of_total, run_member), Number(run.divisor))))
             else:
                 products.append(run_member)
-        return joined("+", tuple(products))
+        return join_operands("+", tuple(products))
 
     # -- the word
 
@@ -124,7 +124,7 @@ class Encoder:
         # A member of a small type would be promoted to a signed one.
         if is_at_bit_0:
             return Cast(self.word_type, value) if isinstance(value, Name) else value
-        return shifted_left(Cast(self.word_type, value), self.struct.scope.of(low))
+        return shifted_left(Cast(self.word_type, value), self.struct.scope.expression_of(low))
 
     def _is_always_zero(self, term: Term) -> bool:
         """Return True if a term is a constant field or a parity bit that is always 0."""
@@ -157,7 +157,7 @@ class Encoder:
         if self.plan.parity_covers_gray or width.is_constant:
             return bit
         # The width is 1 or 0 by order code, which makes it the mask of the bit.
-        return Operation("&", (bit, self.struct.scope.of(width)))
+        return Operation("&", (bit, self.struct.scope.expression_of(width)))
 
     def _parity_of_members(self, parity: ParityOf) -> Expr:
         """Return the parity of the members that a parity bit covers, 1 for an odd number of ones."""
@@ -204,7 +204,7 @@ class Encoder:
             return Conditional(flag, Number(0), Number(1))
         # The width is 1, which inverts the bit, or 0 if the order code has no flag. Its bit is then 0 ^ 0.
         active = Conditional(flag, Number(1), Number(0))
-        width = self.struct.scope.of(field.width)
+        width = self.struct.scope.expression_of(field.width)
         return Operation("^", (Cast("uint64_t", active), Cast("uint64_t", width)))
 
     # -- the bytes
@@ -220,7 +220,7 @@ class Encoder:
         for byte, constant in self._constant_bits_by_byte().items():
             if byte in expressions:
                 constants = [Number(constant, hexadecimal=True)] if constant else []
-                yield byte, _as_byte(joined("|", (*constants, *expressions[byte])))
+                yield byte, _as_byte(join_operands("|", (*constants, *expressions[byte])))
             elif byte not in crc_bytes:
                 yield byte, Number(constant, hexadecimal=True)
 
@@ -237,9 +237,9 @@ class Encoder:
         for term in self.plan.terms:
             if isinstance(term.value, Fixed):
                 for piece in term.field.pieces:
-                    # Bit ``left`` of the number is bit ``right`` of the byte.
-                    bits_of_piece = (term.value.number >> piece.left) & piece.mask
-                    constants[piece.byte] |= bits_of_piece << piece.right
+                    # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
+                    bits_of_piece = (term.value.number >> piece.low_in_number) & piece.mask
+                    constants[piece.byte] |= bits_of_piece << piece.low_in_byte
         return constants
 
     def _variable_bits_by_byte(self) -> dict[int, list[Expr]]:
@@ -264,8 +264,8 @@ class Encoder:
                 yield from self._bits_in_bytes(term, field)
             case ParityOf():
                 for piece in term.field.pieces:
-                    parity = shifted_right(self._express_value(term), piece.left)
-                    yield piece.byte, shifted_left(parity, piece.right)
+                    parity = shifted_right(self._express_value(term), piece.low_in_number)
+                    yield piece.byte, shifted_left(parity, piece.low_in_byte)
             case _:
                 assert_never(term.value)
 
@@ -289,7 +289,7 @@ class Encoder:
                 is_split = len(field.pieces) > 1
                 for piece in field.pieces:
                     # Bits above the type of the member are 0.
-                    if piece.left < size_of(widest_value(field)):
+                    if piece.low_in_number < size_of(widest_value(field)):
                         yield (
                             piece.byte,
                             self._piece_in_byte(field, piece, self._express_value(term), may_be_wider=is_split),
@@ -302,18 +302,18 @@ class Encoder:
 
         ``may_be_wider`` is True if ``bits`` can have ones above the piece, which must be masked.
         """
-        bits_of_piece = shifted_right(bits, piece.left)
+        bits_of_piece = shifted_right(bits, piece.low_in_number)
         if may_be_wider and piece.mask != 0xFF:
             bits_of_piece = masked(bits_of_piece, piece.mask)
-        if piece.right:
-            return shifted_left(Cast("uint32_t", bits_of_piece), piece.right)
+        if piece.low_in_byte:
+            return shifted_left(Cast("uint32_t", bits_of_piece), piece.low_in_byte)
         is_wide_member = isinstance(bits_of_piece, Name) and self.struct.type_of(field) != unsigned(8)
         return Cast("uint32_t", bits_of_piece) if is_wide_member else bits_of_piece
 
 
 def _flag_in_byte(flag: Expr, piece: Piece, *, low_is_active: bool) -> Expr:
     """Return the bit of a flag at its place in its byte, such as ``in->error ? 0x80U : 0x00U``."""
-    bit = Number(piece.mask << piece.right, hexadecimal=True)
+    bit = Number(piece.mask << piece.low_in_byte, hexadecimal=True)
     zero = Number(0, hexadecimal=True)
     return Conditional(flag, zero, bit) if low_is_active else Conditional(flag, bit, zero)
 

@@ -20,8 +20,21 @@ from ...say.report import alarm_of, remedy, source
 from ...say.report import meaning as report_meaning
 from ...say.text import Statement, spec_text, statement
 from .. import TargetError
-from .comments import Paragraph, S
-from .names import Cast, Conditional, Declared, Expr, Name, Number, Operation, Scope, c_name, joined, masked, unsigned
+from .comments import HEADER_STYLE, Paragraph
+from .names import (
+    Cast,
+    Conditional,
+    Declared,
+    Expr,
+    Name,
+    Number,
+    Operation,
+    Scope,
+    c_name,
+    join_operands,
+    masked,
+    unsigned,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +97,7 @@ class Enumerations:
                 if isinstance(meaning_of(field), Named):
                     # The title of a register whose only field it is.
                     sole = title(register) if len(register.layout.fields) == 1 else ""
-                    self._add_enumeration(f"reg_{register.name}", field, ("registers", register.name), sole)
+                    self._add_enumeration(f"reg_{register.name}", field, ("registers", register.name), sole=sole)
 
     def of(self, *path: str) -> list[Enumeration]:
         """Return those declared with this part of the spec, such as ``("registers", "status")``, or one inside it."""
@@ -97,24 +110,24 @@ class Enumerations:
         register whose only field it is, which has its own ``PREFIX_REGISTER``.
         """
         if sole:
-            self._add_new(owner, field, path, f"{self.prefix}_{path[-1]}", sole)
+            self._add_new(owner, field, path, type_=f"{self.prefix}_{path[-1]}", sole=sole)
             return
         if field.name not in self._shared:
-            enumeration = self._add_new(owner, field, path, f"{self.prefix}_{field.name}")
+            enumeration = self._add_new(owner, field, path, type_=f"{self.prefix}_{field.name}")
             self._shared[field.name] = (field.values, enumeration)
             return
         shared_values, shared_enumeration = self._shared[field.name]
         if shared_values == field.values:
             self.choices[owner, field.name] = shared_enumeration
         else:
-            self._add_new(owner, field, path, f"{self.prefix}_{path[-1]}_{field.name}")
+            self._add_new(owner, field, path, type_=f"{self.prefix}_{path[-1]}_{field.name}")
 
     def _add_new(self, owner: str, field: Field, path: Path, type_: str, sole: str = "") -> Enumeration:
         """Add and return a new enumeration with the values of a field."""
         statements = () if sole else tuple(meaning(field, field.meaning))
         enumeration = Enumeration(
             type=type_,
-            about=S.paragraph(statements) or f"Values of {sole or title(field)}.",
+            about=HEADER_STYLE.paragraph(statements) or f"Values of {sole or title(field)}.",
             statements=statements,
             entries=tuple(
                 Entry(f"{type_}_{value.name}".upper(), value.value, _describe_constant(value)) for value in field.values
@@ -133,7 +146,9 @@ def _describe_constant(value: Value) -> str:
     # Omit a printed name of one word that the constant already has. Keep longer ones, for readers who search for them.
     has_printed_name = printed(value).lower() == value.name
     statements = spec_text(value.meaning) if has_printed_name else meaning(value, value.meaning)
-    return S.paragraph(replace(statement, source=value.source) for statement in statements) or words(value.name)
+    return HEADER_STYLE.paragraph(replace(statement, source=value.source) for statement in statements) or words(
+        value.name
+    )
 
 
 #: Names of the other arguments and locals in the functions of a frame.
@@ -155,17 +170,17 @@ class AlternativeCode:
     """An alternative. ``argument`` is the name of the argument for the answer."""
 
     def __init__(self, device: Device, prefix: str, alternative: Alternative) -> None:
-        self.item = alternative
+        self.alternative = alternative
         self.type = f"{prefix}_{alternative.name}"
         self.argument = c_name(alternative.name, _TAKEN)
         #: Name of the chosen answer in the programs.
         self.constant = f"my_{alternative.name}"
         about = [
-            S.sentence(statement(alternative.meaning, source=alternative.source)),
+            HEADER_STYLE.sentence(statement(alternative.meaning, source=alternative.source)),
             "Choose the answer for your encoder. No known source settles it, and there is no default.",
         ]
         for correction in errata(device, f"alternatives.{alternative.name}"):
-            about.append(S.sentence(erratum(correction)))
+            about.append(HEADER_STYLE.sentence(erratum(correction)))
         self.enumeration = Enumeration(
             type=self.type,
             about=about,
@@ -178,11 +193,11 @@ class AlternativeCode:
         self.functions = tuple(self._build_function(prefix, parameter) for parameter in dependent)
 
     def _build_constant(self, index: int, answer: Answer) -> Entry:
-        note = S.sentence(statement(answer.meaning, source=answer.source))
+        note = HEADER_STYLE.sentence(statement(answer.meaning, source=answer.source))
         return Entry(f"{self.type}_{answer.name}".upper(), index, note)
 
     def _build_function(self, prefix: str, parameter: Parameter) -> AnsweredBy:
-        about = S.sentence(statement(parameter.meaning, source=parameter.source))
+        about = HEADER_STYLE.sentence(statement(parameter.meaning, source=parameter.source))
         return AnsweredBy(f"{prefix}_{parameter.name}", about, self._express_parameter(parameter.name))
 
     def declared(self) -> Iterator[Declared]:
@@ -195,7 +210,7 @@ class AlternativeCode:
 
         The last answer is the default branch.
         """
-        *other_answers, last_answer = self.item.answers
+        *other_answers, last_answer = self.alternative.answers
         *other_constants, _ = self.enumeration.entries
         expression: Expr = Number(last_answer.sets[parameter])
         for constant, answer in reversed(list(zip(other_constants, other_answers, strict=True))):
@@ -207,7 +222,9 @@ class AlternativeCode:
 def alternatives_in(alternatives: tuple[AlternativeCode, ...], *expressions: Expression) -> tuple[AlternativeCode, ...]:
     """Return the alternatives on whose answers these expressions depend: those that set a parameter in them."""
     names = {name for expression in expressions for name in expression.parameters}
-    return tuple(alternative for alternative in alternatives if not names.isdisjoint(alternative.item.answers[0].sets))
+    return tuple(
+        alternative for alternative in alternatives if not names.isdisjoint(alternative.alternative.answers[0].sets)
+    )
 
 
 _UNUSED = Name("frame->unused")
@@ -248,7 +265,7 @@ class FrameReports:
         """The terms of the mask of its reports, such as ``frame->error ? ACME_X_REPORT_ERROR : 0U``."""
         for report_cause in self.reporting.causes:
             is_for_encoder = [self._holds(only) for only in report_cause.conditions]
-            condition = joined("&&", (*is_for_encoder, self._is_active(report_cause.by)))
+            condition = join_operands("&&", (*is_for_encoder, self._is_active(report_cause.by)))
             yield Conditional(condition, self.family.constant(report_cause.report), Number(0))
 
     @property
@@ -277,15 +294,15 @@ class FrameReports:
         """Return the condition that a cause is active."""
         if isinstance(cause, Reserved):
             return self._differs_in([cause])
-        return joined("&&", tuple(self._conditions_of(cause)))
+        return join_operands("&&", tuple(self._conditions_of(cause)))
 
     def _conditions_of(self, flag_or_match: Part | Match) -> Iterator[Expr]:
         """Yield the conditions that a flag is active, or that fields have their values."""
         if isinstance(flag_or_match, Part):
-            yield Name(_member_of(flag_or_match))
+            yield Name(_struct_member(flag_or_match))
             return
         for part, value in flag_or_match.conditions:
-            member = _member_of(part)
+            member = _struct_member(part)
             if isinstance(part.meaning, Active):
                 yield Name(member if value else f"!{member}")
             else:
@@ -293,7 +310,7 @@ class FrameReports:
                 yield Operation("==", (Name(member), Name(enumeration.names[value])))
 
     @property
-    def worse(self) -> Iterator[tuple[Expr, Verdict]]:
+    def conditions_of_worse_verdicts(self) -> Iterator[tuple[Expr, Verdict]]:
         """The conditions of verdicts worse than ``otherwise``, worst first, several of the same verdict one by one.
 
         Compilers that see flags joined by ``||`` load neighbouring members as one number, so that the decoder must
@@ -304,7 +321,7 @@ class FrameReports:
         causes_by_verdict = dict(self._causes_by_verdict)
         for verdict in Verdict:
             if verdict is Verdict.UNKNOWN and self.judgement.may_be_unknown:
-                judging_bits = self.family.scope.of(self.judgement.judging_bits)
+                judging_bits = self.family.scope.expression_of(self.judgement.judging_bits)
                 yield Operation("==", (judging_bits, Number(0))), verdict
             else:
                 for condition in self._conditions_of_causes(causes_by_verdict.get(verdict, ())):
@@ -321,9 +338,9 @@ class FrameReports:
                 reserved_causes.append(cause.by)
             else:
                 is_for_encoder = [self._holds(only) for only in cause.conditions]
-                combining_flags_are_inactive = [Name(f"!{_member_of(flag)}") for flag in cause.unless]
+                combining_flags_are_inactive = [Name(f"!{_struct_member(flag)}") for flag in cause.unless]
                 conditions = (*is_for_encoder, *self._conditions_of(cause.by), *combining_flags_are_inactive)
-                yield joined("&&", conditions)
+                yield join_operands("&&", conditions)
         if reserved_causes:
             yield self._differs_in(reserved_causes)
 
@@ -413,14 +430,16 @@ def _report_note(device: Device, report: Report) -> str:
     """Return the comment on a report: the title of its field, ``unused`` if it has no use, and the source."""
     field = report.field
     unused = ", unused" if report.is_unused else ""
-    return S.sentence(statement(title(field), unused, source=source(field, alarm_of(device, field))))
+    return HEADER_STYLE.sentence(statement(title(field), unused, source=source(field, alarm_of(device, field))))
 
 
-def _express_condition(scope: Scope, only: Only) -> Expr:
+def _express_condition(scope: Scope, parameter_condition: Only) -> Expr:
     """Return the condition on a parameter of the order code, such as ``variant.has_warning != 0U``."""
-    return Operation("!=" if only.holds else "==", (scope.member(only.parameter), Number(0)))
+    return Operation(
+        "!=" if parameter_condition.holds else "==", (scope.member(parameter_condition.parameter), Number(0))
+    )
 
 
-def _member_of(part: Part) -> str:
+def _struct_member(part: Part) -> str:
     """Return the member of a flag or field in the struct of a frame."""
     return f"frame->{c_name(part.field.name)}"

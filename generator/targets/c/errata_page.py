@@ -9,7 +9,7 @@ from ...model import Device, Erratum, Manufacturer, cite, layer_in_words
 from ...model.record import dataclass
 from ...say.errata import changed, paths_in_words
 from ...say.text import sentence
-from .device import manual_of
+from .device import manual_title
 from .names import errata_page_name
 
 ERRATA_TEMPLATE = "ERRATA.md.jinja"
@@ -63,7 +63,7 @@ def _family_errata(device: Device) -> FamilyErrata:
             changes.setdefault(layer_in_words(erratum.overlay, erratum.edition), []).append(labelled_texts)
     return FamilyErrata(
         title=device.title,
-        manual=manual_of(device),
+        manual=manual_title(device),
         errata=tuple(map(_erratum_text, of_manual)),
         editions=tuple((edition, tuple(labelled_texts)) for edition, labelled_texts in changes.items()),
     )

@@ -23,12 +23,12 @@ from ...model import (
     number_to_bytes,
 )
 from ...model.record import dataclass
-from ...plan.frames import SSI_AROUND, FrameSize, received
+from ...plan.frames import SSI_AROUND, FrameSize, received_sizes
 from ...plan.operations import Part
 from ...plan.steps import Sends
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, meaning_of
 from ...say.names_and_places import title, words
-from ...say.text import WORTH
+from ...say.text import VERDICT_CLAUSES
 from .chosen import Chosen, Frame, NoFrame
 from .codec import StructCodec
 from .comments import ascii_text
@@ -62,7 +62,7 @@ class ShownRegister:
     def members(self) -> int:
         """The number of members in its struct."""
         plan = self.struct.plan
-        return len(plan.wholes) + sum(1 + len(part.field.runs) for part in plan.parts)
+        return len(plan.joined_numbers) + sum(1 + len(part.field.runs) for part in plan.parts)
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,8 +161,8 @@ class ExampleCode:
     @property
     def received(self) -> list[FrameSize]:
         """The lengths of the frame as received, one for each order code, with the first answers of alternatives."""
-        first_answers = [question.item.answers[0] for question in self.alternatives]
-        received_frames = received(self.view.device, self.interface)
+        first_answers = [question.alternative.answers[0] for question in self.alternatives]
+        received_frames = received_sizes(self.view.device, self.interface)
         frames_of_layout = [frame for frame in received_frames if frame.layout is self.frame.layout]
         return [frame for frame in frames_of_layout if _has_only_answers(frame, first_answers)]
 
@@ -190,7 +190,7 @@ class ExampleCode:
     @property
     def verdict_words(self) -> tuple[str, ...]:
         """The verdicts in words, ordered by number."""
-        return tuple(WORTH[verdict] for verdict in Verdict)
+        return tuple(VERDICT_CLAUSES[verdict] for verdict in Verdict)
 
     @property
     def data(self) -> bytes:
@@ -248,17 +248,17 @@ class ExampleCode:
         return ""
 
     @property
-    def asking(self) -> ReplyRequest | None:
+    def request_for_reply(self) -> ReplyRequest | None:
         """The request frame over RS-485, with the numbers of its reply, or None if it is only a control field."""
         parameters = self._chosen.variant.parameters
         numbers: dict[str, int] = {}
         for placed_field in self.frame.layout.place(parameters).fields:
             if isinstance(meaning_of(placed_field.field), Raw):
                 numbers[placed_field.name] = (self.frame.wire >> placed_field.low) & placed_field.mask
-        for whole in self.struct.plan.wholes:
+        for whole in self.struct.plan.joined_numbers:
             if all(field.name in numbers for field in whole.fields):
                 numbers[whole.join.name] = whole.joined(numbers, parameters)
-        return self.view.interface.asking(self.frame.layout, numbers)
+        return self.view.interface.request_for_reply(self.frame.layout, numbers)
 
     @property
     def request(self) -> str:
@@ -276,7 +276,7 @@ class ExampleCode:
         return max((layout.widest // 8 for layout in frames), default=0)
 
     @property
-    def polls(self) -> bool:
+    def can_poll(self) -> bool:
         """True if a main loop can request the frame and carry out the procedure, with a reply to every request.
 
         The procedure has no arguments and reads nothing.
@@ -305,7 +305,7 @@ class ExampleCode:
         return c_name(measurement.of) if measurement is not None else ""
 
     @property
-    def repeats(self) -> bool:
+    def reads_word_twice(self) -> bool:
         """True if the word is read twice: no CRC protects it, and its position is not negative, so both can agree."""
         return bool(self.counts) and not self.is_signed(self.counts) and not self.has_crc
 
@@ -335,11 +335,11 @@ class ExampleCode:
 
     @property
     def has_registers(self) -> bool:
-        return bool(self.reads) or any(isinstance(step, RegisterStep) for step in self._steps)
+        return bool(self.reads) or any(isinstance(step, RegisterStep) for step in self._procedure_steps)
 
     @property
     def sends(self) -> bool:
-        return any(isinstance(step, SendStep) for step in self._steps)
+        return any(isinstance(step, SendStep) for step in self._procedure_steps)
 
     @property
     def size(self) -> int:
@@ -347,7 +347,7 @@ class ExampleCode:
         return max((128, *(register.last_address + 1 for register in self.view.device.registers)))
 
     @property
-    def _steps(self) -> tuple[object, ...]:
+    def _procedure_steps(self) -> tuple[object, ...]:
         return self.run.code.run.procedure.steps if self.run is not None else ()
 
     def _shown_run(self) -> ShownRun | None:
@@ -388,7 +388,7 @@ class ExampleCode:
 
         Those that the procedure writes have their factory default instead, or 0 if the manual gives none.
         """
-        written_names = {step.register for step in self._steps if isinstance(step, (WriteStep, ModifyStep))}
+        written_names = {step.register for step in self._procedure_steps if isinstance(step, (WriteStep, ModifyStep))}
         registers_and_examples = sorted(self._chosen.registers.values(), key=_address_of_register)
         for register, example in registers_and_examples:
             if register.name in written_names:

@@ -20,18 +20,27 @@ from ...model import Device, Digits, Join, Manufacturer
 from ...model.expressions import Expression
 from ...plan import steps
 from ...plan.limits import Refusal
-from ...plan.operations import Check, Whole
+from ...plan.operations import Check, JoinedNumber
 from ...render import Templates, our_templates, tests_for
-from ...say.layout import join as said_of_join
-from ...say.markdown import text as markdown_text
+from ...say.layout import join as say_join
+from ...say.markdown import escape as markdown_text
 from ...say.names_and_places import addresses, title, words
 from ...say.plain_text import plain
-from ...say.text import BY_TITLE
+from ...say.text import TITLE_STYLE
 from .. import NO_OPTIONS, Library, Option, OptionError, Options, Target, TargetError, TargetProblem
 from ..registry import licence_in
-from .about import place
+from .about import place_of_field
 from .bits import digits
-from .comments import break_lines, comment, comment_lines, documented, end_comment, in_comment, in_lines, literals
+from .comments import (
+    break_lines,
+    call_in_lines,
+    comment,
+    comment_lines,
+    end_comment,
+    in_comment,
+    literals,
+    mark_for_doxygen,
+)
 from .crc_functions import FoldOperation
 from .decode import ByteIs, FlagsIn, UnusedAre, UnusedIn
 from .device import DeviceView, Part, views_of
@@ -43,8 +52,8 @@ from .names import (
     FOLDER,
     Passing,
     c_name,
-    called,
     clashes,
+    describe_path,
     mask,
     number,
     runtime_headers,
@@ -73,7 +82,7 @@ from .single import SingleHeader, single_header, single_path, single_views
 
 #: Operations of the plan and further operations of this target.
 TESTS = tests_for(
-    *(Expression, Check, Refusal, Whole, steps.Operation, steps.ArgumentRefusal),
+    *(Expression, Check, Refusal, JoinedNumber, steps.Operation, steps.ArgumentRefusal),
     *(ByteIs, FlagsIn, UnusedIn, UnusedAre, FoldOperation, FilledRows, Positions, Work),
 )
 
@@ -93,14 +102,14 @@ def _format_markdown(text: object) -> str:
     return markdown_text(in_comment(text))
 
 
-def _digits_type(run: Digits) -> str:
+def _digits_type(digit_run: Digits) -> str:
     """Return the type that holds a run of decimal digits."""
-    return unsigned((run.modulus - 1).bit_length())
+    return unsigned((digit_run.modulus - 1).bit_length())
 
 
-def _made_of(join: Join) -> str:
+def _fields_of_join(join: Join) -> str:
     """Describe which fields form a number."""
-    return BY_TITLE.sentence(said_of_join(join))
+    return TITLE_STYLE.sentence(say_join(join))
 
 
 def _count_bytes(count: int) -> str:
@@ -118,15 +127,15 @@ FILTERS: dict[str, Callable[..., object]] = {
     "digits_of": digits,
     "digits_type": _digits_type,
     "hex": _format_hex,
-    "in_lines": in_lines,
+    "in_lines": call_in_lines,
     "in_words": words,
     "literals": literals,
     "mask": mask,
     "md": _format_markdown,
     "never": _refuse_operation,
     "number": number,
-    "made_of": _made_of,
-    "place": place,
+    "made_of": _fields_of_join,
+    "place": place_of_field,
     "string": string,
     "text": in_comment,
     "title": title,
@@ -203,7 +212,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     views = [view for device in devices for view in views_of(device, passing)]
     # The first clash ends the function.
     for device, clash in clashes((view.device, view.names) for view in views):
-        raise TargetError(f"{device.name}: {called(clash.path)}: {clash.message()}")
+        raise TargetError(f"{device.name}: {describe_path(clash.path)}: {clash.message()}")
     if views:
         runtime = needed_runtime(views) if options.get(ONLY.name) else runtime_headers()
         files |= {f"c/include/{FOLDER}/{name}": text for name, text in runtime.items()} | licence_in("c")
@@ -218,8 +227,8 @@ def _shared_files(
 ) -> dict[str, str]:
     """Return the self-test, the package and the pages that all families share, by their path in the C folder."""
 
-    def render(template: str, values: Mapping[str, object]) -> str:
-        return _render_template(library, template, values)
+    def render(template: str, template_values: Mapping[str, object]) -> str:
+        return _render_template(library, template, template_values)
 
     tests = [test for test in map(SelfTest, views) if test.checks]
     files = selftest_files(views, tests, render)
@@ -241,8 +250,8 @@ def _yield_family_files(device: Device, library: Library, options: Options) -> I
     Form ``single`` has only the headers for order codes. Passing by address has only the headers for C.
     """
 
-    def later(template: str, values: Mapping[str, object]) -> Callable[[], str]:
-        return partial(_render_template, library, template, values)
+    def later(template: str, template_values: Mapping[str, object]) -> Callable[[], str]:
+        return partial(_render_template, library, template, template_values)
 
     passing = _choose_passing(options)
     if options.get(FORM.name) == "single":
@@ -301,11 +310,11 @@ def _template_values(view: DeviceView) -> Family:
     return {"maker": view.maker, "PREFIX": view.maker.name.upper(), "d": view}
 
 
-def _render_template(library: Library, template: str, values: Mapping[str, object]) -> str:
+def _render_template(library: Library, template: str, template_values: Mapping[str, object]) -> str:
     """Render a template. C files get their long lines broken, and headers also the marks of Doxygen."""
-    text = TEMPLATES.render(template, values, library.own_templates)
+    text = TEMPLATES.render(template, template_values, library.own_templates)
     if template.endswith((".h.jinja", ".hpp.jinja")):
-        return documented(break_lines(text))
+        return mark_for_doxygen(break_lines(text))
     return break_lines(text) if template.endswith((".c.jinja", ".ino.jinja")) else text
 
 

@@ -22,11 +22,11 @@ from ...model import (
 )
 from ...model.order_codes import repeated_names
 from ...model.record import dataclass
-from ...plan.frames import Branch, Dispatch, Exchanged, answer, dispatches, exchanges
+from ...plan.frames import Branch, Dispatch, Exchanged, dispatches, exchanges, reply_to_data_id
 from ...say.errata import errata, erratum
 from ...say.names_and_places import title
 from ...say.order_code import control_field, data_id, exchange, settings, timing
-from ...say.order_code import interface as said_of
+from ...say.order_code import interface as say_interface
 from ...say.text import Statement
 from .about import about_layout
 from .bits import of_bytes
@@ -40,7 +40,7 @@ from .code_facts import (
     timeout_product,
 )
 from .codec import StructCodec
-from .comments import Paragraph, S
+from .comments import HEADER_STYLE, Paragraph
 from .context import Context, Macro, timing_macros
 from .names import Declared, Expr, c_name, number
 from .structs import Struct
@@ -76,15 +76,15 @@ class FrameTeller:
 class ReplyRequest:
     """Request for a reply: its initial value, the function that receives the reply, and a time-out.
 
-    ``repeated`` are the numbers that the reply repeats, such as an address. The time-out is the time that both take on
-    the line, plus ``ANSWER_US`` until the encoder answers.
+    ``repeated_members`` are the numbers that the reply repeats, such as an address. The time-out is the time that both
+    take on the line, plus ``ANSWER_US`` until the encoder answers.
     """
 
     codec: StructCodec
     initial: str
     take: str
-    late_us: int
-    repeated: tuple[str, ...]
+    latest_reply_us: int
+    repeated_members: tuple[str, ...]
 
 
 class InterfaceCode:
@@ -104,7 +104,9 @@ class InterfaceCode:
         self.controls = tuple(self._yield_control_macros())
         self.about = list(self._yield_comment())
         self.enumerations = context.enumerations.of("interfaces", interface.name)
-        self.tellers = tuple(FrameTeller(context, self.prefix, dispatch) for dispatch in dispatches(interface.layouts))
+        self.frame_selectors = tuple(
+            FrameTeller(context, self.prefix, dispatch) for dispatch in dispatches(interface.layouts)
+        )
         self.codecs = tuple(self._build_codec(context, layout) for layout in interface.layouts)
 
     def declared(self) -> Iterator[Declared]:
@@ -117,7 +119,7 @@ class InterfaceCode:
         if self.frames:
             yield f"{self.prefix}_frame", path
             yield f"{self.prefix}_frame_length", path
-        for teller in self.tellers:
+        for teller in self.frame_selectors:
             yield teller.by_bytes, path
             yield teller.by_value, path
         for name in function_names(self.clock_limits, self.timeouts):
@@ -142,7 +144,7 @@ class InterfaceCode:
     def frames(self) -> list[Layout]:
         """The frames that a field distinguishes."""
         names: set[str] = set()
-        for teller in self.tellers:
+        for teller in self.frame_selectors:
             names.update(branch.layout.name for branch in teller.dispatch.branches)
             if teller.dispatch.fallback is not None:
                 names.add(teller.dispatch.fallback.name)
@@ -154,11 +156,11 @@ class InterfaceCode:
         if not isinstance(interface, Rs485):
             return ""
         for request in interface.data_ids:
-            if answer(interface, request.id) is reply:
+            if reply_to_data_id(interface, request.id) is reply:
                 return f"{self.upper}_CONTROL_{request.name}".upper()
         return ""
 
-    def asking(self, reply: Layout, values: Mapping[str, int] = MappingProxyType({})) -> ReplyRequest | None:
+    def request_for_reply(self, reply: Layout, values: Mapping[str, int] = MappingProxyType({})) -> ReplyRequest | None:
         """Return the request whose reply is a frame in bytes, with the given numbers in its fields.
 
         ``values`` are numbers by the names of fields and joins. The result is None if the frame is the reply to no
@@ -179,9 +181,9 @@ class InterfaceCode:
             codec=codec,
             initial=codec.struct.initial(parameters, values),
             take=_take_function(exchanged),
-            late_us=ANSWER_US + _time_on_line_us(ports[0], bytes_on_line),
+            latest_reply_us=ANSWER_US + _time_on_line_us(ports[0], bytes_on_line),
             # C does not compare texts by !=.
-            repeated=tuple(c_name(name) for name in common_names if codec.struct.member_type(name) != "char"),
+            repeated_members=tuple(c_name(name) for name in common_names if codec.struct.member_type(name) != "char"),
         )
 
     def _exchange_with_reply(self, reply: Layout) -> Exchanged | None:
@@ -197,7 +199,7 @@ class InterfaceCode:
     def _build_codec(self, context: Context, layout: Layout) -> StructCodec:
         """Return the struct, decoder and encoder of a frame."""
         # The functions of the only frame of an interface need no further name.
-        is_only_frame = len(self.interface.layouts) == 1 and not self.tellers
+        is_only_frame = len(self.interface.layouts) == 1 and not self.frame_selectors
         name = context.prefix if is_only_frame else f"{context.prefix}_{layout.name}"
         struct = Struct(context, layout, name, context.length_macro(layout))
         return StructCodec(struct, about_layout(self.device, self.interface, struct))
@@ -205,10 +207,10 @@ class InterfaceCode:
     def _yield_comment(self) -> Iterator[Paragraph]:
         """Yield the comment on the interface. Statements and errata on macros and layouts are in comments of those."""
         interface = self.interface
-        statements = said_of(self.device, interface)
+        statements = say_interface(self.device, interface)
         for statement in statements:
             if statement not in self._macro_statements:
-                yield S.sentence(statement)
+                yield HEADER_STYLE.sentence(statement)
         if any(layout.sender == "master" and layout.data_fields for layout in interface.layouts):
             yield "Set all members of a request, because those that an initial value leaves out are 0."
         yield from self._explain_receiving()
@@ -220,7 +222,7 @@ class InterfaceCode:
         errata_of_layouts = errata(self.device, *layout_paths)
         for correction in errata(self.device, path, *group_paths, without=layout_paths):
             if correction not in errata_of_layouts:
-                yield S.sentence(erratum(correction))
+                yield HEADER_STYLE.sentence(erratum(correction))
 
     def _explain_receiving(self) -> Iterator[Paragraph]:
         """Yield one paragraph on how to send a request and receive its reply in bytes, if there are such replies."""
@@ -243,7 +245,7 @@ class InterfaceCode:
         """Return a macro, and note a statement in its comment, so that the comment on the interface leaves it out."""
         if isinstance(about, Statement):
             self._macro_statements.append(about)
-        note = about if isinstance(about, str) else S.sentence(about)
+        note = about if isinstance(about, str) else HEADER_STYLE.sentence(about)
         return Macro(f"{self.upper}_{name}".upper(), number(value, hexadecimal), note)
 
     def _yield_macros(self) -> Iterator[Macro]:
@@ -258,58 +260,58 @@ class InterfaceCode:
                 self._macro_statements.append(timing(time))
                 yield from timing_macros(time, self.upper)
 
-    def _fact_macros(self, fact: Fact, about: Statement) -> Iterator[Macro]:
+    def _fact_macros(self, fact: Fact, statement: Statement) -> Iterator[Macro]:
         """Yield the constants of a fact. Those of some order codes are in macros of these."""
         if isinstance(fact, (Clock, Timeout)) and fact.only:
             return
         match fact:
             case Clock():
-                yield from self._yield_clock_macros(fact, about)
+                yield from self._yield_clock_macros(fact, statement)
             case CableLength():
                 if self.clock_limits:
-                    self._macro_statements.append(about)  # A function states it.
+                    self._macro_statements.append(statement)  # A function states it.
             case Timeout():
-                yield from self._yield_timeout_macros(fact, about)
+                yield from self._yield_timeout_macros(fact, statement)
             case Port():
-                yield from self._yield_port_macros(fact, about)
+                yield from self._yield_port_macros(fact, statement)
             case WordFormat():
-                yield self._define_macro("MODE", fact.mode, about)
+                yield self._define_macro("MODE", fact.mode, about=statement)
                 if len(fact.lengths) == 1 and fact.lengths[0].is_constant:
-                    yield self._define_macro("WORD_BITS", fact.lengths[0].constant, "number of bits of a word")
+                    yield self._define_macro("WORD_BITS", fact.lengths[0].constant, about="number of bits of a word")
                 late = int(fact.reply == "next_word")
-                yield self._define_macro("REPLY_WORDS", late, "number of words from a request to its reply")
+                yield self._define_macro("REPLY_WORDS", late, about="number of words from a request to its reply")
             case _:
                 pass  # Code needs no number from it.
 
-    def _yield_clock_macros(self, clock: Clock, about: Statement) -> Iterator[Macro]:
+    def _yield_clock_macros(self, clock: Clock, statement: Statement) -> Iterator[Macro]:
         """Yield the limits, and the fastest clock in use. The first macro has the comment on all of them."""
         has_comment_on_all = False
         for name, clock_hz, note in clock_limits(clock):
-            yield self._define_macro(name, clock_hz, note if has_comment_on_all else about)
+            yield self._define_macro(name, clock_hz, about=note if has_comment_on_all else statement)
             has_comment_on_all = True
 
-    def _yield_port_macros(self, port: Port, about: Statement) -> Iterator[Macro]:
-        yield self._define_macro("BAUD", port.baud, about)
-        yield self._define_macro("DATA_BITS", port.data_bits, "number of data bits")
+    def _yield_port_macros(self, port: Port, statement: Statement) -> Iterator[Macro]:
+        yield self._define_macro("BAUD", port.baud, about=statement)
+        yield self._define_macro("DATA_BITS", port.data_bits, about="number of data bits")
         yield Macro(f"{self.upper}_PARITY", _PARITIES[port.parity], f"parity: {port.parity}")
-        yield self._define_macro("STOP_BITS", port.stop_bits, "number of stop bits")
+        yield self._define_macro("STOP_BITS", port.stop_bits, about="number of stop bits")
 
     def _control_data(self, interface: Biss) -> Iterator[Macro]:
         """Yield the widths and the named values of the fields in the control data."""
         for field in interface.control_data:
-            yield self._define_macro(f"CONTROL_{field.name}_BITS", field.bits, control_field(field))
+            yield self._define_macro(f"CONTROL_{field.name}_BITS", field.bits, about=control_field(field))
             for value in field.values:
                 name = f"CONTROL_{field.name}_{value.name}"
-                yield self._define_macro(name, value.value, f"{title(field)}: {title(value)}", hexadecimal=True)
+                yield self._define_macro(name, value.value, about=f"{title(field)}: {title(value)}", hexadecimal=True)
 
-    def _yield_timeout_macros(self, timeout: Timeout, about: Statement) -> Iterator[Macro]:
+    def _yield_timeout_macros(self, timeout: Timeout, statement: Statement) -> Iterator[Macro]:
         """Yield the typical and the longest time-out. The first macro has the comment on all of them.
 
         If the time-out is not a number of clock periods, those printed for each clock follow.
         """
         for name, time_ns in timeout_limits(timeout):
-            is_above = about in self._macro_statements
-            yield self._define_macro(name, time_ns, "see above" if is_above else about)
+            is_above = statement in self._macro_statements
+            yield self._define_macro(name, time_ns, about="see above" if is_above else statement)
 
     @property
     def exchanged(self) -> str:
@@ -325,12 +327,14 @@ class InterfaceCode:
         if isinstance(self.interface, Rs485):
             for rs485_id in self.interface.data_ids:
                 yield self._define_macro(
-                    f"CONTROL_{rs485_id.name}", rs485_id.control, data_id(rs485_id), hexadecimal=True
+                    f"CONTROL_{rs485_id.name}", rs485_id.control, about=data_id(rs485_id), hexadecimal=True
                 )
         if isinstance(self.interface, Spi):
             # 0 means that there is none.
             for request_number, spi_exchange in enumerate(self.interface.exchanges, 1):
-                yield self._define_macro(f"REQUEST_{spi_exchange.request}", request_number, exchange(spi_exchange))
+                yield self._define_macro(
+                    f"REQUEST_{spi_exchange.request}", request_number, about=exchange(spi_exchange)
+                )
 
     @property
     def controls_title(self) -> str:

@@ -91,10 +91,10 @@ class Clash:
         """Return the problem and its fix. ``where`` gives the place of the other part, as in `` on line 5``."""
         if not self.other:
             return f"its C name {self.name} is already used by the headers; rename it"
-        return f"its C name {self.name} is also that of {called(self.other)}{where}; rename one of the two"
+        return f"its C name {self.name} is also that of {describe_path(self.other)}{where}; rename one of the two"
 
 
-def called(path: Path) -> str:
+def describe_path(path: Path) -> str:
     """Describe a part of the spec in words: ``the register 'status'`` for ``("registers", "status")``.
 
     Its kind is the last step of the path that has a word here, or else the first step.
@@ -319,7 +319,7 @@ def masked(value: Expr, mask: int) -> Expr:
     return Operation("&", (value, Number(mask, hexadecimal=True)))
 
 
-def joined(operator: str, operands: tuple[Expr, ...]) -> Expr:
+def join_operands(operator: str, operands: tuple[Expr, ...]) -> Expr:
     """Return the operands joined by an operator, or the only one."""
     return operands[0] if len(operands) == 1 else Operation(operator, operands)
 
@@ -373,9 +373,9 @@ class Scope:
         """Return a mask of ``width`` ones."""
         if width.is_constant:
             return Number((1 << width.constant) - 1, hexadecimal=True)
-        return Call("cw_mask", (self.of(width),))
+        return Call("cw_mask", (self.expression_of(width),))
 
-    def of(self, expression: Expression) -> Expr:
+    def expression_of(self, expression: Expression) -> Expr:
         """Return the expression in C, unsigned, such as ``8U + variant.position_bits - 1U``.
 
         No intermediate result is negative unless the result is.
@@ -395,7 +395,7 @@ class Scope:
             added[0] = Cast("uint32_t", added[0])
         if expression.constant < 0:
             subtracted.append(Number(-expression.constant))
-        return joined("-", (joined("+", tuple(added)), *subtracted))
+        return join_operands("-", (join_operands("+", tuple(added)), *subtracted))
 
     def signed(self, expression: Expression) -> Expr:
         """Return the expression in 64 bits with a sign.

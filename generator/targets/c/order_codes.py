@@ -90,7 +90,7 @@ def _repeat_unit(match: re.Match[str], *, is_last: bool) -> tuple[str, ...]:
 
     ``[0-9]{1,2}`` gives ``##`` and ``#``, or the single pattern ``#~`` at the end of an expression.
     """
-    mark = _mark_of(match["unit"])
+    mark = _mark_of_characters(match["unit"])
     if match["maybe"]:
         fewest, most = 0, 1
     else:
@@ -103,7 +103,7 @@ def _repeat_unit(match: re.Match[str], *, is_last: bool) -> tuple[str, ...]:
     return tuple(mark * count for count in range(most, fewest - 1, -1))
 
 
-def _mark_of(unit: str) -> str:
+def _mark_of_characters(unit: str) -> str:
     """Return the mark for a class of characters, or the character itself: ``#`` for ``[0-9]``, ``-`` for ``\\-``.
 
     Another class has no mark, and the result is empty.
@@ -127,7 +127,7 @@ def open_codes(device: Device) -> tuple[OpenCode, ...]:
     order_code = device.order_code
     spellings = [_Spelling(order_code.pattern, [_list_choices(part) for part in order_code.parts], is_listed=True)]
     for spelling in order_code.also_written:
-        choices = [_choices_in(part, spelling) for part in order_code.parts]
+        choices = [_choices_of_spelling(part, spelling) for part in order_code.parts]
         endings = written_out(spelling.then) if spelling.then else ("",)
         spellings += [_Spelling(spelling.pattern + ending, choices, is_listed=False) for ending in endings]
     if sum(spelling.number_of_combinations for spelling in spellings) > _MOST_COMBINATIONS:
@@ -209,7 +209,7 @@ def _open_codes_of(codes: _Codes, spelling: _Spelling) -> list[OpenCode]:
     for chosen, index in choices_and_indices:
         unlisted = _open_parts(chosen)
         if index is None:
-            is_needed = _is_covered(tuple(chosen.values()), open_choices, allowed)
+            is_needed = _is_matched_by_open_pattern(tuple(chosen.values()), open_choices, allowed)
         else:
             is_needed = bool(unlisted) or not spelling.is_listed
         if is_needed:
@@ -227,7 +227,7 @@ def _open_choices(choices: Sequence[_Choice]) -> list[_Choice]:
     return [choice for choice in choices if choice.is_open]
 
 
-def _choices_in(part: CodePart, spelling: Spelling) -> list[_Choice]:
+def _choices_of_spelling(part: CodePart, spelling: Spelling) -> list[_Choice]:
     """Return the choices for a part in another spelling: its own texts for the values, or else those of the part."""
     if any(value.part == part.name for value in spelling.values):
         texts_on_label = values_by_spelling(part, spelling).items()
@@ -256,12 +256,12 @@ def _open_combinations(parts: Sequence[CodePart], chosen: Mapping[str, _Choice],
                 yield chosen[other_part].is_open or variant.parts[other_part] in allowed
 
 
-def _is_covered(
+def _is_matched_by_open_pattern(
     chosen: tuple[_Choice, ...], patterns: Sequence[Sequence[_Choice]], allowed: Set[tuple[_Choice, ...]]
 ) -> bool:
     """Return True if a label with the strings ``chosen`` would match an allowed combination with more open parts.
 
-    ``patterns`` contains the patterns of each part, and ``allowed`` the combinations that lead to an order code.
+    ``patterns`` contains the patterns of each part, and ``allowed_values`` the combinations that lead to an order code.
     """
     if not allowed:
         return False

@@ -9,7 +9,7 @@ from typing import Annotated, TypedDict
 
 from ...model import Biss, Crc, Device, Layout, Manufacturer, Spi, Ssi, Verdict, channel_frame, choices, first_of
 from ...model.record import dataclass
-from ...plan.crcs import Residual, residual
+from ...plan.crcs import Residual, residual_of
 from ...plan.verdicts import reportings
 from ...say.names_and_places import words
 from .. import main_manufacturer, manufacturers
@@ -53,12 +53,12 @@ def assumptions_files(
         values: Assumptions = {
             "maker": maker,
             "frames": list(_yield_frames(devices)),
-            "silent": list(_without_verdict(devices)),
+            "silent": list(_frames_without_verdict(devices)),
             "unprotected": list(_yield_unprotected(devices)),
             "interfaces": frozenset(interface.name for interface in interfaces),
             "later": any(isinstance(interface, Spi) and interface.reply == "next_word" for interface in interfaces),
-            "parity": list(_with_parity(devices)),
-            "compared": list(_with_comparison(devices)),
+            "parity": list(_frames_with_parity(devices)),
+            "compared": list(_frames_with_comparison(devices)),
         }
         yield f"ASSUMPTIONS-{maker.name}.md", render(TEMPLATE, values)
 
@@ -75,7 +75,7 @@ def _yield_frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
     # The undetected errors depend only on width, polynomial and length, so any CRC with these stands for all.
     for (_, _, bits), crcs_by_name in sorted(crcs_by_width_poly_and_bits.items()):
         first_crc = next(iter(crcs_by_name.values()))
-        yield Frames(first_crc, tuple(crcs_by_name), residual(first_crc, bits))
+        yield Frames(first_crc, tuple(crcs_by_name), residual_of(first_crc, bits))
 
 
 def _crcs_and_lengths(device: Device, interface: str, layout: Layout) -> Iterator[tuple[Crc, int]]:
@@ -94,7 +94,7 @@ def _crcs_and_lengths(device: Device, interface: str, layout: Layout) -> Iterato
                 yield placed_crc, placed.bits
 
 
-def _without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
+def _frames_without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
     """Yield the frames with a position whose verdict is always unknown: no flag or unused bit affects it."""
     for device in devices:
         for reporting in reportings(device):
@@ -112,7 +112,7 @@ def _yield_unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
                 yield _frame_name(device, interface.title, layout) + _of_some_codes(layout)
 
 
-def _with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
+def _frames_with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
     """Yield the frames with a position that have a parity bit and, at least with some order codes, no CRC."""
     for device in devices:
         for interface, layout in device.layouts():
@@ -121,7 +121,7 @@ def _with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
                 yield _frame_name(device, interface.title, layout) + _of_some_codes(layout)
 
 
-def _with_comparison(devices: tuple[Device, ...]) -> Iterator[str]:
+def _frames_with_comparison(devices: tuple[Device, ...]) -> Iterator[str]:
     """Yield the frames with several data channels whose positions are compared."""
     for device in devices:
         for interface in device.interfaces:
@@ -163,7 +163,7 @@ class ReceiverCode:
         reading = view.reading
         #: The call that reads the position from the buffer.
         self.read = f"{reading.macro}({reading.arguments_of(self.row.code)}, rx, &position)"
-        self.position_type = reading.frame.struct.member_type(reading.frame.measured) if reading.frame else ""
+        self.position_type = reading.frame.struct.member_type(reading.frame.position_member) if reading.frame else ""
         self.modulus = view.modulus(self.row.macro, example.frame.layout)
 
 
@@ -235,7 +235,7 @@ def package_files(
         **names_of_package,
         "makers": maker_names,
         "others": [maker.name for maker in makers if maker is not main],
-        "guide": guide(examples),
+        "guide": choose_guide(examples),
         "families": list(dict.fromkeys(view.device.name for view in views)),
         "views": views,
         "with_tables": _makers_with_crc(views, lambda crc: not crc.by_bits and bool(crc.table)),
@@ -305,7 +305,7 @@ def own_programs(
 def _program_template(program: ExampleCode | ReceiverCode) -> str:
     if isinstance(program, ReceiverCode):
         return "receiver.c.jinja"
-    return "poller.c.jinja" if program.polls else "example.c.jinja"
+    return "poller.c.jinja" if program.can_poll else "example.c.jinja"
 
 
 def _makers_with_crc(views: Iterable[DeviceView], is_wanted: Callable[[CrcCode], bool]) -> list[str]:
@@ -341,7 +341,7 @@ class Guide:
     def number(self) -> str:
         """The position or else the first number of the frame, by its name in the spec. Without any, ``no_data``."""
         plan = self.example.struct.plan
-        number_names = [whole.join.name for whole in plan.wholes]
+        number_names = [whole.join.name for whole in plan.joined_numbers]
         number_names += [part.field.name for part in plan.parts]
         for name in number_names:
             if c_name(name) == self.example.counts:
@@ -364,7 +364,7 @@ class Guide:
         return self.example.frame.values.get(self.number) if not self.example.data else None
 
 
-def guide(examples: Sequence[ExampleCode]) -> Guide | None:
+def choose_guide(examples: Sequence[ExampleCode]) -> Guide | None:
     """Choose the program for the README, or None without any: from the family with the most programs.
 
     Of these it is the one whose procedure has the most steps. The README also shows its register with the most members,

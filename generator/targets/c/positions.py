@@ -8,7 +8,7 @@ from ...model import Layout, Measurement, cite
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.values import PositionRange, position_ranges
-from .context import Context, Function, wide_number_of
+from .context import Context, Function, wide_number_function
 from .names import Cast, Declared, Expr, Number, Scope
 
 
@@ -108,11 +108,11 @@ def _angle_positions(context: Context, measurement: Measurement, counts_per_turn
     """Return the functions that convert counts to turns and degrees."""
     ranges = position_ranges(context.device, context.interface)
     where = f"[{cite(measurement.source)}]"
-    per_turn = wide_number_of(
+    per_turn = wide_number_function(
         context.scope,
-        f"{context.prefix}_counts_per_turn",
-        counts_per_turn,
-        f"Return the number of counts in one revolution {where}.",
+        name=f"{context.prefix}_counts_per_turn",
+        expression=counts_per_turn,
+        about=f"Return the number of counts in one revolution {where}.",
     )
     return AnglePositions(
         prefix=context.prefix,
@@ -168,7 +168,7 @@ def _functions_of_range(
         is_signed=position_range.signed_field is not None,
         never_wraps=position_range.never_wraps,
         modulus=_build_modulus(context, position_range, f"{context.prefix}_{scope}modulus"),
-        turns=context.scope.of(turns) if turns is not None else None,
+        turns=context.scope.expression_of(turns) if turns is not None else None,
         one_turn=turns == Expression(1),
         layouts=layouts,
     )
@@ -186,9 +186,13 @@ def _build_modulus(context: Context, position_range: PositionRange, name: str) -
         about += f" The highest position is {measurement.highest.render()}."
     elif measurement.highest is not None:
         about += f" An offset raises all positions, up to {measurement.highest.render()}."
-    return wide_number_of(context.scope, name, measurement.modulus, about)
+    return wide_number_function(context.scope, name=name, expression=measurement.modulus, about=about)
 
 
-def _cast_to_signed(scope: Scope, value: Expression) -> Expr:
+def _cast_to_signed(scope: Scope, expression: Expression) -> Expr:
     """Return an expression as a number with a sign, such as ``(int64_t)variant.step``."""
-    return Number(value.constant, signed=True) if value.is_constant else Cast("int64_t", scope.of(value))
+    return (
+        Number(expression.constant, signed=True)
+        if expression.is_constant
+        else Cast("int64_t", scope.expression_of(expression))
+    )

@@ -76,7 +76,7 @@ class FilledRegister:
 
 
 @dataclass(frozen=True, slots=True)
-class Whole:
+class WholeRegister:
     """The bytes of a register whose whole number is an argument, and the struct that they decode to."""
 
     code: RegisterCode
@@ -133,7 +133,9 @@ class ProcedureCode:
         self._filled = dict(self._structs_to_fill())
         self._wholes = dict(self._whole_numbers())
         #: Registers with parameters on which the limits of later steps depend.
-        self._teaching = {step.register.name for step in run.operations if isinstance(step, Writes) and step.teaches}
+        self._teaching = {
+            step.register.name for step in run.operations if isinstance(step, Writes) and step.determines_limits
+        }
         self.arguments = [self._build_argument(parameter) for parameter in run.arguments]
         self.rows = list(self._yield_rows())
         self.count = sum(map(_number_of_rows, run.operations))
@@ -156,10 +158,10 @@ class ProcedureCode:
         return sum(member.length for member in self.reads)
 
     @property
-    def wholes(self) -> list[Whole]:
+    def wholes(self) -> list[WholeRegister]:
         return list(self._wholes.values())
 
-    def whole(self, argument: ArgumentCode, register: Register) -> Whole:
+    def whole(self, argument: ArgumentCode, register: Register) -> WholeRegister:
         return self._wholes[argument.checked.argument.name, register.name]
 
     @property
@@ -167,7 +169,7 @@ class ProcedureCode:
         """The variant that functions receive, which is a copy if limits depend on values written earlier."""
         return self.context.passing.argument("written") if self._teaching else "variant"
 
-    def taker(self, written: FilledRegister | Whole) -> str:
+    def taker(self, written: FilledRegister | WholeRegister) -> str:
         """Return the function that updates the copy from written bytes, or an empty string if no limit needs it."""
         name = written.code.register.name
         return f"{self.context.prefix}_take_{name}" if name in self._teaching else ""
@@ -264,7 +266,7 @@ class ProcedureCode:
                 )
                 yield (argument, register), filled_register
 
-    def _whole_numbers(self) -> Iterator[tuple[tuple[str, str], Whole]]:
+    def _whole_numbers(self) -> Iterator[tuple[tuple[str, str], WholeRegister]]:
         """Yield the registers whose whole number is an argument, with their key ``(argument, register)``.
 
         Only those are needed whose decoder can reject the number, or on which the limit of a later step depends.
@@ -275,9 +277,9 @@ class ProcedureCode:
             checked_registers = {refusal.register.name for refusal in undecodable}
             for write in parameter.written:
                 register = write.register.name
-                is_checked = register in checked_registers or write.teaches
+                is_checked = register in checked_registers or write.determines_limits
                 if isinstance(write.value, AsNumber) and is_checked:
-                    whole = Whole(
+                    whole = WholeRegister(
                         code=self.registers[register],
                         local=c_name(f"{argument}_{register}_held", self._names),
                         bytes=c_name(f"{argument}_{register}_sent", self._names),
@@ -310,7 +312,7 @@ class ProcedureCode:
             if isinstance(step, Verifies):
                 yield from self._read_back(first_index, step, filled_register, note)
             else:
-                yield FilledRows(first_index, "write", filled_register, note)
+                yield FilledRows(first_index, kind="write", filled=filled_register, note=note)
             return
         _refuse_unsupported(step)
         for index, piece in enumerate(step.pieces):
@@ -325,7 +327,7 @@ class ProcedureCode:
             op=step,
             note=note,
             address=step.register.address_of(piece.byte),
-            mask=piece.mask << piece.right,
+            mask=piece.mask << piece.low_in_byte,
             value=value,
             more=step.register.is_accessed_whole and piece.byte > 0,
         )
@@ -335,7 +337,7 @@ class ProcedureCode:
     ) -> Iterator[Row | FilledRows]:
         """Yield one row for all bytes if every bit of them counts, else one row per byte."""
         if step.pieces == step.write.pieces:
-            yield FilledRows(first_index, "verify", filled_register, note)
+            yield FilledRows(first_index, kind="verify", filled=filled_register, note=note)
             return
         for index, piece in enumerate(step.pieces):
             written_byte = Name(f"{filled_register.bytes}[{piece.byte}]")
@@ -355,14 +357,14 @@ class ProcedureCode:
         if isinstance(step, Reads) or not piece.mask:
             return _ZERO
         write = step.write if isinstance(step, Verifies) else step
-        # Bit ``left`` of the number is bit ``right`` of the byte.
+        # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
         value = FixedNumber(write.step.value) if isinstance(write, Polls) else write.value
         if isinstance(value, FixedNumber):
-            bits_of_piece = (value.number >> piece.left) & piece.mask
-            return Number(bits_of_piece << piece.right, hexadecimal=True)
-        bits = shifted_right(Name(self._names[value.argument.name]), piece.left)
+            bits_of_piece = (value.number >> piece.low_in_number) & piece.mask
+            return Number(bits_of_piece << piece.low_in_byte, hexadecimal=True)
+        bits = shifted_right(Name(self._names[value.argument.name]), piece.low_in_number)
         if piece.mask != 0xFF:
-            return Cast("uint8_t", shifted_left(masked(bits, piece.mask), piece.right))
+            return Cast("uint8_t", shifted_left(masked(bits, piece.mask), piece.low_in_byte))
         is_whole_byte = isinstance(value, AsNumber) and len(step.pieces) == 1
         return bits if is_whole_byte else Cast("uint8_t", bits)
 

@@ -15,13 +15,13 @@ from .variants import LengthCode
 class ReadCode:
     """The values that the templates print for the macros that read a position.
 
-    ``frame`` is the frame with the position, None if the interface has none whose verdict is known. ``twice`` is true
-    if no CRC protects it, so that two frames must agree.
+    ``frame`` is the frame with the position, None if the interface has none whose verdict is known. ``reads_twice`` is
+    true if no CRC protects it, so that two frames must agree.
     """
 
-    def __init__(self, context: Context, frame: StructCodec | None, lengths: LengthCode, *, twice: bool) -> None:
+    def __init__(self, context: Context, frame: StructCodec | None, lengths: LengthCode, *, reads_twice: bool) -> None:
         self.frame = frame
-        self.twice = twice
+        self.reads_twice = reads_twice
         self._context = context
         self._lengths = lengths
         self.macro = f"{context.PREFIX}_READ"
@@ -33,7 +33,7 @@ class ReadCode:
             names = [self.macro, f"{self.macro}_BYTES"]
             if self.takes_word:
                 names.append(f"{self.macro}_WORD")
-            if self.twice:
+            if self.reads_twice:
                 names += [f"{self.macro}_TWICE", f"{self.frame.name}_read_twice"]
             yield from ((name, path) for name in names)
 
@@ -68,7 +68,7 @@ class ReadCode:
         answers = [f"##{question.argument}##" for question in frame.length_alternatives]
         return "_".join((f"{self._context.PREFIX}_##code##", *layout_names, *answers, "RX_BYTES"))
 
-    def buffer_of(self, code: str) -> str:
+    def buffer_of(self, order_code: str) -> str:
         """Return the size of the buffer for an order code and the first answers, as C, or an empty string.
 
         A word over SPI has no macro for its size.
@@ -77,10 +77,10 @@ class ReadCode:
         if buffer_size == "sizeof(rx)":
             return ""
         for question in self.questions:
-            buffer_size = buffer_size.replace(f"##{question.argument}##", question.item.answers[0].name.upper())
-        return buffer_size.replace("##code##", code)
+            buffer_size = buffer_size.replace(f"##{question.argument}##", question.alternative.answers[0].name.upper())
+        return buffer_size.replace("##code##", order_code)
 
-    def arguments_of(self, code: str) -> str:
+    def arguments_of(self, order_code: str) -> str:
         """Return the first arguments of a macro for an order code and the first answers, such as ``X24, WIDE``."""
-        answers = (question.item.answers[0].name.upper() for question in self.questions)
-        return ", ".join((code, *answers))
+        answers = (question.alternative.answers[0].name.upper() for question in self.questions)
+        return ", ".join((order_code, *answers))

@@ -20,7 +20,7 @@ from ...model.record import dataclass
 from ...order_codes.parameters import parameters_at_run_time
 from ...plan.codec import Codec
 from ...plan.frames import identities
-from ...plan.limits import NoPowerOfTwo, OutsideLimits, depends, limits_of, outside, refusals
+from ...plan.limits import NoPowerOfTwo, OutsideLimits, depends_on_order_code, limits_of, outside, refusals
 from ...plan.operations import IsOneOf
 from ...plan.values import Active, Characters, Named, Raw, meaning_of
 from ...say.names_and_places import full_title, title, words
@@ -28,7 +28,7 @@ from .. import TargetError
 from .about import about_access, about_alarm, about_member, about_register, table
 from .codec import StructCodec
 from .comments import Paragraph
-from .context import Context, Function, Macro, number_of
+from .context import Context, Function, Macro, number_function
 from .names import Declared, Expr, Name, number
 from .names import Number as NumberExpr
 from .structs import Struct
@@ -102,7 +102,7 @@ class Access:
     @property
     def write_depends(self) -> bool:
         """True if the function that writes uses the variant."""
-        return bool(self.struct) or any(map(depends, self.outside))
+        return bool(self.struct) or any(map(depends_on_order_code, self.outside))
 
 
 def state_registers(device: Device) -> list[str]:
@@ -143,7 +143,7 @@ def _alarm_mask(device: Device, alarm: Alarm) -> tuple[int, str]:
         (piece,) = frame_field.pieces
         group = member_named(device.field_groups, alarm.group, "field group")
         note = "in its byte" if group.bits > 8 else ""
-        return piece.mask << piece.right, note
+        return piece.mask << piece.low_in_byte, note
     if not alarm.register:
         return 0, ""
     layout = device.register(alarm.register).layout
@@ -357,7 +357,7 @@ class RegisterCode:
         for variant in self.device.variants_over(self.register.interface):
             for parameters in parameters_at_run_time(self.device, variant):
                 unsigned_limits.append(limit.value(parameters))
-        return number_of(self.scope, name, limit, largest=max(unsigned_limits), about=about)
+        return number_function(self.scope, name=name, expression=limit, largest=max(unsigned_limits), about=about)
 
 
 def _is_byte(plan: Codec) -> bool:

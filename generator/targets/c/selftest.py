@@ -269,8 +269,8 @@ class SelfTest:
         """Return the answers for the example as arguments, such as ``CODE_GRAY, ``. The default is the first."""
         arguments = ""
         for question in questions:
-            answer_names = [answer.name for answer in question.item.answers]
-            chosen_name = example.alternatives.get(question.item.name, answer_names[0])
+            answer_names = [answer.name for answer in question.alternative.answers]
+            chosen_name = example.alternatives.get(question.alternative.name, answer_names[0])
             constant = question.enumeration.entries[answer_names.index(chosen_name)]
             arguments += f"{constant.name}, "
         return arguments
@@ -349,7 +349,7 @@ class SelfTest:
 
 def _member_names(codec: StructCodec) -> Iterator[str]:
     """Yield the names of the members of a struct, as in the spec."""
-    yield from (whole.join.name for whole in codec.plan.wholes)
+    yield from (whole.join.name for whole in codec.plan.joined_numbers)
     for part in codec.plan.parts:
         yield from (part.field.name, *(run.name for run in part.field.runs))
 
@@ -395,11 +395,11 @@ def selftest_files(
     files = {}
     makers = manufacturers(view.device for view in views)
     maker_names = [maker.name for maker in makers]
-    values: AllTests = {"makers": {name: _tests_of(name, tests) for name in maker_names}}
+    values: AllTests = {"makers": {name: _tests_of_manufacturer(name, tests) for name in maker_names}}
     for name, template in (("selftest.h", "selftest.h.jinja"), ("selftest.c", "selftest_all.c.jinja")):
         files[f"selftest/{name}"] = render(template, values)
     return files | {f"selftest/{name}": text for name, text in runtime_tests().items()}
 
 
-def _tests_of(maker: str, tests: Sequence[SelfTest]) -> list[SelfTest]:
+def _tests_of_manufacturer(maker: str, tests: Sequence[SelfTest]) -> list[SelfTest]:
     return [test for test in tests if test.view.maker.name == maker]

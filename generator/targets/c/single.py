@@ -20,7 +20,7 @@ from .. import TargetError
 from .codec import StructCodec
 from .comments import COLUMNS, break_lines
 from .context import timing_macros
-from .declarations import Declaration, declarations_in, names_of, needed_by, without_settings
+from .declarations import Declaration, declarations_in, declarations_needed_by, names_of, without_settings
 from .device import DeviceView, views_of
 from .names import Passing, runtime_headers, runtime_version
 
@@ -71,7 +71,7 @@ class SingleCode:
         headers = [runtime_headers()[name].replace("\nCW_INLINE\n", "\n") for name in _RECEIVING]
         runtime_declarations = list(chain.from_iterable(map(declarations_in, headers)))
         declarations = [*runtime_declarations, *declarations_in(without_settings(header, settings))]
-        needed = needed_by(self._yield_roots(names_of(declarations)), declarations)
+        needed = declarations_needed_by(self._yield_roots(names_of(declarations)), declarations)
         self.declarations = [declaration for declaration in needed if not declaration.is_title]
         kept_names = names_of(self.declarations)
         self._runtime_names = names_of(runtime_declarations) & kept_names
@@ -101,8 +101,8 @@ class SingleCode:
     def request(self) -> StructCodec | None:
         """The frame of the request for the position, over SPI the one that the macro names. None without a struct."""
         usage = self.view.usage
-        if usage is not None and usage.asking is not None:
-            return usage.asking.codec
+        if usage is not None and usage.request_for_reply is not None:
+            return usage.request_for_reply.codec
         exchanged = self.view.interface.exchanged.removeprefix(f"{self.view.PREFIX}_REQUEST_").lower()
         requests = (codec for codec in self.view.interface.codecs if codec.struct.layout.name == exchanged)
         return next(requests, None)
@@ -178,7 +178,7 @@ class SingleCode:
         if usage is not None and usage.request:
             yield usage.request
         yield exchanged
-        if usage is not None and (usage.request or usage.asking is not None):
+        if usage is not None and (usage.request or usage.request_for_reply is not None):
             yield from (f"cw_rs485_{action}" for action in _BYTE_BY_BYTE)
         if self.request is not None:
             yield f"{self.request.name}_encode"
@@ -238,15 +238,15 @@ class SingleCode:
             named_code = _refilled_macro(named_code)
         return self._in_comment(comment) + break_lines(_with_guards_in_line(_with_head_in_line(named_code)))
 
-    def _without_argument(self, comment: str, code: str) -> tuple[str, str]:
-        """Return the comment and the code of a macro without its parameter ``code``, since there is one order code.
+    def _without_argument(self, comment: str, c_code: str) -> tuple[str, str]:
+        """Return the comment and the code of a macro without its parameter ``c_code``, since there is one order code.
 
         ``RECEIVE(code, rx)``, which pastes ``ACME_X_##code##_BITS``, becomes ``RECEIVE(rx)`` with ``ACME_X_24_BITS``.
         """
-        if "(code, " not in code:
-            return comment, code
+        if "(code, " not in c_code:
+            return comment, c_code
         constant = self.view.row.macro.removeprefix(f"{self.view.PREFIX}_")
-        bound = code.replace("(code, ", "(", 1).replace("##code", constant)
+        bound = c_code.replace("(code, ", "(", 1).replace("##code", constant)
         # In MACRO##_BITS nothing is left to paste. MACRO##_##name still pastes another parameter.
         return comment, re.sub(rf"({self.view.row.macro})##(?=_\w)(?!_##)", r"\1", bound)
 
@@ -328,23 +328,23 @@ def single_header(view: DeviceView, render: Callable[[str, Mapping[str, object]]
     return render(TEMPLATE, values)
 
 
-def _with_head_in_line(code: str) -> str:
+def _with_head_in_line(c_code: str) -> str:
     """Return a function with its head on one line, after the macros that mark it if they and the name fit there."""
     # The marks, each on a line, and the head up to the bracket that closes its parameters.
-    function = re.match(r"((?:CW_[A-Z]+\n)*)(static inline [^{;]*\))\n\{", code)
+    function = re.match(r"((?:CW_[A-Z]+\n)*)(static inline [^{;]*\))\n\{", c_code)
     if function is None:
-        return code
+        return c_code
     marks = function[1].replace("\n", " ")
     head = re.sub(r"\n +", " ", function[2].replace("(\n    ", "("))
     before_arguments = marks + head.partition("(")[0]
     if len(before_arguments) >= COLUMNS:
-        return f"{marks.rstrip()}\n{head}{code[function.end(2) :]}"
-    return f"{marks}{head}{code[function.end(2) :]}"
+        return f"{marks.rstrip()}\n{head}{c_code[function.end(2) :]}"
+    return f"{marks}{head}{c_code[function.end(2) :]}"
 
 
-def _with_guards_in_line(code: str) -> str:
+def _with_guards_in_line(c_code: str) -> str:
     """Return a function in which each condition that only returns a result is one line, if it fits."""
-    return _GUARD.sub(_guard_in_line, code)
+    return _GUARD.sub(_guard_in_line, c_code)
 
 
 def _guard_in_line(guard: re.Match[str]) -> str:
@@ -353,12 +353,12 @@ def _guard_in_line(guard: re.Match[str]) -> str:
     return guard[0] if len(line) > COLUMNS or "/*" in line else f"{line}\n"
 
 
-def _refilled_macro(code: str) -> str:
+def _refilled_macro(c_code: str) -> str:
     """Return a macro with its first line as it is, and the others joined and broken again at the width of a header."""
-    head, *body = (line.removesuffix("\\").rstrip() for line in code.splitlines())
+    head, *body = (line.removesuffix("\\").rstrip() for line in c_code.splitlines())
     # One further line cannot become fewer.
     if len(body) < 2:
-        return code
+        return c_code
     joined_body = " ".join(line.strip() for line in body)
     lines = textwrap.wrap(
         joined_body,

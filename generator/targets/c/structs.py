@@ -29,7 +29,7 @@ from .names import (
     Number,
     Operation,
     c_name,
-    joined,
+    join_operands,
     masked,
     number,
     shifted_right,
@@ -155,7 +155,7 @@ class Struct:
 
     def member_type(self, name: str) -> str:
         """Return the type of the member of a field or join, by its name in the spec."""
-        whole = next((candidate for candidate in self.plan.wholes if candidate.join.name == name), None)
+        whole = next((candidate for candidate in self.plan.joined_numbers if candidate.join.name == name), None)
         return unsigned(whole.widest) if whole is not None else self.type_of(self.layout.field(name))
 
     def initial(self, parameters: Mapping[str, int], values: Mapping[str, int] = MappingProxyType({})) -> str:
@@ -168,7 +168,7 @@ class Struct:
         numbers: dict[str, int] = {}
         for part in self.plan.parts:
             numbers[part.field.name] = values.get(part.field.name, _default_value(part.field))
-        for whole in self.plan.wholes:
+        for whole in self.plan.joined_numbers:
             if whole.join.name in values:
                 numbers.update(whole.parts(values[whole.join.name], parameters))
         # C sets all members after the first one to 0.
@@ -177,7 +177,7 @@ class Struct:
         initial_values: list[str] = []
         for part in self.plan.parts:
             initial_values += self._initial_values(part.field, numbers[part.field.name])
-        for whole in self.plan.wholes:
+        for whole in self.plan.joined_numbers:
             initial_values.append(number(whole.joined(numbers, parameters), hexadecimal=True))
         if self.unused:
             initial_values.append("0U")
@@ -226,7 +226,7 @@ class Struct:
                 constant = Name(constants[value])
                 compared = Cast(type_of_bits, constant) if type_of_bits else constant
             conditions.append(Operation("!=", (name, compared)))
-        return joined("&&", tuple(conditions))
+        return join_operands("&&", tuple(conditions))
 
 
 def covers_32_bits(crc: FrameCrc) -> bool:

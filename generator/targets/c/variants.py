@@ -10,7 +10,7 @@ from itertools import chain
 from ...language.problems import listed
 from ...model import Biss, Clock, Device, Interface, Layout, Parameter, Variant, assert_never, first_of
 from ...model.record import dataclass
-from ...plan.frames import BISS_ACKNOWLEDGE, FrameSize, HeldParameter, HoldingRegister, received
+from ...plan.frames import BISS_ACKNOWLEDGE, FrameSize, HeldParameter, HoldingRegister, received_sizes
 from ...plan.values import Raw, ZeroMeans, parameters_in_measurement, widest_value
 from ...say.names_and_places import title
 from ...say.order_code import initial, timeouts_with_codes
@@ -18,8 +18,8 @@ from ...say.text import hertz, nanoseconds
 from .. import TargetError
 from .about import about_order_codes, about_parameter
 from .bits import of_bytes
-from .context import Context, Function, Macro, number_of
-from .names import Cast, Conditional, Declared, Expr, Name, Number, Operation, c_name, joined, number, unsigned
+from .context import Context, Function, Macro, number_function
+from .names import Cast, Conditional, Declared, Expr, Name, Number, Operation, c_name, join_operands, number, unsigned
 from .order_codes import OpenCode, open_codes, unknown_parts
 from .registers import Access
 
@@ -80,7 +80,7 @@ class HeldValue:
             comparisons.append(Operation("<", (Name(self.local), Number(lowest))))
         if highest is not None:
             comparisons.append(Operation(">", (Name(self.local), Number(highest))))
-        return joined("||", tuple(comparisons)) if comparisons else None
+        return join_operands("||", tuple(comparisons)) if comparisons else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,28 +94,28 @@ class CodeSwitch:
     cases: tuple[tuple[str, tuple[tuple[str, str], ...]], ...]
 
 
-def _yield_switches(values: Sequence[HeldValue]) -> Iterator[CodeSwitch]:
+def _yield_switches(held_values: Sequence[HeldValue]) -> Iterator[CodeSwitch]:
     """Yield a switch for each field that holds a code of one or several parameters.
 
     It has a case for each code for which all of these parameters have a value.
     """
     values_by_field: dict[str, list[HeldValue]] = {}
-    for value in values:
+    for value in held_values:
         if value.is_coded:
             values_by_field.setdefault(value.held_parameter.parameter.read_from, []).append(value)
     for field_values in values_by_field.values():
-        common_codes = set.intersection(*map(_codes_of, field_values))
+        common_codes = set.intersection(*map(_codes_of_held_value, field_values))
         cases = tuple(_switch_case(code, field_values) for code in sorted(common_codes))
         yield CodeSwitch(field_values[0].code, cases)
 
 
-def _codes_of(value: HeldValue) -> set[int]:
-    return {row.code for row in value.held_parameter.parameter.by_code}
+def _codes_of_held_value(held_value: HeldValue) -> set[int]:
+    return {row.code for row in held_value.held_parameter.parameter.by_code}
 
 
-def _switch_case(code: int, values: Sequence[HeldValue]) -> tuple[str, tuple[tuple[str, str], ...]]:
+def _switch_case(code: int, held_values: Sequence[HeldValue]) -> tuple[str, tuple[tuple[str, str], ...]]:
     """Return a code, and the assignments that it stands for, such as ``("2U", (("position_bits", "24U"),))``."""
-    return str(Number(code)), tuple((value.local, value.for_code(code)) for value in values)
+    return str(Number(code)), tuple((value.local, value.for_code(code)) for value in held_values)
 
 
 class Taker:
@@ -224,7 +224,13 @@ class VariantCode:
         """Return the function that computes a derived parameter."""
         assert parameter.equals is not None
         name = f"{self.context.prefix}_{parameter.name}"
-        return number_of(self.context.scope, name, parameter.equals, parameter.largest, self.about_parameter(parameter))
+        return number_function(
+            self.context.scope,
+            name=name,
+            expression=parameter.equals,
+            largest=parameter.largest,
+            about=self.about_parameter(parameter),
+        )
 
     def _build_row(self, variant: Variant) -> CodeRow:
         """Return an order code with its name in C, such as ``24_A`` for ``X-24/A`` of the family X.
@@ -258,9 +264,11 @@ def _parameter_value(parameter: Parameter, variant: Variant) -> str:
 class LengthCode:
     """The lengths of one interface, empty if a peripheral receives its frames by itself."""
 
-    def __init__(self, context: Context, interface: Interface, rows: Sequence[CodeRow], sample_row: CodeRow) -> None:
+    def __init__(
+        self, context: Context, interface: Interface, code_rows: Sequence[CodeRow], sample_row: CodeRow
+    ) -> None:
         self.interface = interface
-        received_frames = list(received(context.device, interface))
+        received_frames = list(received_sizes(context.device, interface))
         #: Names of the frames whose lengths these are.
         self.layouts = tuple(dict.fromkeys(frame.layout.name for frame in received_frames))
         answers = chain.from_iterable(frame.answers for frame in received_frames)
@@ -277,7 +285,7 @@ class LengthCode:
         #: Number of acknowledge bits that fit in a buffer, 0 if the interface has none.
         self.acknowledge = BISS_ACKNOWLEDGE if isinstance(interface, Biss) else 0
         self.register_access = "".join(_register_access(context.device, interface, received_frames))
-        self._codes = {id(row.variant): row.code for row in rows}
+        self._codes = {id(row.variant): row.code for row in code_rows}
         self._prefix = f"{context.PREFIX}_"
         #: Frames of the order code in all samples.
         self._sample_frames = [frame for frame in received_frames if frame.variant is sample_row.variant]

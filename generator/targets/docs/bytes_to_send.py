@@ -32,7 +32,7 @@ from ...plan.values import Raw, TwosComplement, meaning_of
 from ...say.commands import Commands, commands_over
 from ...say.evidence import document
 from ...say.layout import name_as_words
-from ...say.markdown import code, joined, link, text
+from ...say.markdown import code, escape, join_filled, link
 from ...say.names_and_places import addresses, bits, title
 from ...say.order_code import PURPOSES, word_lengths
 from ...say.text import counted, microseconds
@@ -52,29 +52,29 @@ class SendingSection:
 
 
 def sending_section(
-    family: Device, device: Device, interface: Interface, variant: Variant, errata_at: Callable[..., str]
+    family_device: Device, device: Device, interface: Interface, variant: Variant, errata_at: Callable[..., str]
 ) -> SendingSection:
     """Return the bytes to send for an order code. ``errata_at`` returns links to errata that change bytes.
 
-    ``device`` is ``family`` reduced to the order code.
+    ``device`` is ``family_device`` reduced to the order code.
     """
     # In this order, because ``errata_at`` lists the errata in the order of its calls.
     requests = tuple(_request_rows(device, interface, errata_at))
     commands = tuple(_command_rows(device, variant, errata_at))
     presets = list(_registers_with_known_zero(device, variant))
     possible_commands = commands_over(device, interface)
-    introduction = _introduction(
+    introduction = _introduction_paragraphs(
         device, interface, possible_commands, has_rows=bool(commands), has_preset=bool(presets)
     )
     facts = list(introduction)
     input_links = [
-        link(text(title(hardware_input)), f"#input-{hardware_input.name}") for hardware_input in device.inputs
+        link(escape(title(hardware_input)), f"#input-{hardware_input.name}") for hardware_input in device.inputs
     ]
     if input_links:
         facts.append(f"Inputs: {', '.join(input_links)}.")
     other_value = ""
     if presets:
-        other_value = _how_to_write_other_positions(family.register(presets[0].name), variant)
+        other_value = _how_to_write_other_positions(family_device.register(presets[0].name), variant)
     return SendingSection(
         facts=tuple(facts),
         requests=requests,
@@ -84,7 +84,7 @@ def sending_section(
     )
 
 
-def _introduction(
+def _introduction_paragraphs(
     device: Device, interface: Interface, possible_commands: Commands, *, has_rows: bool, has_preset: bool
 ) -> Iterator[str]:
     """Yield what the bytes mean, and what the interface lacks, such as a preset.
@@ -149,7 +149,7 @@ def _sentences_on_writable_registers(possible_commands: Commands) -> Iterator[st
 
 
 def _register_link(register: Register) -> str:
-    return link(f"{addresses(register)} {text(title(register))}", f"#register-{register.name}")
+    return link(f"{addresses(register)} {escape(title(register))}", f"#register-{register.name}")
 
 
 def _commands_missing_in_t_format(device: Device, possible_commands: Commands) -> Iterator[str]:
@@ -213,7 +213,7 @@ def _exchange_row(exchange: Exchanged) -> Row:
     layouts = [layout for layout in (exchange.request, exchange.reply) if layout is not None]
     frame_links = [link(code(layout.name), f"#layout-{layout.name}") for layout in layouts]
     first_sentence_of_note = exchange.request.note.partition(". ")[0].removesuffix(".")
-    description = PURPOSES[exchange.exchange.purpose] or text(first_sentence_of_note)
+    description = PURPOSES[exchange.exchange.purpose] or escape(first_sentence_of_note)
     word_bits = exchange.exchange.word_bits
     if word_bits is not None:
         word_size = f"in words of {word_lengths([word_bits])}"
@@ -236,11 +236,11 @@ def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: C
     if reply is not None:
         reply_link = f" → {link(counted(reply.widest // 8, 'byte'), f'#layout-{reply.name}')}"
     procedures = _procedures_sending_only(device, data_id)
-    repetitions = (_repetition(procedure) for procedure in procedures)
-    description = joined([text(data_id.meaning or data_id.purpose), *repetitions], ". ")
+    repetitions = (_repetition_text(procedure) for procedure in procedures)
+    description = join_filled([escape(data_id.meaning or data_id.purpose), *repetitions], ". ")
     identifier = f"<small>Data ID {data_id.id:X} {code(data_id.name)}</small>"
     errata_links = errata_at(*(f"procedures.{procedure.name}" for procedure in procedures))
-    return sent_bytes + reply_link, joined([f"{description}.", identifier, errata_links], " ")
+    return sent_bytes + reply_link, join_filled([f"{description}.", identifier, errata_links], " ")
 
 
 def _names_after_control_field(request: Layout) -> list[str]:
@@ -255,7 +255,7 @@ def _names_after_control_field(request: Layout) -> list[str]:
         if not is_in_control_field:
             unique_names[field.group or field.name] = None
     # Of "preset of turns", only "preset" is shown.
-    return [text(name_as_words(part_name).partition(" of ")[0]) for part_name in unique_names]
+    return [escape(name_as_words(part_name).partition(" of ")[0]) for part_name in unique_names]
 
 
 def _procedures_sending_only(device: Device, data_id: DataId) -> list[Procedure]:
@@ -267,13 +267,13 @@ def _requests_sent(procedure: Procedure) -> list[str]:
     return [step.data_id for step in procedure.steps if isinstance(step, SendStep)]
 
 
-def _repetition(procedure: Procedure) -> str:
+def _repetition_text(procedure: Procedure) -> str:
     """Return how often a procedure repeats its only request, such as ``Send it 10 times, at least 40 µs apart``."""
     send_step = next(step for step in procedure.steps if isinstance(step, SendStep))
     waits = [f"wait {microseconds(step.microseconds)}" for step in procedure.steps if isinstance(step, WaitStep)]
     times = link(f"{send_step.times} times", f"#procedure-{procedure.name}")
     interval = f"at least {microseconds(send_step.microseconds)} apart" if send_step.microseconds else ""
-    return "Send it " + joined([times, interval, *waits], ", ")
+    return "Send it " + join_filled([times, interval, *waits], ", ")
 
 
 def _layout_with_data_id(interface: Rs485, sender: str, data_id: int) -> Layout | None:
@@ -282,10 +282,10 @@ def _layout_with_data_id(interface: Rs485, sender: str, data_id: int) -> Layout 
 
 def _writing_procedures(device: Device) -> list[Procedure]:
     """Return the procedures that write a register, in whole or in part."""
-    return [procedure for procedure in device.procedures if _writes(procedure)]
+    return [procedure for procedure in device.procedures if _has_write_step(procedure)]
 
 
-def _writes(procedure: Procedure) -> bool:
+def _has_write_step(procedure: Procedure) -> bool:
     return any(isinstance(step, (WriteStep, ModifyStep)) for step in procedure.steps)
 
 
@@ -295,12 +295,12 @@ def _command_rows(device: Device, variant: Variant, errata_at: Callable[..., str
     Errata about a single bit are next to it. ``_command_errata`` has the others.
     """
     for procedure in _writing_procedures(device):
-        bytes_to_write = joined((_step_in_bytes(device, step, variant) for step in procedure.steps), ", ")
+        bytes_to_write = join_filled((_step_in_bytes(device, step, variant) for step in procedure.steps), ", ")
         bit_changes = [step for step in procedure.steps if isinstance(step, ModifyStep)]
         changed_fields = [f"registers.{step.register}.{step.field}" for step in bit_changes]
         errata_links = errata_at(exactly=changed_fields) if changed_fields else ""
-        task = link(text(procedure.title), f"#procedure-{procedure.name}")
-        yield task, joined([bytes_to_write, errata_links], ". ")
+        task = link(escape(procedure.title), f"#procedure-{procedure.name}")
+        yield task, join_filled([bytes_to_write, errata_links], ". ")
 
 
 def _command_errata(device: Device, errata_at: Callable[..., str]) -> str:

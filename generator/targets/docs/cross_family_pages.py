@@ -13,7 +13,7 @@ from ...order_codes.reduction import for_interface
 from ...say import register as say_register
 from ...say.evidence import titled_in_lists
 from ...say.layout import crc_sent
-from ...say.markdown import STYLE, cited, code, joined, link, text
+from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
 from ...say.names_and_places import TERMS, Term, Titled, addresses, title, words
 from ...say.order_code import parameter_value, settings
 from ...say.text import volts
@@ -82,7 +82,7 @@ def _grouped_by_interface(rows: Iterable[Row]) -> list[Row]:
 
 
 def _family_link(device: Device) -> str:
-    return link(text(device.name.upper()), f"{device.name}.md")
+    return link(escape(device.name.upper()), f"{device.name}.md")
 
 
 def _label_row(device: Device) -> Row:
@@ -94,10 +94,10 @@ def _label_row(device: Device) -> Row:
     supplies = dict.fromkeys(supply for supply in supplies_of_variants if supply is not None)
     return (
         _family_link(device),
-        text(titled_in_lists(device)),
+        escape(titled_in_lists(device)),
         order_codes(device, [variant.code for variant in device.variants]),
-        joined((interface.title for interface in device.interfaces), ", "),
-        joined(map(_supply_range, supplies)),
+        join_filled((interface.title for interface in device.interfaces), ", "),
+        join_filled(map(_supply_range, supplies)),
     )
 
 
@@ -117,9 +117,9 @@ def _identity_rows(device: Device) -> Iterator[Row]:
         yield (
             _family_link(device),
             link_to_register(device, register, addresses(register)),
-            text(register_title),
+            escape(register_title),
             _documented_content(field),
-            cited(field.source or register.source),
+            citation(field.source or register.source),
         )
 
 
@@ -134,7 +134,7 @@ def _documented_content(field: Field) -> str:
         case None:
             return ""
         case expression:
-            return STYLE.number(expression) + ", by order code"
+            return MARKDOWN.number(expression) + ", by order code"
 
 
 def _interface_fact_rows(device: Device) -> Iterator[Row]:
@@ -145,9 +145,9 @@ def _interface_fact_rows(device: Device) -> Iterator[Row]:
                 yield (
                     interface.title,
                     _family_link(device),
-                    text(setting.label),
-                    STYLE.phrase(setting),
-                    cited(setting.source),
+                    escape(setting.label),
+                    MARKDOWN.phrase(setting),
+                    citation(setting.source),
                 )
 
 
@@ -167,7 +167,7 @@ def _position_frame_rows(device: Device) -> Iterator[Row]:
                 link_to_layout(device, layout, code(layout.name)),
                 _range_of_lengths(device, interface, layout),
                 byte_order if layout.in_bytes else "most significant bit first",
-                text(" or ".join([*crcs, *without_crc])),
+                escape(" or ".join([*crcs, *without_crc])),
             )
 
 
@@ -193,7 +193,13 @@ def _resolution_rows(device: Device) -> Iterator[Row]:
         variants = [variant for variant in device.variants if parameter.name in variant.parameters]
         different_values = sorted({variant.parameters[parameter.name] for variant in variants})
         values_cell = ", ".join(parameter_value(parameter, count) for count in different_values)
-        yield _family_link(device), text(parameter.meaning), values_cell, text(parameter.unit), cited(parameter.source)
+        yield (
+            _family_link(device),
+            escape(parameter.meaning),
+            values_cell,
+            escape(parameter.unit),
+            citation(parameter.source),
+        )
 
 
 def _byte_order_rows(device: Device) -> Iterator[Row]:
@@ -208,7 +214,7 @@ def _byte_order_rows(device: Device) -> Iterator[Row]:
 
 
 def _register_link(device: Device, register: Register) -> str:
-    return link_to_register(device, register, f"{addresses(register)} {text(title(register))}")
+    return link_to_register(device, register, f"{addresses(register)} {escape(title(register))}")
 
 
 def registers_page_values(devices: Sequence[Device]) -> RegistersPage:
@@ -238,8 +244,8 @@ def _register_row(register: Register, device: Device) -> Row:
         _family_link(device),
         say_register.access(register),
         code(factory_default.hex(" ").upper()) if factory_default is not None else "",
-        text(register.meaning),
-        cited(register.source),
+        escape(register.meaning),
+        citation(register.source),
     )
 
 
@@ -260,12 +266,12 @@ def _led_rows(device: Device) -> Iterator[Row]:
     for led in device.leds:
         for state in led.states:
             yield (
-                text(led.title),
-                text(state.state),
+                escape(led.title),
+                escape(state.state),
                 _family_link(device),
-                joined([text(state.meaning), *links_to_steps(f"{device.name}/", state.by_hand)]),
+                join_filled([escape(state.meaning), *links_to_steps(f"{device.name}/", state.by_hand)]),
                 code(state.only),
-                cited(led.source),
+                citation(led.source),
             )
 
 
@@ -286,12 +292,12 @@ def _title_and_family(explained_alarm: tuple[Alarm, Device, Interface]) -> tuple
 def _alarm_row(alarm: Alarm, device: Device, interface: Interface) -> Row:
     """Return a row of alarm, family, meaning, remedy, order codes that have it, source."""
     return (
-        link_to_alarm(device, interface, alarm, text(title(alarm))),
+        link_to_alarm(device, interface, alarm, escape(title(alarm))),
         _family_link(device),
-        text(alarm.meaning) if alarm.implemented else "not implemented in this encoder",
-        joined([text(alarm.remedy), *links_to_steps(f"{device.name}/", alarm.by_hand)]),
+        escape(alarm.meaning) if alarm.implemented else "not implemented in this encoder",
+        join_filled([escape(alarm.remedy), *links_to_steps(f"{device.name}/", alarm.by_hand)]),
         code(alarm.only),
-        cited(alarm.source),
+        citation(alarm.source),
     )
 
 
@@ -319,9 +325,9 @@ def page_values(devices: Sequence[Device]) -> GlossaryPage:
         pages += [_interface_page(device, interface) for interface in device.interfaces]
     term_rows: list[tuple[str, str, str]] = []
     for term in sorted(TERMS, key=lambda term: term.name.casefold()):
-        term_links = _links(term, pages)
+        term_links = _links_to_term(term, pages)
         if term_links:
-            term_rows.append((text(term.name), text(term.meaning), term_links))
+            term_rows.append((escape(term.name), escape(term.meaning), term_links))
     return {"term_rows": term_rows}
 
 
@@ -330,14 +336,14 @@ def _interface_page(device: Device, interface: Interface) -> _InterfacePage:
     return _InterfacePage(interface_device, interface, tuple(_anchors_by_name(interface_device, interface)))
 
 
-def _links(term: Term, pages: Sequence[_InterfacePage]) -> str:
+def _links_to_term(term: Term, pages: Sequence[_InterfacePage]) -> str:
     """Return links to the sections about a term, one for each interface page that has one."""
     page_links: list[str] = []
     for page in pages:
         anchor = _anchor_of_term(term, page)
         if anchor:
             page_title = f"{page.device.name.upper()} {page.interface.short}"
-            page_links.append(link(text(page_title), path_to_anchor(page.device, page.interface.name, anchor)))
+            page_links.append(link(escape(page_title), path_to_anchor(page.device, page.interface.name, anchor)))
     return ", ".join(page_links)
 
 
@@ -375,9 +381,9 @@ def _anchors_by_name(device: Device, interface: Interface) -> Iterator[tuple[str
     Names with their own section are first. A name can occur several times.
     """
     for register in device.registers:
-        yield from _names_of(register, f"register-{register.name}")
+        yield from _names_with_anchor(register, f"register-{register.name}")
     for group in device.field_groups:
-        yield from _names_of(group, f"group-{group.name}")
+        yield from _names_with_anchor(group, f"group-{group.name}")
     for crc in device.crcs:
         yield "crc", f"crc-{crc.name}"
     if isinstance(interface, Ssi) and interface.output_code is not None and interface.output_code.code != "binary":
@@ -387,14 +393,14 @@ def _anchors_by_name(device: Device, interface: Interface) -> Iterator[tuple[str
         yield timing.symbol.casefold(), "timings"
     for layout in interface.layouts:
         for field in layout.fields:
-            yield from _names_of(field, f"group-{field.group}" if field.group else f"layout-{layout.name}")
+            yield from _names_with_anchor(field, f"group-{field.group}" if field.group else f"layout-{layout.name}")
         yield from ((join.name, f"layout-{layout.name}") for join in layout.joins)
     for register in device.registers:
         for field in register.layout.fields:
-            yield from _names_of(field, f"register-{register.name}")
+            yield from _names_with_anchor(field, f"register-{register.name}")
 
 
-def _names_of(titled: Titled, anchor: str) -> Iterator[tuple[str, str]]:
+def _names_with_anchor(titled: Titled, anchor: str) -> Iterator[tuple[str, str]]:
     """Yield our name in words and the printed name in lowercase, each with the anchor."""
     yield titled.name.replace("_", " "), anchor
     yield titled.printed_name.casefold(), anchor

@@ -33,7 +33,7 @@ from ...say import register as say_register
 from ...say.commands import read_back, step
 from ...say.errata import changed, errata
 from ...say.layout import crc_sent
-from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
+from ...say.markdown import MARKDOWN, anchor, citation, code, escape, join_filled, link
 from ...say.names_and_places import Titled, addresses, heading, hexadecimal, title
 from ...say.order_code import bounds_with_codes, settings
 from ...say.plain_text import counted, number, quantity
@@ -63,7 +63,7 @@ SEVERITIES = tuple(_SEVERITY_TEXTS)
 def interface_rows(device: Device, interface: Interface) -> Iterator[tuple[str, str, str]]:
     """Yield rows of fact, value, source."""
     for setting in settings(device, interface):
-        yield text(setting.label), STYLE.phrase(setting), cited(setting.source)
+        yield escape(setting.label), MARKDOWN.phrase(setting), citation(setting.source)
 
 
 def step_rows(device: Device, procedure: Procedure) -> Iterator[tuple[str, ...]]:
@@ -72,27 +72,37 @@ def step_rows(device: Device, procedure: Procedure) -> Iterator[tuple[str, ...]]
     for operation in run_of(device, procedure).operations:
         if isinstance(operation, Verifies):
             field = operation.field.name if operation.field is not None else ""
-            instruction = STYLE.sentence(read_back(device, operation.register, field))
+            instruction = MARKDOWN.sentence(read_back(device, operation.register, field))
             reason = "Added to the given steps by generated code, because a corrupted write can look successful."
             yield "", instruction, reason, ""
             continue
         number_of_step += 1
         spec_step = operation.step
-        source = cited(spec_step.source) if spec_step.source != procedure.source else ""
-        yield f"{number_of_step}", STYLE.sentence(step(device, spec_step)), text(spec_step.meaning), source
+        source = citation(spec_step.source) if spec_step.source != procedure.source else ""
+        yield (
+            f"{number_of_step}",
+            MARKDOWN.sentence(step(device, spec_step)),
+            escape(spec_step.meaning),
+            source,
+        )
 
 
 def timing_rows(timings: tuple[Timing, ...]) -> Iterator[tuple[str, ...]]:
     """Yield the name, meaning, duration and source of each time."""
     for timing in timings:
-        duration = text(bounds_with_codes(timing))
-        yield joined([code(timing.name), text(timing.symbol)]), text(timing.meaning), duration, cited(timing.source)
+        duration = escape(bounds_with_codes(timing))
+        yield (
+            join_filled([code(timing.name), escape(timing.symbol)]),
+            escape(timing.meaning),
+            duration,
+            citation(timing.source),
+        )
 
 
 def crc_rows(device: Device, crc: Crc) -> Iterator[tuple[str, str]]:
     """Yield the parameters, and the polynomial in every notation that masters expect."""
     with_top_bit = crc.poly_with_top_bit
-    yield "Polynomial", text(crc.polynomial)
+    yield "Polynomial", escape(crc.polynomial)
     yield "with its top bit", f"`0x{with_top_bit:X}` = {with_top_bit} = `{with_top_bit:b}b`"
     yield "without its top bit", f"`0x{crc.poly:02X}`"
     if with_top_bit & 1:
@@ -120,10 +130,10 @@ def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]
     listed_errata = {erratum.name for erratum in errata(device, f"examples.{example.name}", wording=True)}
     if example.erratum and example.erratum not in listed_errata:
         titles = {erratum.name: erratum.title for erratum in device.errata}
-        yield "Erratum", link(text(titles[example.erratum]), f"{ERRATA}#erratum-{example.erratum}")
+        yield "Erratum", link(escape(titles[example.erratum]), f"{ERRATA}#erratum-{example.erratum}")
     if example.note:
-        yield "Note", text(example.note)
-    yield "Source", cited(example.source)
+        yield "Note", escape(example.note)
+    yield "Source", citation(example.source)
 
 
 def _facts_of_kind(device: Device, example: Example) -> Iterator[tuple[str, str]]:
@@ -141,7 +151,7 @@ def _facts_of_kind(device: Device, example: Example) -> Iterator[tuple[str, str]
             layouts = [layout for _, layout in device.layouts() if layout.name == example.layout]
             yield _values_fact(example.values, layouts)
             if example.refused:
-                yield "Rejected", f"because of its {text(example.refused)}"
+                yield "Rejected", f"because of its {escape(example.refused)}"
         case RegisterExample():
             yield "Register", link(code(example.register), f"#register-{example.register}")
             yield "Order code", code(example.order_code)
@@ -183,7 +193,7 @@ def _value_text(value: int | str | bool, scale: Scale | None) -> str:
         return _yes_or_no(value)
     if not isinstance(value, int):
         return code(value)
-    return number(value) + (f" ({text(quantity(scale, value))})" if scale is not None else "")
+    return number(value) + (f" ({escape(quantity(scale, value))})" if scale is not None else "")
 
 
 def printed_and_used_rows(erratum: Erratum) -> Iterator[tuple[str, str]]:
@@ -191,12 +201,12 @@ def printed_and_used_rows(erratum: Erratum) -> Iterator[tuple[str, str]]:
     if erratum.overlay:
         yield "Overlay", code(erratum.overlay)
     if erratum.edition:
-        yield "Edition", text(erratum.edition)
+        yield "Edition", escape(erratum.edition)
     if erratum.overlay or erratum.edition:
-        yield from ((label, text(part)) for label, part in changed(erratum))
+        yield from ((label, escape(part)) for label, part in changed(erratum))
     else:
-        yield "Printed", text(erratum.printed)
-        yield "Used", text(erratum.used)
+        yield "Printed", escape(erratum.printed)
+        yield "Used", escape(erratum.used)
 
 
 def sentence_on_changes(count: int) -> str:
@@ -215,19 +225,21 @@ def document_rows(documents: Iterable[Document]) -> list[tuple[str, ...]]:
 
 def _document_row(document: Document) -> tuple[str, ...]:
     address = f"<{document.url}>" if document.url else ""
-    return code(document.key), text(document.title), address
+    return code(document.key), escape(document.title), address
 
 
 def control_rows(interface: Biss) -> Iterator[tuple[str, ...]]:
     """Yield the name, bits, meaning and source of each field of the BiSS control frame."""
     for control_field in interface.control_data:
-        value_phrases = [STYLE.phrase(value(named_value, control_field.bits)) for named_value in control_field.values]
+        value_phrases = [
+            MARKDOWN.phrase(value(named_value, control_field.bits)) for named_value in control_field.values
+        ]
         crc_link = link(code(control_field.crc), f"#crc-{control_field.crc}") if control_field.crc else ""
         yield (
             name_cell(control_field),
             f"{control_field.bits}",
-            joined([text(control_field.meaning), crc_link, *value_phrases]),
-            cited(control_field.source),
+            join_filled([escape(control_field.meaning), crc_link, *value_phrases]),
+            citation(control_field.source),
         )
 
 
@@ -236,7 +248,7 @@ Row = tuple[str, ...]
 
 def title_cell(titled_part: Titled) -> str:
     """Return a title in words, with the identifier for programmers in small type."""
-    return f"{text(title(titled_part))} <small>{code(titled_part.name)}</small>"
+    return f"{escape(title(titled_part))} <small>{code(titled_part.name)}</small>"
 
 
 def field_rows(device: Device, layout: Layout) -> Iterator[Row]:
@@ -252,15 +264,15 @@ def field_rows(device: Device, layout: Layout) -> Iterator[Row]:
 def _place_cell(device: Device, layout: Layout, field: Field) -> str:
     """Return the place of a field. If it has a container, the place includes padding, and the width follows."""
     place = field_place_cell(layout, field, device.alternatives_of(layout))
-    width = counted(STYLE.number(field.width), "bit") if field.container else ""
-    return joined([place, width])
+    width = counted(MARKDOWN.number(field.width), "bit") if field.container else ""
+    return join_filled([place, width])
 
 
-def _group_cell(layout: Layout, group: FieldGroup) -> str:
+def _group_cell(layout: Layout, field_group: FieldGroup) -> str:
     """Return a link to the table of a group, and the names of its fields."""
-    group_link = link(text(heading(group.name)), f"#group-{group.name}")
-    field_names = ", ".join(code(field.name) for field in layout.fields if field.group == group.name)
-    return f"{group_link} <small>{code(group.name)}</small>: {field_names}"
+    group_link = link(escape(heading(field_group.name)), f"#group-{field_group.name}")
+    field_names = ", ".join(code(field.name) for field in layout.fields if field.group == field_group.name)
+    return f"{group_link} <small>{code(field_group.name)}</small>: {field_names}"
 
 
 def group_rows(device: Device, name: str) -> Iterator[Row]:
@@ -275,10 +287,10 @@ def _answer_names(answers: Sequence[Answer]) -> str:
 
 def _description_cell(device: Device, field: Field, layout_source: Sources, in_register: bool = False) -> str:
     """Return a field with all statements about it, and its source unless it is ``layout_source``."""
-    description = joined([title_cell(field), field_cell(device, field, in_register)])
+    description = join_filled([title_cell(field), field_cell(device, field, in_register)])
     if not field.source or field.source == layout_source:
         return description
-    return f"{description} <small>{cited(field.source)}</small>"
+    return f"{description} <small>{citation(field.source)}</small>"
 
 
 def value_tables(register: Register) -> list[list[Row]]:
@@ -287,7 +299,7 @@ def value_tables(register: Register) -> list[list[Row]]:
 
 
 def _value_table(field: Field) -> list[Row]:
-    return [(number, joined([name, meaning])) for number, name, meaning, _ in value_rows(field)]
+    return [(number, join_filled([name, meaning])) for number, name, meaning, _ in value_rows(field)]
 
 
 def register_rows(device: Device) -> Iterator[Row]:
@@ -295,7 +307,7 @@ def register_rows(device: Device) -> Iterator[Row]:
     for register in device.registers:
         default_bytes = register.default_bytes()
         default = f", default {code(default_bytes.hex(' ').upper())}" if default_bytes is not None else ""
-        register_link = link(text(title(register)), f"#register-{register.name}")
+        register_link = link(escape(title(register)), f"#register-{register.name}")
         bank = "" if register.bank is None else f"{register.bank}"
         about = f"{register_link} <small>{code(register.name)}</small> {say_register.access(register)}{default}"
         yield bank, addresses(register), about
@@ -304,16 +316,16 @@ def register_rows(device: Device) -> Iterator[Row]:
 def step_sentences(device: Device, procedure: Procedure) -> Iterator[str]:
     """Yield the steps as sentences, each with its reason."""
     for procedure_step in procedure.steps:
-        reason = f" ({text(procedure_step.meaning)})" if procedure_step.meaning else ""
-        yield STYLE.phrase(step(device, procedure_step)) + reason + "."
+        reason = f" ({escape(procedure_step.meaning)})" if procedure_step.meaning else ""
+        yield MARKDOWN.phrase(step(device, procedure_step)) + reason + "."
 
 
 def time_rows(timings: Iterable[Timing]) -> Iterator[Row]:
     """Yield rows of duration, time."""
     for timing in timings:
-        identifiers = "</small> <small>".join(filter(None, (text(timing.symbol), code(timing.name))))
-        time_cell = f"{text(timing.meaning)} <small>{identifiers}</small> <small>{cited(timing.source)}</small>"
-        yield text(bounds_with_codes(timing)), time_cell
+        identifiers = "</small> <small>".join(filter(None, (escape(timing.symbol), code(timing.name))))
+        time_cell = f"{escape(timing.meaning)} <small>{identifiers}</small> <small>{citation(timing.source)}</small>"
+        yield escape(bounds_with_codes(timing)), time_cell
 
 
 def example_rows(device: Device, examples: Iterable[Example]) -> Iterator[Row]:
@@ -321,21 +333,25 @@ def example_rows(device: Device, examples: Iterable[Example]) -> Iterator[Row]:
     for example in examples:
         labelled_values = example_facts(device, example)
         fact_lines = [f"{label}: {value}" for label, value in labelled_values if label not in ("Order code", "Source")]
-        source = f" <small>{cited(example.source)}</small>"
-        yield anchor(f"example-{example.name}") + text(heading(example.name)), joined(fact_lines) + source
+        source = f" <small>{citation(example.source)}</small>"
+        yield anchor(f"example-{example.name}") + escape(heading(example.name)), join_filled(fact_lines) + source
 
 
 def led_rows(device: Device) -> Iterator[Row]:
     """Yield a row of LED, source for each LED, followed by rows of state, meaning."""
     for led in device.leds:
-        yield f"**{text(led.title)}**", f"<small>{cited(led.source)}</small>"
+        yield f"**{escape(led.title)}**", f"<small>{citation(led.source)}</small>"
         for state in led.states:
             step_links = (link("Step by step", f"hardware.md#by-hand-{name}") + "." for name in state.by_hand)
             order_codes = [f"Only with {code(state.only)}."] if state.only else []
-            yield text(state.state), joined([text(sentence(state.meaning)), *order_codes, *step_links], " ")
+            yield (
+                escape(state.state),
+                join_filled([escape(sentence(state.meaning)), *order_codes, *step_links], " "),
+            )
 
 
 def setting_lines(device: Device, interface: Interface) -> Iterator[str]:
     """Yield the settings of the interface, each with its source."""
     for setting in settings(device, interface):
-        yield f"{text(setting.label)}: {STYLE.phrase(statement(*setting.parts))} <small>{cited(setting.source)}</small>"
+        value = MARKDOWN.phrase(statement(*setting.parts))
+        yield f"{escape(setting.label)}: {value} <small>{citation(setting.source)}</small>"

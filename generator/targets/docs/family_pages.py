@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypedDict
 from ...model import Clocked, Device, Interface, Manual, Release, ReleasedChange, Revision, Table, TimesRead
 from ...order_codes.reduction import for_interface
 from ...say.evidence import basis, edition_test, grade, origin, other_editions
-from ...say.markdown import STYLE, cited, code, joined, link, link_list, text
+from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, link_list
 from ...say.order_code import settings
 from ...say.plain_text import counted
 from ...say.text import Statement, language
@@ -54,7 +54,7 @@ def page_values(device: Device) -> ChangesPage:
     return {
         "device": device,
         "version": device.manufacturer.version,
-        "manual": text(manual.revision) + (f" of {manual.date}" if manual.date else ""),
+        "manual": escape(manual.revision) + (f" of {manual.date}" if manual.date else ""),
         "rule": _VERSION_RULE,
         "releases": [_release_section(release) for release in device.releases],
     }
@@ -74,14 +74,14 @@ def _release_section(release: Release) -> dict[str, Any]:
         if change_lines:
             impact_sections.append({"title": title, "lines": change_lines})
     if release.names:
-        impact_sections.append({"title": "Names in code", "lines": [text(name) for name in release.names]})
+        impact_sections.append({"title": "Names in code", "lines": [escape(name) for name in release.names]})
     about = f"Changes since {release.since}, with revision {release.manual} of the manual."
-    return {"version": text(release.version), "about": about, "parts": impact_sections}
+    return {"version": escape(release.version), "about": about, "parts": impact_sections}
 
 
 def _change_line(change: ReleasedChange) -> str:
     about = "; ".join(filter(None, (change.reach, change.outputs)))
-    return f"{text(change.text)} ({code(change.rule)}): {text(about)}"
+    return f"{escape(change.text)} ({code(change.rule)}): {escape(about)}"
 
 
 Rows = list[tuple[str, ...]]
@@ -120,19 +120,19 @@ class ManualPage(TypedDict):
     history_rows: Annotated[Rows, "the revisions of the manual"]
 
 
-def index_values(family: OrderCodes) -> FamilyPage:
+def index_values(family_codes: OrderCodes) -> FamilyPage:
     """Return the values of the first page of a family."""
-    device = family.device
+    device = family_codes.device
     return {
         "device": device,
         "origin": [*origin(device), *other_editions(device)],
-        "manual": f"{text(device.manual.title)}, revision {revision_and_date(device.manual)}",
+        "manual": f"{escape(device.manual.title)}, revision {revision_and_date(device.manual)}",
         "evidence": grade(device),
         "errata_at": inline_errata.ErrataLines(device, f"{device.name}/"),
         "errata_count": f"{len(device.errata)}",
         "wish_rows": list(_task_rows(device)),
         "interface_rows": [_interface_row(device, interface) for interface in device.interfaces],
-        "code_links": list(_order_code_links(family)),
+        "code_links": list(_order_code_links(family_codes)),
         "part_rows": list(order_code_tables.part_rows(device)),
         "spelling_rows": list(order_code_tables.spelling_rows(device)),
         "measurement_rows": list(order_code_tables.measurement_rows(device)),
@@ -149,7 +149,7 @@ def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
     return (
         link(interface.title, page_links.interface_page_path(device, interface)),
         order_codes(device, codes),
-        "; ".join(map(STYLE.phrase, first_settings)),
+        "; ".join(map(MARKDOWN.phrase, first_settings)),
         ", ".join(_subject_links(device, interface)),
     )
 
@@ -160,12 +160,12 @@ def _subject_links(device: Device, interface: Interface) -> Iterator[str]:
         yield link(subject, f"{device.name}/{page_links.page_in_folder(interface.name, subject)}")
 
 
-def _order_code_links(family: OrderCodes) -> Iterator[tuple[str, list[str]]]:
+def _order_code_links(family_codes: OrderCodes) -> Iterator[tuple[str, list[str]]]:
     """Yield the number of order codes of each interface that has any, with links to their pages."""
-    for interface in family.device.interfaces:
-        order_codes = [variant.code for variant in family.device.variants_over(interface.name)]
+    for interface in family_codes.device.interfaces:
+        order_codes = [variant.code for variant in family_codes.device.variants_over(interface.name)]
         if order_codes:
-            code_links = [family.links[order_code] for order_code in order_codes]
+            code_links = [family_codes.links[order_code] for order_code in order_codes]
             yield f"{interface.title}: {counted(len(order_codes), 'order code')}", code_links
 
 
@@ -182,10 +182,10 @@ def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
         if section_links := list(_section_links(device, section)):
             yield task, ", ".join(section_links)
     for procedure in device.procedures:
-        yield text(procedure.title), page_links.link_to_procedure(device, procedure)
+        yield escape(procedure.title), page_links.link_to_procedure(device, procedure)
     for manual_procedure in manual_procedures(device):
         anchor_of_steps = f"by-hand-{manual_procedure.characteristic.name}"
-        yield text(manual_procedure.title), link("by hand", f"{device.name}/hardware.md#{anchor_of_steps}")
+        yield escape(manual_procedure.title), link("by hand", f"{device.name}/hardware.md#{anchor_of_steps}")
     if device.characteristics:
         yield "Mount it, look up its limits", link("mounting and characteristics", f"{device.name}/hardware.md")
     if master_links := masters_page.page_links(device):
@@ -235,9 +235,9 @@ def _characteristic_rows(device: Device, errata_at: inline_errata.ErrataLines) -
     for characteristic in device.characteristics:
         name = characteristic.name
         has_steps = name in names_with_steps
-        value_cell = link("step by step", f"#by-hand-{name}") if has_steps else text(characteristic.value)
-        value_and_errata = joined([value_cell, errata_at.links_in_cell(f"characteristics.{name}")])
-        yield code(name), value_and_errata, code(characteristic.only), cited(characteristic.source)
+        value_cell = link("step by step", f"#by-hand-{name}") if has_steps else escape(characteristic.value)
+        value_and_errata = join_filled([value_cell, errata_at.links_in_cell(f"characteristics.{name}")])
+        yield code(name), value_and_errata, code(characteristic.only), citation(characteristic.source)
 
 
 def manual_values(device: Device) -> ManualPage:
@@ -250,7 +250,7 @@ def manual_values(device: Device) -> ManualPage:
         "manual_rows": [row for row in _manual_rows(device) if row[1]],
         "edition_rows": list(_edition_rows(device)),
         "edition_tests": list(map(style.sentence, tests)),
-        "lost_rows": [(text(figure.content), cited(figure.source)) for figure in device.lost_figures],
+        "lost_rows": [(escape(figure.content), citation(figure.source)) for figure in device.lost_figures],
         "document_rows": fact_tables.document_rows(device.documents),
         "history_rows": list(map(_history_row, device.manual.history)),
     }
@@ -259,31 +259,34 @@ def manual_values(device: Device) -> ManualPage:
 def _history_row(revision: Revision) -> tuple[str, ...]:
     """Return a row of revision, date, changes, hardware, software for one revision of the manual."""
     return (
-        text(revision.revision),
+        escape(revision.revision),
         revision.date,
-        text(revision.changes),
-        text(revision.hardware),
-        text(revision.software),
+        escape(revision.changes),
+        escape(revision.hardware),
+        escape(revision.software),
     )
 
 
 def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
     """Yield the facts about the manual, each with its label."""
     manual = device.manual
-    yield "Manual", text(manual.title)
+    yield "Manual", escape(manual.title)
     yield "Revision", revision_and_date(manual)
-    yield "Language", text(language(manual.language))
-    yield "Publisher", text(manual.publisher)
+    yield "Language", escape(language(manual.language))
+    yield "Publisher", escape(manual.publisher)
     if device.manufacturer.website:
-        yield "Website", text(device.manufacturer.website)
+        yield "Website", escape(device.manufacturer.website)
     yield "Transcribed", _second_reading_text(device.times_read)
     for evidence in (grade(device), *basis(device)):
-        yield evidence.label, STYLE.phrase(replace(evidence, label=""))
-    yield "Manufacturer", text(device.manufacturer.title)
+        yield evidence.label, MARKDOWN.phrase(replace(evidence, label=""))
+    yield "Manufacturer", escape(device.manufacturer.title)
     for edition in manual.editions:
-        language_and_title = [text(language(edition.language)), text(edition.title)]
-        yield "Other edition", joined([*language_and_title, f"revision {text(edition.revision)}", edition.date], ", ")
-    yield "Version", f"{text(device.manufacturer.version)}, {link('changes', f'../{file_name(device)}')}"
+        language_and_title = [escape(language(edition.language)), escape(edition.title)]
+        yield (
+            "Other edition",
+            join_filled([*language_and_title, f"revision {escape(edition.revision)}", edition.date], ", "),
+        )
+    yield "Version", f"{escape(device.manufacturer.version)}, {link('changes', f'../{file_name(device)}')}"
 
 
 def _second_reading_text(counts: TimesRead | None) -> str:
@@ -313,7 +316,7 @@ def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:
     """Yield a row for each edition: revision, date, differences before it, differences in it, labels."""
     for edition in device.editions:
         yield (
-            text(edition.revision),
+            escape(edition.revision),
             edition.date,
             _edition_errata(device, f"before {edition.revision}"),
             _edition_errata(device, edition.revision),
@@ -324,14 +327,16 @@ def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:
 def _edition_errata(device: Device, edition_name: str) -> str:
     """Return links to the differences in an edition, named ``1.4`` or ``before 1.4``."""
     differences = [erratum for erratum in device.errata if erratum.edition == edition_name]
-    errata_links = [link(text(erratum.title), f"{page_links.ERRATA}#erratum-{erratum.name}") for erratum in differences]
+    errata_links = [
+        link(escape(erratum.title), f"{page_links.ERRATA}#erratum-{erratum.name}") for erratum in differences
+    ]
     return link_list(errata_links)
 
 
 def revision_and_date(manual: Manual) -> str:
-    return text(manual.revision) + (f" of {manual.date}" if manual.date else "")
+    return escape(manual.revision) + (f" of {manual.date}" if manual.date else "")
 
 
 def table_rows(table: Table) -> Rows:
     """Return the rows of a table from the manual."""
-    return [tuple(map(text, row)) for row in table.rows]
+    return [tuple(map(escape, row)) for row in table.rows]

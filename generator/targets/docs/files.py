@@ -10,7 +10,7 @@ from ...masters.sheet import Master, shipped_masters
 from ...model import Device
 from ...render import Templates, our_templates
 from ...say import markdown
-from ...say.markdown import link, text
+from ...say.markdown import escape, link
 from ...say.names_and_places import addresses, heading, title
 from ...say.text import counted, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
@@ -27,7 +27,6 @@ from . import (
     timing_pictures,
     verdict_page,
 )
-from . import cross_family_pages as glossary
 from . import family_pages as changes_page
 from .interface_page import Rows, Section
 
@@ -51,11 +50,11 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     files = licence_in("docs")
     sections: list[Section] = []
     for device in library.devices:
-        files |= library.files_of(_family, device, options)
+        files |= library.files_of(_files_of_family, device, options)
         sections += _order_code_sections(order_code_page.OrderCodes(device))
     identification_values = cross_family_pages.identification_page_values(library.devices)
     pages: dict[str, tuple[str, Mapping[str, Any]]] = {
-        "README.md": ("index.md.jinja", _index(library, sections)),
+        "README.md": ("index.md.jinja", _index_values(library, sections)),
         verdict_page.PAGE: ("usable.md.jinja", verdict_page.usable_values(library.devices)),
         cross_family_pages.WHICH_ENCODER: (f"{cross_family_pages.WHICH_ENCODER}.jinja", identification_values),
         cross_family_pages.COMPARISON: (f"{cross_family_pages.COMPARISON}.jinja", identification_values),
@@ -68,23 +67,23 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
             cross_family_pages.alarms_page_values(library.devices),
         ),
         inline_errata.ALL_ERRATA: (f"{inline_errata.ALL_ERRATA}.jinja", inline_errata.all_values(library.devices)),
-        glossary.PAGE: (f"{glossary.PAGE}.jinja", glossary.page_values(library.devices)),
+        cross_family_pages.PAGE: (f"{cross_family_pages.PAGE}.jinja", cross_family_pages.page_values(library.devices)),
     }
     for name, (template, values) in pages.items():
         files[f"docs/{name}"] = _page_text(template, values, library)
     return files
 
 
-def _family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
+def _files_of_family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path of each picture and page of a family, and a function for its text."""
     try:
         masters = shipped_masters()
     except ValueError as error:
         raise TargetError(str(error)) from None
     codes = order_code_page.OrderCodes(device)
-    for name, picture in _pictures(codes):
+    for name, picture in _pictures_of_family(codes):
         yield f"docs/{device.name}/{name}", picture
-    for name, template, page_values in _pages(codes, masters):
+    for name, template, page_values in _pages_of_family(codes, masters):
         yield f"docs/{name}", partial(_family_page, device, name, template, page_values, library)
 
 
@@ -107,23 +106,27 @@ def _page_text(template: str, values: Mapping[str, Any], library: Library) -> st
     return _without_surplus_spaces(TEMPLATES.render(template, values, library.own_templates))
 
 
-def _pages(
-    codes: order_code_page.OrderCodes, masters: tuple[Master, ...]
+def _pages_of_family(
+    family_codes: order_code_page.OrderCodes, masters: tuple[Master, ...]
 ) -> Iterator[tuple[str, str, Callable[[], Mapping[str, Any]]]]:
     """Yield the name of each page, its template, and a function for its values."""
-    device = codes.device
-    folder = codes.device.name
+    device = family_codes.device
+    folder = family_codes.device.name
     kinds = [interface.name for interface in device.interfaces]
     kinds_with_masters = masters_page.kinds_with_masters(device)
-    yield f"{folder}.md", "device.md.jinja", partial(family_pages.index_values, codes)
+    yield f"{folder}.md", "device.md.jinja", partial(family_pages.index_values, family_codes)
     for kind in kinds:
-        interface_values = partial(_interface_values, codes, kind, kinds_with_masters)
+        interface_values = partial(_interface_values, family_codes, kind, kinds_with_masters)
         yield f"{folder}/{page_links.page_in_folder(kind)}", "interface.md.jinja", interface_values
         for subject in interface_page.subjects(device, kind):
             page_name = f"{folder}/{page_links.page_in_folder(kind, subject)}"
             yield page_name, "interface-subject.md.jinja", partial(_subject_values, subject, interface_values)
-    for group in codes.groups:
-        yield f"{folder}/{group.name}.md", "code.md.jinja", partial(_code_values, codes, group, kinds_with_masters)
+    for group in family_codes.groups:
+        yield (
+            f"{folder}/{group.name}.md",
+            "code.md.jinja",
+            partial(_code_values, family_codes, group, kinds_with_masters),
+        )
     yield f"{folder}/hardware.md", "hardware.md.jinja", partial(family_pages.hardware_values, device)
     yield f"{folder}/{page_links.ERRATA}", "errata.md.jinja", partial(inline_errata.page_values, device)
     yield f"{folder}/manual.md", "manual.md.jinja", partial(family_pages.manual_values, device)
@@ -135,15 +138,15 @@ def _pages(
 
 
 def _interface_values(
-    codes: order_code_page.OrderCodes, kind: str, kinds_with_masters: Collection[str]
+    family_codes: order_code_page.OrderCodes, interface_name: str, kinds_with_masters: Collection[str]
 ) -> interface_page.InterfacePage:
     """Return the values of the page of an interface."""
     return interface_page.page_values(
-        codes.device,
-        kind,
-        links=codes.links_in_folder,
-        has_masters=kind in kinds_with_masters,
-        pictures=codes.pictures,
+        family_codes.device,
+        interface_name,
+        links=family_codes.links_in_folder,
+        has_masters=interface_name in kinds_with_masters,
+        pictures=family_codes.pictures,
     )
 
 
@@ -154,18 +157,18 @@ def _subject_values(
 
 
 def _code_values(
-    codes: order_code_page.OrderCodes, group: order_code_page.CodeGroup, kinds_with_masters: Collection[str]
+    family_codes: order_code_page.OrderCodes, code_group: order_code_page.CodeGroup, kinds_with_masters: Collection[str]
 ) -> order_code_page.CodePage:
-    has_masters = group.interface.name in kinds_with_masters
-    return order_code_page.page_values(group, has_masters, codes.pictures)
+    has_masters = code_group.interface.name in kinds_with_masters
+    return order_code_page.page_values(code_group, has_masters, family_codes.pictures)
 
 
-def _pictures(codes: order_code_page.OrderCodes) -> Iterator[tuple[str, Callable[[], str]]]:
+def _pictures_of_family(family_codes: order_code_page.OrderCodes) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the file name of each picture of a family and its order codes, with a function for its text."""
-    for pictures in (codes.pictures, *(group.pictures for group in codes.groups)):
+    for pictures in (family_codes.pictures, *(group.pictures for group in family_codes.groups)):
         yield from ((picture.name, partial(str, picture.svg)) for picture in pictures.values())
-    for interface in codes.device.interfaces:
-        diagram = timing_pictures.timing_diagram(codes.device, interface)
+    for interface in family_codes.device.interfaces:
+        diagram = timing_pictures.timing_diagram(family_codes.device, interface)
         if diagram is not None:
             yield f"timing-{interface.name}.svg", partial(timing_pictures.diagram_picture, diagram)
 
@@ -180,22 +183,22 @@ def _without_surplus_spaces(page_text: str) -> str:
     return "\n".join(kept_lines).rstrip() + "\n"
 
 
-def _order_code_sections(codes: order_code_page.OrderCodes) -> Iterator[Section]:
+def _order_code_sections(family_codes: order_code_page.OrderCodes) -> Iterator[Section]:
     """Yield the sections of a family on the index, one for each interface with listed order codes."""
-    device = codes.device
+    device = family_codes.device
     for interface in device.interfaces:
         interface_codes = [variant.code for variant in device.variants_over(interface.name)]
         if interface_codes:
             count = counted(len(interface_codes), "order code")
             yield {
-                "pages": codes.page_links(interface.name),
+                "pages": family_codes.page_links(interface.name),
                 "counted": f"All {count}" if len(interface_codes) > 1 else "The order code",
                 "interface": link(f"{device.name.upper()}, {interface.title}", f"{device.name}/{interface.name}.md"),
-                "links": [codes.links[order_code] for order_code in interface_codes],
+                "links": [family_codes.links[order_code] for order_code in interface_codes],
             }
 
 
-def _index(library: Library, order_codes: list[Section]) -> Index:
+def _index_values(library: Library, order_codes: list[Section]) -> Index:
     """Return the values of the index of all families."""
     rows = [_index_row(device) for device in library.devices]
     trademarks = list(
@@ -209,13 +212,13 @@ def _index_row(device: Device) -> tuple[str, ...]:
     folder = device.name
     interface_links = [link(interface.title, f"{folder}/{interface.name}.md") for interface in device.interfaces]
     return (
-        link(text(device.title), f"{folder}.md"),
-        text(device.manufacturer.title),
+        link(escape(device.title), f"{folder}.md"),
+        escape(device.manufacturer.title),
         ", ".join(interface_links),
         f"{len(device.variants)}",
         ", ".join(masters_page.page_links(device)),
-        f"{text(device.manual.title)}, revision {family_pages.revision_and_date(device.manual)}",
-        text(device.evidence.grade),
+        f"{escape(device.manual.title)}, revision {family_pages.revision_and_date(device.manual)}",
+        escape(device.evidence.grade),
     )
 
 
@@ -239,21 +242,21 @@ TEMPLATES = Templates(
         f"{cross_family_pages.REGISTERS}.jinja": cross_family_pages.RegistersPage,
         f"{cross_family_pages.ALARMS}.jinja": cross_family_pages.AlarmsPage,
         f"{inline_errata.ALL_ERRATA}.jinja": inline_errata.AllErrataPage,
-        f"{glossary.PAGE}.jinja": glossary.GlossaryPage,
+        f"{cross_family_pages.PAGE}.jinja": cross_family_pages.GlossaryPage,
     },
     filters={
-        "md": markdown.text,
+        "md": markdown.escape,
         "paragraph": markdown.paragraph,
         "code": markdown.code,
-        "html": markdown.html,
-        "cited": markdown.cited,
+        "html": markdown.escape_html,
+        "cited": markdown.citation,
         "cited_html": markdown.cited_html,
         "anchor": markdown.anchor,
         "sentence": sentence,
         "titled": title,
         "heading": heading,
         "addresses": addresses,
-        "said": markdown.STYLE.sentence,
+        "said": markdown.MARKDOWN.sentence,
     },
     functions={"table": markdown.table, "timing_rows": fact_tables.timing_rows, "table_rows": family_pages.table_rows},
 )
@@ -262,5 +265,5 @@ TARGET = Target(
     summary="Markdown pages with pictures of every frame, and the settings of BiSS and SSI masters",
     files=generate,
     templates=TEMPLATES,
-    family=_family,
+    family=_files_of_family,
 )

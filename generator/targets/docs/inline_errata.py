@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypedDict
 from ...model import Device, Erratum
 from ...say.errata import errata
 from ...say.errata import erratum as erratum_statement
-from ...say.markdown import STYLE, anchor, cited, code, html, link, link_list, text
+from ...say.markdown import MARKDOWN, anchor, citation, code, escape, escape_html, link, link_list
 from ...say.text import sentence
 from . import fact_tables
 from .page_links import ERRATA, link_to_erratum
@@ -47,31 +47,36 @@ class ErrataLines:
 
         Errata about wording are one item, and so are the differences in other editions.
         """
-        manual_errata, edition_errata = _by_origin(self._device, *paths, exactly=exactly)
-        list_items = [self._line(erratum) for erratum in manual_errata if erratum.severity != "wording"]
+        manual_errata, edition_errata = _errata_by_origin(self._device, *paths, exactly=exactly)
+        list_items = [self._erratum_line(erratum) for erratum in manual_errata if erratum.severity != "wording"]
         wording_errata = [erratum for erratum in manual_errata if erratum.severity == "wording"]
         if wording_errata:
             mistakes = "mistake" if len(wording_errata) == 1 else "mistakes"
-            links = link_list(self._link(erratum, text(erratum.title)) for erratum in wording_errata)
+            links = link_list(self._link_to_erratum(erratum, escape(erratum.title)) for erratum in wording_errata)
             list_items.append(f"- Wording {mistakes} in the manual: {links}")
         if edition_errata:
-            edition_links = [self._link(erratum, text(_edition_phrase(erratum))) for erratum in edition_errata]
+            edition_links = [
+                self._link_to_erratum(erratum, escape(_edition_phrase(erratum))) for erratum in edition_errata
+            ]
             list_items.append(f"- Other editions differ: {', '.join(dict.fromkeys(edition_links))}")
         return "\n".join(list_items)
 
     def links_in_cell(self, *paths: str) -> str:
         """Return the errata about these paths, those about wording included, as links for a table cell."""
         affecting_errata = errata(self._device, *paths, wording=True)
-        links = [f"{status_badge(erratum)} {self._link(erratum, text(erratum.title))}" for erratum in affecting_errata]
+        links = [
+            f"{status_badge(erratum)} {self._link_to_erratum(erratum, escape(erratum.title))}"
+            for erratum in affecting_errata
+        ]
         return link_list(links)
 
-    def _link(self, erratum: Erratum, label: str) -> str:
+    def _link_to_erratum(self, erratum: Erratum, label: str) -> str:
         return link(label, f"{self._page}#erratum-{erratum.name}")
 
-    def _line(self, erratum: Erratum) -> str:
+    def _erratum_line(self, erratum: Erratum) -> str:
         """Return an erratum as an item of a list: its text at the first mention on the page, then a link to that."""
         if erratum.name in self._names_on_page:
-            first_mention = link(text(erratum.title), f"#erratum-{erratum.name}")
+            first_mention = link(escape(erratum.title), f"#erratum-{erratum.name}")
             return f"- {status_badge(erratum)} {first_mention}, see above"
         self._names_on_page.add(erratum.name)
         return f"- {anchor(f'erratum-{erratum.name}')}{erratum_line(erratum, self._page)}"
@@ -91,13 +96,13 @@ class ErrataLinks:
 
         Several links are folded under their number.
         """
-        manual_errata, differences = _by_origin(self._device, *paths, exactly=exactly)
+        manual_errata, differences = _errata_by_origin(self._device, *paths, exactly=exactly)
         self._differences |= {difference.name: difference for difference in differences}
         return self._links_by_status([erratum for erratum in manual_errata if erratum.severity != "wording"])
 
     def links_about_bytes(self, *paths: str, exactly: Collection[str] = ()) -> str:
         """Return links to those errata about these paths that change bytes on the wire."""
-        manual_errata, _ = _by_origin(self._device, *paths, exactly=exactly)
+        manual_errata, _ = _errata_by_origin(self._device, *paths, exactly=exactly)
         return self._links_by_status([erratum for erratum in manual_errata if erratum.severity == "wrong_data"])
 
     def _links_by_status(self, linked_errata: Sequence[Erratum]) -> str:
@@ -108,7 +113,8 @@ class ErrataLinks:
         self._errata |= {erratum.name: erratum for erratum in linked_errata}
         if len(linked_errata) == 1:
             (erratum,) = linked_errata
-            return f"{_MARKS[erratum.status]} {erratum.status}: {link(text(erratum.title), f'#erratum-{erratum.name}')}"
+            title_link = link(escape(erratum.title), f"#erratum-{erratum.name}")
+            return f"{_MARKS[erratum.status]} {erratum.status}: {title_link}"
         counts = []
         links = []
         for status, mark in _MARKS.items():
@@ -142,12 +148,12 @@ class ErrataLinks:
 
 def _html_link(erratum: Erratum) -> str:
     """Return a link in HTML, since a block that begins with HTML has no Markdown in it."""
-    return f'<a href="#erratum-{erratum.name}">{html(erratum.title)}</a>'
+    return f'<a href="#erratum-{erratum.name}">{escape_html(erratum.title)}</a>'
 
 
 def _numbered_links(label: str, pages: Sequence[str]) -> str:
     """Return links to several pages: the first with the label, the others with their numbers."""
-    first_link = link(text(label), pages[0])
+    first_link = link(escape(label), pages[0])
     return ", ".join([first_link, *(link(f"{number}", page) for number, page in enumerate(pages[1:], 2))])
 
 
@@ -155,7 +161,7 @@ def _numbered_links(label: str, pages: Sequence[str]) -> str:
 _MARKS = {"open": "⚠", "settled": "✓"}
 
 
-def _by_origin(device: Device, *paths: str, exactly: Collection[str]) -> tuple[list[Erratum], list[Erratum]]:
+def _errata_by_origin(device: Device, *paths: str, exactly: Collection[str]) -> tuple[list[Erratum], list[Erratum]]:
     """Return the errata of the manual about these paths, and the differences in other editions.
 
     If the device itself is one of the other editions, all errata are in the first list.
@@ -178,14 +184,14 @@ def erratum_line(listed_erratum: Erratum, page: str) -> str:
     A change by an overlay has its reason and source, because the user of a special model needs them.
     """
     name = listed_erratum.name
-    title_link = f"{status_badge(listed_erratum)} {link(text(listed_erratum.title), f'{page}#erratum-{name}')}"
+    title_link = f"{status_badge(listed_erratum)} {link(escape(listed_erratum.title), f'{page}#erratum-{name}')}"
     if listed_erratum.overlay:
-        reasons = map(STYLE.sentence, erratum_statement(listed_erratum).below)
-        return " ".join([f"{title_link} {STYLE.cited(listed_erratum.source)}:", *reasons])
-    return f"{title_link}: {text(_shortened(sentence(listed_erratum.used)))}"
+        reasons = map(MARKDOWN.sentence, erratum_statement(listed_erratum).below)
+        return " ".join([f"{title_link} {MARKDOWN.cited(listed_erratum.source)}:", *reasons])
+    return f"{title_link}: {escape(_shorten_sentences(sentence(listed_erratum.used)))}"
 
 
-def _shortened(sentences: str) -> str:
+def _shorten_sentences(sentences: str) -> str:
     """Return a long text up to the last full sentence that fits, or else the last full word, with an ellipsis."""
     if len(sentences) <= _LONGEST_TEXT:
         return sentences
@@ -208,7 +214,7 @@ def page_values(device: Device) -> ErrataPage:
     """Return the values of the page with the errata of a family."""
     manual_errata = _errata_of_manual(device)
     open_errata = [erratum for erratum in manual_errata if erratum.status == "open"]
-    summary = _summary(len(manual_errata), len(open_errata))
+    summary = _summary_of_counts(len(manual_errata), len(open_errata))
     return {
         "device": device,
         "errata_summary": summary + fact_tables.sentence_on_changes(len(device.errata) - len(manual_errata)),
@@ -219,14 +225,14 @@ def page_values(device: Device) -> ErrataPage:
 
 def _erratum_section(erratum: Erratum) -> dict[str, Any]:
     """Return one erratum for the page of errata: a summary, and its texts as a table of one row."""
-    head, cells = zip(*fact_tables.printed_and_used_rows(erratum), ("Why", text(erratum.why)), strict=True)
+    head, cells = zip(*fact_tables.printed_and_used_rows(erratum), ("Why", escape(erratum.why)), strict=True)
     affected = ", ".join(map(code, erratum.affects))
     kind = f"{status_badge(erratum)}, {fact_tables.severity_text(erratum.severity)}"
-    summary = f"{kind}. Source: {cited(erratum.source)}. Affects {affected}."
-    return {"erratum": erratum, "title": text(erratum.title), "summary": summary, "head": head, "cells": cells}
+    summary = f"{kind}. Source: {citation(erratum.source)}. Affects {affected}."
+    return {"erratum": erratum, "title": escape(erratum.title), "summary": summary, "head": head, "cells": cells}
 
 
-def _summary(count: int, open_count: int) -> str:
+def _summary_of_counts(count: int, open_count: int) -> str:
     """Return sentences with the number of errata, and with the meaning of their status."""
     if not count:
         return "No errata are known."
@@ -245,13 +251,13 @@ def _links_by_status_and_impact(listed_errata: Sequence[Erratum]) -> Iterator[tu
     """Yield each status and impact with links to its errata, open ones first and wrong bytes before wording."""
     for status in ("open", "settled"):
         for severity in fact_tables.SEVERITIES:
-            of_kind = [erratum for erratum in listed_errata if _is_of(erratum, status, severity)]
+            of_kind = [erratum for erratum in listed_errata if _has_status_and_severity(erratum, status, severity)]
             if of_kind:
-                label = text(f"{status}, {fact_tables.severity_text(severity)}")
-                yield label, [link(text(erratum.title), f"#erratum-{erratum.name}") for erratum in of_kind]
+                label = escape(f"{status}, {fact_tables.severity_text(severity)}")
+                yield label, [link(escape(erratum.title), f"#erratum-{erratum.name}") for erratum in of_kind]
 
 
-def _is_of(erratum: Erratum, status: str, severity: str) -> bool:
+def _has_status_and_severity(erratum: Erratum, status: str, severity: str) -> bool:
     return erratum.status == status and erratum.severity == severity
 
 
@@ -274,9 +280,9 @@ def _rows_of_all_families(devices: Sequence[Device], status: str) -> Iterator[tu
     for severity in fact_tables.SEVERITIES:
         for device in devices:
             for erratum in _errata_of_manual(device):
-                if _is_of(erratum, status, severity):
+                if _has_status_and_severity(erratum, status, severity):
                     yield (
-                        text(fact_tables.severity_text(severity)),
-                        link(text(device.name.upper()), f"{device.name}.md"),
+                        escape(fact_tables.severity_text(severity)),
+                        link(escape(device.name.upper()), f"{device.name}.md"),
                         link_to_erratum(device, erratum),
                     )

@@ -36,11 +36,11 @@ from ...say import register as say_register
 from ...say import report
 from ...say.errata import needed_answers
 from ...say.evidence import document, origin, other_editions
-from ...say.markdown import STYLE, cited, code, joined, link, text
+from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
 from ...say.names_and_places import Named, addresses, title, words
 from ...say.order_code import PURPOSES, initial
 from ...say.register import measurement, own_ranges, position_range
-from ...say.text import Code, Statement, listed, statement, volts
+from ...say.text import Code, Statement, list_parts, statement, volts
 from . import fact_tables, inline_errata, layout_tables, order_code_tables, verdict_page
 from .layout_tables import has_value_table
 from .order_code_tables import order_codes
@@ -118,9 +118,9 @@ def _example_section(device: Device, example: Example) -> Section:
 def _led_rows(led: Led) -> Iterator[tuple[str, ...]]:
     """Yield a row for each state of an LED. The first row has the name and the source of the LED."""
     for index, state in enumerate(led.states):
-        name, source = (text(led.title), cited(led.source)) if index == 0 else ("", "")
-        meaning = joined([text(state.meaning), *links_to_steps("", state.by_hand)])
-        yield name, text(state.state), meaning, code(state.only), source
+        name, source = (escape(led.title), citation(led.source)) if index == 0 else ("", "")
+        meaning = join_filled([escape(state.meaning), *links_to_steps("", state.by_hand)])
+        yield name, escape(state.state), meaning, code(state.only), source
 
 
 #: Keys of an interface whose errata are listed with its facts.
@@ -164,13 +164,13 @@ def _interface_section(device: Device, interface: Interface) -> Section:
     }
 
 
-def _group_section(device: Device, interface: Interface, group: FieldGroup) -> Section:
+def _group_section(device: Device, interface: Interface, field_group: FieldGroup) -> Section:
     """Return a group of fields with its rows and the frames that contain it."""
     return {
-        "group": group,
-        "title": _group_title(group),
-        "frames": layout_tables.links_to_frames_with(interface, group.name),
-        "rows": layout_tables.group_rows(device, group.name),
+        "group": field_group,
+        "title": _group_title(field_group),
+        "frames": layout_tables.links_to_frames_with(interface, field_group.name),
+        "rows": layout_tables.group_rows(device, field_group.name),
     }
 
 
@@ -180,9 +180,9 @@ def _data_id_row(data_id: DataId) -> tuple[str, ...]:
         f"{data_id.id:X}",
         code(data_id.name),
         f"`{data_id.control:02X}h`",
-        text(data_id.purpose),
-        text(data_id.meaning),
-        cited(data_id.source),
+        escape(data_id.purpose),
+        escape(data_id.meaning),
+        citation(data_id.source),
     )
 
 
@@ -198,7 +198,7 @@ def _exchange_rows(interface: Interface) -> Rows:
         length_cells = [f"{exchange.request.bits.render()} bits"] if len(lengths) > 1 else []
         purpose = PURPOSES[exchange.exchange.purpose]
         frame_links = [_layout_link(exchange.request), _layout_link(exchange.reply)]
-        exchange_rows.append((*frame_links, *length_cells, purpose, cited(exchange.exchange.source)))
+        exchange_rows.append((*frame_links, *length_cells, purpose, citation(exchange.exchange.source)))
     return exchange_rows
 
 
@@ -209,18 +209,18 @@ def _layout_link(layout: Layout | None) -> str:
 def _memory_row(access: MemoryAccess) -> tuple[str, ...]:
     """Return a row of access, busy, address, data, meaning, source for one kind of access to memory."""
     return (
-        text(access.access),
+        escape(access.access),
         f"{access.busy}",
-        text(access.address),
-        text(access.data),
-        text(access.meaning),
-        cited(access.source),
+        escape(access.address),
+        escape(access.data),
+        escape(access.meaning),
+        citation(access.source),
     )
 
 
-def _group_title(group: FieldGroup) -> str:
+def _group_title(field_group: FieldGroup) -> str:
     """Return our name, with the name used in the manual in parentheses."""
-    return words(group.name).capitalize() + (f" ({group.printed_name})" if group.printed_name else "")
+    return words(field_group.name).capitalize() + (f" ({field_group.printed_name})" if field_group.printed_name else "")
 
 
 def _layout_section(device: Device, interface: Interface, layout: Layout) -> Section:
@@ -231,7 +231,7 @@ def _layout_section(device: Device, interface: Interface, layout: Layout) -> Sec
     return {
         "layout": layout,
         "head": say_layout.head(interface, layout, Code(layout.name), device.alternatives),
-        "size": STYLE.phrase(statement(*say_layout.size(layout, device.alternatives))),
+        "size": MARKDOWN.phrase(statement(*say_layout.size(layout, device.alternatives))),
         "facts": [*say_layout.facts(interface, layout), *needed_answers(device, layout)],
         "rows": list(layout_tables.field_rows(device, layout)),
         "placements": layout_tables.placement_table(device, layout, interface.name),
@@ -281,7 +281,9 @@ def _connector_section(connector: Connector) -> Section:
     return {
         "connector": connector,
         "head": "Wire" if connector.kind == "cable" else "Pin",
-        "rows": [(text(contact.contact), text(contact.signal), code(contact.only)) for contact in connector.contacts],
+        "rows": [
+            (escape(contact.contact), escape(contact.signal), code(contact.only)) for contact in connector.contacts
+        ],
     }
 
 
@@ -294,7 +296,7 @@ def _register_row(register: Register) -> tuple[str, ...]:
         link(code(register.name), f"#register-{register.name}"),
         say_register.access(register),
         f"`{default_bytes.hex(' ').upper()}`" if default_bytes is not None else "",
-        cited(register.source),
+        citation(register.source),
     )
 
 
@@ -326,9 +328,9 @@ class SubjectPage(InterfacePage):
     contents: Annotated[str, "contents of the page, such as `wiring and LEDs`"]
 
 
-def subjects(device: Device, kind: str) -> list[str]:
+def subjects(device: Device, interface_name: str) -> list[str]:
     """Return the subjects for which an interface has any content. Each has a page of its own."""
-    return list(_contents_by_subject(for_interface(device, kind)))
+    return list(_contents_by_subject(for_interface(device, interface_name)))
 
 
 def _contents_by_subject(device: Device) -> dict[str, list[str]]:
@@ -356,40 +358,40 @@ def _contents_by_subject(device: Device) -> dict[str, list[str]]:
 def subject_values(subject: str, page: InterfacePage) -> SubjectPage:
     """Return the values of the page about a subject. ``page`` has those of the page of its interface."""
     contents = _contents_by_subject(page["device"])[subject]
-    return {**page, "subject": subject, "contents": STYLE.phrase(statement(*listed(contents)))}
+    return {**page, "subject": subject, "contents": MARKDOWN.phrase(statement(*list_parts(contents)))}
 
 
 def interface_values(
-    family: Device, device: Device, variants: Sequence[Variant], has_masters: bool, pictures: Pictures
+    family_device: Device, device: Device, variants: Sequence[Variant], has_masters: bool, pictures: Pictures
 ) -> InterfaceValues:
-    """Return the values of a page about one interface. ``device`` is ``family`` reduced to the interface."""
+    """Return the values of a page about one interface. ``device`` is ``family_device`` reduced to the interface."""
     (interface,) = device.interfaces
-    layouts = family.interface(interface.name).layouts
+    layouts = family_device.interface(interface.name).layouts
     return {
         "interface": interface,
         "has_masters": has_masters,
         "short_rows": list(_overview_rows(device, interface, variants)),
         "pictures": pictures,
         "timing": timing_diagram(device, interface),
-        "delivered": [layout.name for layout in layouts if follows_registers(family, layout)],
-        "initial": initial(family),
+        "delivered": [layout.name for layout in layouts if follows_registers(family_device, layout)],
+        "initial": initial(family_device),
     }
 
 
 def page_values(
-    device: Device, kind: str, links: Mapping[str, str], has_masters: bool, pictures: Pictures
+    device: Device, interface_name: str, links: Mapping[str, str], has_masters: bool, pictures: Pictures
 ) -> InterfacePage:
-    """Return the values of the page of interface ``kind``. ``links`` has a link to the page of each order code."""
-    interface_device = for_interface(device, kind)
-    variants = device.variants_over(kind)
+    """Return the values of the page of an interface. ``links`` has a link to the page of each order code."""
+    interface_device = for_interface(device, interface_name)
+    variants = device.variants_over(interface_name)
     codes = [variant.code for variant in variants]
     return {
         **page_sections(interface_device),
         **interface_values(device, interface_device, variants, has_masters, pictures),
         "order_codes": order_codes(device, codes),
-        "code_table": order_code_tables.code_table(device, device.interface(kind), links),
-        "parameter_rows": list(order_code_tables.parameter_rows(device, kind)),
-        "run_time_rows": list(order_code_tables.run_time_rows(device, kind)),
+        "code_table": order_code_tables.code_table(device, device.interface(interface_name), links),
+        "parameter_rows": list(order_code_tables.parameter_rows(device, interface_name)),
+        "run_time_rows": list(order_code_tables.run_time_rows(device, interface_name)),
         "name_rows": list(_name_rows(interface_device)),
     }
 
@@ -398,12 +400,13 @@ def _overview_rows(device: Device, interface: Interface, variants: Sequence[Vari
     """Yield rows of fact, value, source: the position with its unit, each supply, and the facts of the interface."""
     position_measurement = device.measurement_of(interface.name)
     if position_measurement is not None:
-        yield "Position", STYLE.phrase(measurement(position_measurement)), cited(position_measurement.source)
+        yield "Position", MARKDOWN.phrase(measurement(position_measurement)), citation(position_measurement.source)
         for layout_name, own_range in own_ranges(device, interface.name):
-            yield f"Position in {code(layout_name)}", STYLE.phrase(position_range(own_range)), cited(own_range.source)
+            range_text = MARKDOWN.phrase(position_range(own_range))
+            yield f"Position in {code(layout_name)}", range_text, citation(own_range.source)
     for supply, codes in _codes_by_supply(device, variants).items():
         with_codes = f" ({order_codes(device, codes)})" if len(codes) < len(variants) else ""
-        yield f"Supply{with_codes}", f"{volts(supply.min_mv)} to {volts(supply.max_mv)}", cited(supply.source)
+        yield f"Supply{with_codes}", f"{volts(supply.min_mv)} to {volts(supply.max_mv)}", citation(supply.source)
     yield from fact_tables.interface_rows(device, interface)
 
 
@@ -422,7 +425,12 @@ def _name_rows(device: Device) -> Iterator[Row]:
     for named_part in _parts_with_names(device):
         for language, name_in_language in named_part.names.items():
             if name_in_language != title(named_part):
-                yield code(named_part.name), text(named_part.printed_name), text(language), text(name_in_language)
+                yield (
+                    code(named_part.name),
+                    escape(named_part.printed_name),
+                    escape(language),
+                    escape(name_in_language),
+                )
 
 
 def _parts_with_names(device: Device) -> Iterator[Named]:

@@ -48,7 +48,7 @@ def _style_element() -> str:
     return f"<style>{always}{light}@media(prefers-color-scheme:dark){{{dark}}}</style>"
 
 
-def card(title: str, body: Sequence[str], width: float, height: float, description: str) -> str:
+def create_picture(title: str, body: Sequence[str], width: float, height: float, description: str) -> str:
     """Return a picture of this size. ``description`` is its text alternative."""
     svg_start = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{number(width)}" height="{number(height)}" '
@@ -56,29 +56,29 @@ def card(title: str, body: Sequence[str], width: float, height: float, descripti
         'font-family="system-ui, -apple-system, Segoe UI, Helvetica, Arial, sans-serif">'
     )
     size = f'width="{number(width - 1)}" height="{number(height - 1)}"'
-    descriptions = [f"<title>{_escaped(title)}</title>", f"<desc>{_escaped(description)}</desc>"]
+    descriptions = [f"<title>{_escape_xml(title)}</title>", f"<desc>{_escape_xml(description)}</desc>"]
     background = f'<rect x="0.5" y="0.5" {size} rx="6" class="card"/>'
     return "\n".join([svg_start, *descriptions, _style_element(), background, *body, "</svg>", ""])
 
 
-def _escaped(words: str) -> str:
+def _escape_xml(words: str) -> str:
     """Return words as the content of an element."""
     return html.escape(plain(words), quote=False)
 
 
-def rect(x: float, top: float, box_width: float, box_height: float, fill: str) -> str:
+def draw_box(x: float, top: float, box_width: float, box_height: float, fill: str) -> str:
     """Return a box. ``fill`` is its colour class."""
     size = f'width="{number(box_width)}" height="{number(box_height)}"'
     return f'<rect x="{number(x)}" y="{number(top)}" {size} class="{fill}"/>'
 
 
-def swatch(x: float, top: float, box_width: float, box_height: float, colour: str) -> str:
+def draw_swatch(x: float, top: float, box_width: float, box_height: float, colour: str) -> str:
     """Return a box in a colour that is the same in both colour schemes, such as that of a wire."""
     size = f'width="{number(box_width)}" height="{number(box_height)}"'
     return f'<rect x="{number(x)}" y="{number(top)}" {size} fill="{colour}"/>'
 
 
-def text(
+def draw_text(
     x: float,
     y: float,
     words: str,
@@ -94,15 +94,15 @@ def text(
     """
     weight = ' font-weight="600"' if bold else ""
     look = f'font-size="{size}" text-anchor="{anchor}" class="{"faint" if faint else "ink"}"{weight}'
-    return f'<text x="{number(x)}" y="{number(y)}" {look}>{_escaped(words)}</text>'
+    return f'<text x="{number(x)}" y="{number(y)}" {look}>{_escape_xml(words)}</text>'
 
 
-def width(words: str, size: float) -> float:
+def text_width(words: str, size: float) -> float:
     """Return an upper estimate of the width of a line of text."""
     return len(words) * size * _LETTER_WIDTH
 
 
-def wrapped(words: str, room: float, size: float) -> list[str]:
+def wrap_to_width(words: str, room: float, size: float) -> list[str]:
     """Return text as lines no wider than ``room``."""
     return wrap(plain(words), max(1, int(room / (size * _LETTER_WIDTH))))
 
@@ -189,7 +189,7 @@ def bit_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
     # Lowest bit of each byte of the number. The first byte may have fewer than eight bits.
     lows = range((placed_layout.bits - 1) // 8 * 8, -1, -8)
     labels = [bit_range(min(low + 7, placed_layout.bits - 1), low) for low in lows]
-    return Stack(caption, _rows(runs, lows, labels), f"{placed_layout.bits} bits: {_runs_text(runs)}")
+    return Stack(caption, _byte_rows(runs, lows, labels), f"{placed_layout.bits} bits: {_runs_text(runs)}")
 
 
 def register_stack(caption: str, placed_layout: PlacedLayout, address: int, low_byte_first: bool) -> Stack:
@@ -199,7 +199,7 @@ def register_stack(caption: str, placed_layout: PlacedLayout, address: int, low_
     labels = [f"{address + index:02X}h" for index in range(len(lows))]
     order = "low byte first" if low_byte_first else "high byte first"
     first_byte = f"{labels[0]}, {order}" if len(lows) > 1 else labels[0]
-    return Stack(caption, _rows(runs, lows, labels), f"{first_byte}: {_runs_text(runs)}")
+    return Stack(caption, _byte_rows(runs, lows, labels), f"{first_byte}: {_runs_text(runs)}")
 
 
 def byte_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
@@ -237,7 +237,7 @@ def group_stack(caption: str, fields: Sequence[tuple[Field, int, int]], bits: in
     runs = [_run_of_field(field, high, low) for field, high, low in fields]
     # Lowest bit of each byte, highest first.
     lows = range((bits - 1) // 8 * 8, -1, -8)
-    return Stack(caption, _rows(runs, lows, [""] * len(lows)), _runs_text(runs))
+    return Stack(caption, _byte_rows(runs, lows, [""] * len(lows)), _runs_text(runs))
 
 
 def text_alternative(stacks: Sequence[Stack]) -> str:
@@ -267,7 +267,7 @@ def _lowest_bits(bits: int, low_byte_first: bool) -> range:
     return range(0, bits, 8) if low_byte_first else range(bits - 8, -1, -8)
 
 
-def _rows(runs: Sequence[_BitRun], lows: Sequence[int], labels: Sequence[str]) -> tuple[ByteRow, ...]:
+def _byte_rows(runs: Sequence[_BitRun], lows: Sequence[int], labels: Sequence[str]) -> tuple[ByteRow, ...]:
     """Return a row for each lowest bit of a byte. Boxes have bit numbers in the whole layout."""
     byte_rows = []
     for low, row_label in zip(lows, labels, strict=True):
@@ -290,7 +290,9 @@ def runs_of(placed_layout: PlacedLayout) -> list[_BitRun]:
     """Return the fields, and the bits that belong to no field, highest first."""
     fields = placed_layout.fields
     runs = [_run_of_field(placed_field.field, placed_field.high, placed_field.low) for placed_field in fields]
-    runs += [_BitRun(high, low, "no field", _NOTHING) for high, low in _gaps(placed_layout)]
+    runs += [
+        _BitRun(high=high, low=low, name="no field", fill=_NOTHING) for high, low in _gaps_between_fields(placed_layout)
+    ]
     return sorted(runs, key=lambda run: -run.high)
 
 
@@ -326,7 +328,7 @@ def _run_of_field(field: Field, high: int, low: int) -> _BitRun:
     )
 
 
-def _gaps(placed_layout: PlacedLayout) -> list[tuple[int, int]]:
+def _gaps_between_fields(placed_layout: PlacedLayout) -> list[tuple[int, int]]:
     """Return the highest and lowest bit of each run of bits that belong to no field, highest run first."""
     gaps: list[tuple[int, int]] = []
     # All bits from here on upwards are fields or listed gaps.
@@ -348,8 +350,8 @@ def stacks_picture(title: str, stacks: Sequence[Stack]) -> str:
     body: list[str] = []
     top = _MARGIN
     for stack in stacks:
-        for text_line in wrapped(stack.caption, WIDE - 2 * _MARGIN, _BIG * _WIDE_LETTERS):
-            body.append(text(_MARGIN, top + 13, text_line, _BIG, "start", bold=True))
+        for text_line in wrap_to_width(stack.caption, WIDE - 2 * _MARGIN, _BIG * _WIDE_LETTERS):
+            body.append(draw_text(_MARGIN, top + 13, text_line, size=_BIG, anchor="start", bold=True))
             top += _LINE + 4
         for row in stack.rows:
             body += _row_elements(row, top)
@@ -357,36 +359,36 @@ def stacks_picture(title: str, stacks: Sequence[Stack]) -> str:
             lines_below = _lines_below(row)
             for fill, text_line in lines_below:
                 if fill:
-                    body.append(rect(_MARGIN, top + 5, 10, 10, fill))
-                body.append(text(_MARGIN + _INDENT, top + 14, text_line, _SMALL, "start"))
+                    body.append(draw_box(_MARGIN, top + 5, box_width=10, box_height=10, fill=fill))
+                body.append(draw_text(_MARGIN + _INDENT, top + 14, text_line, size=_SMALL, anchor="start"))
                 top += _LINE
             top += 6 if lines_below else 0
         top += _GAP
-    return card(title, body, WIDE, top - _GAP + _MARGIN, text_alternative(stacks))
+    return create_picture(title, body, width=WIDE, height=top - _GAP + _MARGIN, description=text_alternative(stacks))
 
 
 def _row_elements(row: ByteRow, top: float) -> Iterator[str]:
     """Yield the name of a byte, and its boxes with their names and bit numbers."""
     if row.label:
-        yield text(_MARGIN, top + _BOX / 2 + 4, row.label, _SMALL, "start", faint=True)
+        yield draw_text(_MARGIN, top + _BOX / 2 + 4, row.label, size=_SMALL, anchor="start", faint=True)
     for box in row.boxes:
         # Bit 7 is at the left.
         left = _MARGIN + _LABELS + (7 - box.high) * _BIT
-        box_width = _width(box)
-        yield rect(left, top, box_width, _BOX, box.fill)
+        box_width = _width_of_box(box)
+        yield draw_box(left, top, box_width=box_width, box_height=_BOX, fill=box.fill)
         name_lines = _lines_inside(box)
         number_of_lines = len(name_lines) + bool(box.place)
         center = left + box_width / 2
         # The lines are 14 pixels apart, and centred in the box.
         baseline = top + _BOX / 2 + 4.5 - 7 * (number_of_lines - 1)
         for name_line in name_lines:
-            yield text(center, baseline, name_line, _SMALL, "middle")
+            yield draw_text(center, baseline, name_line, size=_SMALL, anchor="middle")
             baseline += 14
         if box.place:
-            yield text(center, baseline, box.place, _SMALL, "middle", faint=True)
+            yield draw_text(center, baseline, box.place, size=_SMALL, anchor="middle", faint=True)
 
 
-def _width(box: Box) -> float:
+def _width_of_box(box: Box) -> float:
     return (box.high - box.low + 1) * _BIT
 
 
@@ -398,7 +400,7 @@ def _lines_inside(box: Box) -> list[str]:
     """
     if box.active_low:
         return []
-    name_lines = wrapped(box.name, _width(box) - 4, _SMALL)
+    name_lines = wrap_to_width(box.name, _width_of_box(box) - 4, _SMALL)
     fits = len(name_lines) == 1 or (len(name_lines) == 2 and not box.place and " ".join(name_lines) == box.name)
     return name_lines if fits else []
 
@@ -411,7 +413,7 @@ def _lines_below(row: ByteRow) -> list[tuple[str, str]]:
     colours_and_lines = []
     for box in row.boxes:
         if not _lines_inside(box):
-            name_lines = wrapped(_name_below(box), WIDE - 2 * _MARGIN - _INDENT, _SMALL)
+            name_lines = wrap_to_width(_name_below(box), WIDE - 2 * _MARGIN - _INDENT, _SMALL)
             colours_and_lines.append((box.fill, name_lines[0]))
             colours_and_lines += [("", further_line) for further_line in name_lines[1:]]
     return colours_and_lines

@@ -23,10 +23,10 @@ from ...model import (
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...say.errata import answer_names
-from ...say.markdown import STYLE, cited, code, joined, link, table, text
+from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, table
 from ...say.names_and_places import Named, bit_range, bits, field_place, frame_bytes, hexadecimal
 from ...say.register import rules, value
-from ...say.text import Code, Statement, listed, parted, spec_text, statement
+from ...say.text import Code, Statement, join_groups, list_parts, spec_text, statement
 from .layout_pictures import ByteRow, Stack, bit_stack, byte_stack, group_stack, register_stack
 from .order_code_tables import order_codes
 
@@ -47,7 +47,7 @@ class Placement:
     placed_layout: PlacedLayout
 
 
-def placements(
+def distinct_placements(
     device: Device, layout: Layout, interface_name: str, parameters: Mapping[str, int] = _NO_PARAMETERS
 ) -> tuple[Placement, ...]:
     """Return the different shapes that the layout has for the order codes of an interface, shortest first.
@@ -59,7 +59,7 @@ def placements(
     layouts_by_shape: dict[_Shape, PlacedLayout] = {}
     for variant in device.variants_over(interface_name):
         placed_layout = layout.place({**variant.parameters, **parameters})
-        shape = _shape(placed_layout)
+        shape = _shape_of(placed_layout)
         layouts_by_shape.setdefault(shape, placed_layout)
         codes_by_shape.setdefault(shape, []).append(variant.code)
     different_placements = []
@@ -68,13 +68,13 @@ def placements(
     return tuple(sorted(different_placements, key=lambda placement: placement.placed_layout.bits))
 
 
-def _shape(placed_layout: PlacedLayout) -> _Shape:
+def _shape_of(placed_layout: PlacedLayout) -> _Shape:
     return tuple((field.name, field.low, field.width) for field in placed_layout.fields)
 
 
 def name_cell(named_part: Named) -> str:
     """Return a name as code, with the name used in the manual below it."""
-    return joined([code(named_part.name), text(named_part.printed_name)])
+    return join_filled([code(named_part.name), escape(named_part.printed_name)])
 
 
 def field_cell(device: Device, field: Field, in_register: bool = False) -> str:
@@ -85,7 +85,7 @@ def field_cell(device: Device, field: Field, in_register: bool = False) -> str:
         *rules(device, field),
         *spec_text(field.note),
     ]
-    return joined(map(STYLE.sentence, statements))
+    return join_filled(map(MARKDOWN.sentence, statements))
 
 
 def _value_statements(field: Field, in_register: bool) -> Iterator[Statement]:
@@ -101,7 +101,7 @@ def _value_statements(field: Field, in_register: bool) -> Iterator[Statement]:
     else:
         values_without_meaning = [replace(named_value, meaning="") for named_value in field.values]
         numbers_and_names = (value(named_value, field.widest).parts for named_value in values_without_meaning)
-        yield statement(*parted(numbers_and_names, ", "), label="Values")
+        yield statement(*join_groups(numbers_and_names, ", "), label="Values")
 
 
 def has_value_table(field: Field) -> bool:
@@ -114,7 +114,7 @@ def value_rows(field: Field) -> Iterator[tuple[str, ...]]:
     for named_value in field.values:
         # A hexadecimal digit is four bits.
         number = hexadecimal(named_value.value, (field.widest + 3) // 4)
-        yield number, name_cell(named_value), text(named_value.meaning), cited(named_value.source)
+        yield number, name_cell(named_value), escape(named_value.meaning), citation(named_value.source)
 
 
 def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
@@ -126,12 +126,14 @@ def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
             yield _field_row(device, layout, field_or_group)
 
 
-def _group_row(device: Device, layout: Layout, group: FieldGroup) -> tuple[str, ...]:
+def _group_row(device: Device, layout: Layout, field_group: FieldGroup) -> tuple[str, ...]:
     """Return a row of group, its place, its number of bits, the names of its fields, and no source."""
-    group_cell = joined([link(code(group.name), f"#group-{group.name}"), text(group.printed_name)])
-    field_names = [Code(field.name) for field in layout.fields if field.group == group.name]
-    fields_sentence = STYLE.sentence(statement(*listed(field_names), label="Fields"))
-    return group_cell, group_place(device, layout, group), f"{group.bits}", fields_sentence, ""
+    group_cell = join_filled(
+        [link(code(field_group.name), f"#group-{field_group.name}"), escape(field_group.printed_name)]
+    )
+    field_names = [Code(field.name) for field in layout.fields if field.group == field_group.name]
+    fields_sentence = MARKDOWN.sentence(statement(*list_parts(field_names), label="Fields"))
+    return group_cell, group_place(device, layout, field_group), f"{field_group.bits}", fields_sentence, ""
 
 
 def _field_row(device: Device, layout: Layout, field: Field) -> tuple[str, ...]:
@@ -139,9 +141,9 @@ def _field_row(device: Device, layout: Layout, field: Field) -> tuple[str, ...]:
     return (
         name_cell(field),
         field_place_cell(layout, field, device.alternatives_of(layout)),
-        STYLE.number(field.width),
+        MARKDOWN.number(field.width),
         field_cell(device, field, in_register=not layout.sender),
-        cited(field.source) if field.source != layout.source else "",
+        citation(field.source) if field.source != layout.source else "",
     )
 
 
@@ -158,14 +160,14 @@ def fields_and_groups(device: Device, layout: Layout) -> Iterator[Field | FieldG
         yield groups.get(field.group, field)
 
 
-def group_place(device: Device, layout: Layout, group: FieldGroup) -> str:
+def group_place(device: Device, layout: Layout, field_group: FieldGroup) -> str:
     """Return the bytes of the longest frame that hold a group of fields, with the first answers to questions."""
-    low = _first_bit((field for field in layout.fields if field.group == group.name), _first_answers(device))
-    return frame_bytes(layout, layout.widest, low + group.bits - 1, low)
+    low = _first_bit((field for field in layout.fields if field.group == field_group.name), _first_answers(device))
+    return frame_bytes(layout, layout.widest, low + field_group.bits - 1, low)
 
 
 def field_place_cell(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> str:
-    return STYLE.phrase(statement(*field_place(layout, field, alternatives)))
+    return MARKDOWN.phrase(statement(*field_place(layout, field, alternatives)))
 
 
 def _first_answers(device: Device) -> Mapping[str, int]:
@@ -212,11 +214,11 @@ def _decides_place_of_any(fields: Iterable[Field], alternative: Alternative) -> 
 def group_rows(device: Device, name: str) -> Iterator[tuple[str, ...]]:
     """Yield rows of field, place, meaning, source."""
     for field, place in group_places(device, name, _answers_in_words):
-        yield name_cell(field), place, field_cell(device, field), cited(field.source)
+        yield name_cell(field), place, field_cell(device, field), citation(field.source)
 
 
 def _answers_in_words(answers: Sequence[Answer]) -> str:
-    return STYLE.phrase(statement(*answer_names(answers)))
+    return MARKDOWN.phrase(statement(*answer_names(answers)))
 
 
 def group_places(
@@ -235,9 +237,9 @@ def group_places(
             place = first_of(places, f"place of '{field.name}'")
             answers_by_place.setdefault(place, answers_text(answers))
         if len(answers_by_place) == 1:
-            yield field, joined(answers_by_place)
+            yield field, join_filled(answers_by_place)
         else:
-            yield field, joined(f"{place} ({answers})" for place, answers in answers_by_place.items())
+            yield field, join_filled(f"{place} ({answers})" for place, answers in answers_by_place.items())
 
 
 def links_to_frames_with(interface: Interface, group: str) -> list[str]:
@@ -262,12 +264,12 @@ def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
     questions = [question for question in device.alternatives_of(layout) if _decides_length(layout, question)]
     answers_and_placements: list[tuple[tuple[Answer, ...], Placement]] = []
     for answers, parameters in choices(questions):
-        for placement in placements(device, layout, interface_name, parameters):
+        for placement in distinct_placements(device, layout, interface_name, parameters):
             answers_and_placements.append((answers, placement))
     if len(answers_and_placements) < 2:
         return ""
     moved_fields = _fields_moved_by_order_code(device, layout)
-    containers = _containers(layout, moved_fields)
+    containers = _places_of_containers(layout, moved_fields)
     table_rows = []
     for answers, placement in answers_and_placements:
         placed_layout = placement.placed_layout
@@ -292,7 +294,7 @@ def _fields_moved_by_order_code(device: Device, layout: Layout) -> list[Field]:
     return [field for field in fields_with_content if _depends_on_order_code(field, set_by_answers)]
 
 
-def _containers(layout: Layout, fields: Sequence[Field]) -> dict[str, str]:
+def _places_of_containers(layout: Layout, fields: Sequence[Field]) -> dict[str, str]:
     """Return, by the name of the field, the place of each container that a field of a frame fills partly.
 
     Registers have none.
@@ -335,7 +337,7 @@ def layout_stacks(device: Device, interface: Interface, layout: Layout) -> list[
     """
     stacks_by_rows: dict[tuple[ByteRow, ...], Stack] = {}
     for answers, parameters in choices(device.alternatives_of(layout)):
-        for stack in _stacks_of_shapes(layout, placements(device, layout, interface.name, parameters)):
+        for stack in _stacks_of_shapes(layout, distinct_placements(device, layout, interface.name, parameters)):
             captioned_stack = replace(stack, caption=_caption_with_answers(answers, stack.caption))
             stacks_by_rows.setdefault(stack.rows, captioned_stack)
     stacks = list(stacks_by_rows.values())
@@ -361,9 +363,9 @@ def captioned_shapes(device: Device, interface: Interface, layout: Layout) -> li
     """
     shapes: dict[_Shape, tuple[str, PlacedLayout]] = {}
     for answers, parameters in choices(device.alternatives_of(layout)):
-        for placement in placements(device, layout, interface.name, parameters):
+        for placement in distinct_placements(device, layout, interface.name, parameters):
             caption = _caption_with_answers(answers, f"{placement.placed_layout.bits} bits")
-            shapes.setdefault(_shape(placement.placed_layout), (caption, placement.placed_layout))
+            shapes.setdefault(_shape_of(placement.placed_layout), (caption, placement.placed_layout))
     if len(shapes) > 1:
         return list(shapes.values())
     return [("", placed_layout) for _, placed_layout in shapes.values()]
@@ -379,9 +381,9 @@ def _codes_caption(placement: Placement) -> str:
     return f"{', '.join(placement.codes[:2])}{further_codes}"
 
 
-def group_stacks(device: Device, group: FieldGroup) -> list[Stack]:
-    shapes = group_shapes(device, group.name)
-    return [group_stack(_caption_with_answers(answers, ""), fields, group.bits) for answers, fields in shapes]
+def group_stacks(device: Device, field_group: FieldGroup) -> list[Stack]:
+    shapes = group_shapes(device, field_group.name)
+    return [group_stack(_caption_with_answers(answers, ""), fields, field_group.bits) for answers, fields in shapes]
 
 
 def has_picture(register: Register) -> bool:
@@ -393,7 +395,7 @@ def has_picture(register: Register) -> bool:
 def register_stacks(device: Device, register: Register) -> list[Stack]:
     """Return the bytes of each shape of a register."""
     low_byte_first = register.byte_order == "low_byte_first"
-    shapes = placements(device, register.layout, register.interface)
+    shapes = distinct_placements(device, register.layout, register.interface)
     stacks = []
     for shape in shapes:
         caption = _codes_caption(shape) if len(shapes) > 1 else ""

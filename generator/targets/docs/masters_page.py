@@ -13,14 +13,14 @@ from ...masters.text import (
     cited,
     condition_text,
     condition_texts,
-    facts,
-    legend,
+    legend_of_marks,
+    record_facts,
     refusal_text,
     standing_mark,
 )
 from ...model import Device, Interface, first_of
 from ...say.evidence import grade_below_manual
-from ...say.markdown import code, joined, link, link_list, text
+from ...say.markdown import code, escape, join_filled, link, link_list
 from ...say.text import Statement
 from .fact_tables import document_rows
 from .order_code_tables import order_codes
@@ -53,9 +53,9 @@ class MastersPage(TypedDict):
     part: Annotated[dict[str, Any], "facts of the interface, with the settings of each master"]
 
 
-def file_name(device: Device, kind: str) -> str:
+def file_name(device: Device, interface_name: str) -> str:
     """Return the name of the page with the master settings of an interface."""
-    return f"{device.name}-{kind}-masters.md"
+    return f"{device.name}-{interface_name}-masters.md"
 
 
 def page_links(device: Device) -> list[str]:
@@ -64,10 +64,12 @@ def page_links(device: Device) -> list[str]:
     return [link(device.interface(kind).title, file_name(device, kind)) for kind in kinds]
 
 
-def page_values(device: Device, kind: str, masters: Sequence[Master]) -> MastersPage:
-    """Return the values of the page with the settings of all masters for interface ``kind``, which has some."""
+def page_values(device: Device, interface_name: str, masters: Sequence[Master]) -> MastersPage:
+    """Return the values of the page with the settings of all masters for an interface, which has some."""
     interface_sheets = sheets_of(device, masters)
-    group_sheets = first_of((group for group in interface_sheets if group.interface.name == kind), f"sheets of {kind}")
+    group_sheets = first_of(
+        (group for group in interface_sheets if group.interface.name == interface_name), f"sheets of {interface_name}"
+    )
     sheets: list[Sheet] = []
     for _, master_sheets in group_sheets.sheets:
         sheets += master_sheets
@@ -75,7 +77,7 @@ def page_values(device: Device, kind: str, masters: Sequence[Master]) -> Masters
         "device": device,
         "example": group_sheets.groups[0].codes[0],
         "evidence": list(grade_below_manual(device)),
-        "legend": text(legend(masters, sheets, with_places=False)),
+        "legend": escape(legend_of_marks(masters, sheets, with_places=False)),
         "part": _interface_section(device, group_sheets),
     }
 
@@ -95,14 +97,14 @@ def _interface_section(device: Device, group_sheets: GroupSheets) -> dict[str, A
         if interface.name in master.takes:
             master_sections.append(_master_section(master, list(zip(groups, sheets, strict=True))))
         else:
-            unsupporting_masters.append(text(master.title))
+            unsupporting_masters.append(escape(master.title))
     return {
         "title": interface.title,
         "anchor": interface.name,
-        "facts": [*order_code_rows, *((text(name), value) for name, value in common_rows)],
+        "facts": [*order_code_rows, *((escape(name), value) for name, value in common_rows)],
         "tables": tables,
         "cable_errata": _links_to_errata(device, groups[0].record.cables.errata),
-        "notes": list(dict.fromkeys(text(note) for group in groups for note in group.record.notes)),
+        "notes": list(dict.fromkeys(escape(note) for group in groups for note in group.record.notes)),
         "masters": master_sections,
         "links": [link(section["title"], f"#{interface.name}-{section['name']}") for section in master_sections],
         "silent": unsupporting_masters,
@@ -115,7 +117,7 @@ def _links_to_errata(device: Device, names: Collection[str]) -> str:
 
 
 def _fact_rows(group: Group) -> dict[Any, Row]:
-    return {name: (name, text(value)) for name, value in facts(group.record)}
+    return {name: (name, escape(value)) for name, value in record_facts(group.record)}
 
 
 def _common_rows_and_tables(columns: Columns) -> tuple[list[Row], list[Table]]:
@@ -142,12 +144,12 @@ def _common_rows_and_tables(columns: Columns) -> tuple[list[Row], list[Table]]:
     return common_rows, tables
 
 
-def _follows_supply(key: Any, columns: Columns) -> bool:
+def _follows_supply(fact_key: Any, columns: Columns) -> bool:
     """Return whether all groups with the same supply have the same row."""
     rows_by_supply: dict[tuple[int | None, int | None], set[Row | None]] = {}
     for group, rows in columns:
         numbers = group.record.numbers
-        rows_by_supply.setdefault((numbers["supply_min_mv"], numbers["supply_max_mv"]), set()).add(rows.get(key))
+        rows_by_supply.setdefault((numbers["supply_min_mv"], numbers["supply_max_mv"]), set()).add(rows.get(fact_key))
     return all(len(rows) == 1 for rows in rows_by_supply.values())
 
 
@@ -167,12 +169,12 @@ def _table_of_differences(keys: Sequence[Any], columns: Columns) -> Table:
     }
 
 
-def _row_name(key: Any, columns: Columns) -> str:
-    return next(rows[key][0] for _, rows in columns if key in rows)
+def _row_name(fact_key: Any, columns: Columns) -> str:
+    return next(rows[fact_key][0] for _, rows in columns if fact_key in rows)
 
 
-def _value_cell(key: Any, rows: Mapping[Any, Row]) -> str:
-    return rows[key][1] if key in rows else "–"
+def _value_cell(fact_key: Any, rows: Mapping[Any, Row]) -> str:
+    return rows[fact_key][1] if fact_key in rows else "–"
 
 
 def _codes_label(groups: Sequence[Group]) -> str:
@@ -194,7 +196,7 @@ def _codes_label(groups: Sequence[Group]) -> str:
     for answers, codes in codes_by_answers.items():
         with_answers = [f"with {code(f'{question_name}={answer}')}" for question_name, answer in answers]
         labels.append(" ".join([order_codes(device, codes), *with_answers]))
-    return joined(labels)
+    return join_filled(labels)
 
 
 def _master_section(master: Master, sheets: GroupSettings) -> dict[str, Any]:
@@ -209,7 +211,7 @@ def _master_section(master: Master, sheets: GroupSettings) -> dict[str, Any]:
     documents = [document for document in master.documents if re.search(rf"\b{document.key}\b", cited_texts)]
     return {
         "name": master.name,
-        "title": text(master.title),
+        "title": escape(master.title),
         "settings": " · ".join(_setting_names(accepted_sheets)),
         "refused": refused,
         "notes": notes,
@@ -219,7 +221,7 @@ def _master_section(master: Master, sheets: GroupSettings) -> dict[str, Any]:
 
 def _setting_names(group_sheets: GroupSettings) -> list[str]:
     """Return the names of all settings, in the order in which they are written."""
-    return list(dict.fromkeys(text(setting.name) for _, sheet in group_sheets for setting in sheet.settings))
+    return list(dict.fromkeys(escape(setting.name) for _, sheet in group_sheets for setting in sheet.settings))
 
 
 def _setting_notes(group_sheets: GroupSettings) -> Iterator[str]:
@@ -234,10 +236,10 @@ def _setting_notes(group_sheets: GroupSettings) -> Iterator[str]:
 
 def _setting_note(setting: Setting, sheet: Sheet) -> str:
     """Return the note on a setting with its conditions and its source, or "" without a note and conditions."""
-    note = text(" ".join(filter(None, [setting.note, *condition_texts(setting, sheet)])))
-    source = f" \\[{text(cited(setting.source))}\\]"
+    note = escape(" ".join(filter(None, [setting.note, *condition_texts(setting, sheet)])))
+    source = f" \\[{escape(cited(setting.source))}\\]"
     # The last condition may have the same source.
-    return f"{text(setting.name)}: {note.removesuffix(source)}{source}" if note else ""
+    return f"{escape(setting.name)}: {note.removesuffix(source)}{source}" if note else ""
 
 
 def _with_order_codes(groups_by_note: Mapping[str, Sequence[Group]], group_count: int) -> Iterator[str]:
@@ -247,13 +249,13 @@ def _with_order_codes(groups_by_note: Mapping[str, Sequence[Group]], group_count
 
 
 def _refusal_text(refusal: Refusal) -> str:
-    source = f" \\[{text(cited(refusal.source))}\\]" if refusal.source else ""
-    return f"{text(refusal.reason)}{_spaced_mark(refusal)}{source}"
+    source = f" \\[{escape(cited(refusal.source))}\\]" if refusal.source else ""
+    return f"{escape(refusal.reason)}{_spaced_mark(refusal)}{source}"
 
 
 def _spaced_mark(rule: Setting | Refusal) -> str:
     """Return the mark of a rule, which is outside the text to copy."""
-    rule_mark = text(standing_mark(rule))
+    rule_mark = escape(standing_mark(rule))
     return f" {rule_mark}" if rule_mark else ""
 
 
@@ -266,7 +268,7 @@ def _further_notes(group_sheets: GroupSettings) -> Iterator[str]:
     for group, sheet in group_sheets:
         gaps = (refusal_text(gap) for gap in sheet.gaps)
         for note in (*gaps, *(condition_text(rule) for rule in sheet.shared_writing), *sheet.notes):
-            groups_by_note.setdefault(text(note), []).append(group)
+            groups_by_note.setdefault(escape(note), []).append(group)
     return _with_order_codes(groups_by_note, len(group_sheets))
 
 

@@ -30,7 +30,7 @@ from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.reduction import for_codes, with_quantities
 from ...say.evidence import grade
 from ...say.layout import size
-from ...say.markdown import STYLE, cited, code, link, text
+from ...say.markdown import MARKDOWN, citation, code, escape, link
 from ...say.names_and_places import field_at, heading, hexadecimal, title
 from ...say.order_code import not_on_label, parameter_value
 from ...say.plain_text import counted, with_unit
@@ -45,25 +45,25 @@ from .verdict_table import verdict_table
 from .wiring_tables import no_leds, no_supply
 
 
-def range_of_widths(family: Device, parameter: Parameter) -> str:
+def range_of_widths(family_device: Device, parameter: Parameter) -> str:
     """Return the range of a width over the order codes of a family: ``17 to 39``. Empty if all have the same."""
     if parameter.unit != "bits":
         return ""
-    variants = [variant for variant in family.variants if parameter.name in variant.parameters]
+    variants = [variant for variant in family_device.variants if parameter.name in variant.parameters]
     widths = {variant.parameters[parameter.name] for variant in variants}
     return f"{min(widths)} to {max(widths)}" if len(widths) > 1 else ""
 
 
-def meaning_without_range(family: Device, parameter: Parameter) -> str:
+def meaning_without_range(family_device: Device, parameter: Parameter) -> str:
     """Return the meaning of a quantity without its range, for a row that begins with its value."""
-    family_range = range_of_widths(family, parameter)
+    family_range = range_of_widths(family_device, parameter)
     return parameter.meaning.replace(f", {family_range} bits", "") if family_range else parameter.meaning
 
 
-def with_widths_of_order_code(family: Device, device: Device, variant: Variant) -> Device:
+def with_widths_of_order_code(family_device: Device, device: Device, variant: Variant) -> Device:
     """Return the device whose notes on frames have the width of the order code in place of the range."""
-    parameters = [parameter for parameter in family.parameters if parameter.name in variant.parameters]
-    ranges = [range_of_widths(family, parameter) for parameter in parameters]
+    parameters = [parameter for parameter in family_device.parameters if parameter.name in variant.parameters]
+    ranges = [range_of_widths(family_device, parameter) for parameter in parameters]
     widths: dict[str, str] = {}
     for parameter, family_range in zip(parameters, ranges, strict=True):
         # In a text, two quantities with the same range look alike.
@@ -104,7 +104,7 @@ def manual_procedures(device: Device) -> list[ManualProcedure]:
 
 def _manual_procedure(characteristic: Characteristic) -> ManualProcedure:
     before, *steps = steps_of(characteristic.value)
-    return ManualProcedure(characteristic, heading(characteristic.name), before, tuple(steps))
+    return ManualProcedure(characteristic, title=heading(characteristic.name), before=before, steps=tuple(steps))
 
 
 Row = tuple[str, ...]
@@ -197,7 +197,7 @@ class OrderCodes:
         variants_by_facts: dict[Hashable, list[Variant]] = {}
         for variant in self.device.variants:
             quantities = tuple(sorted(variant.parameters.items()))
-            limits = _limits_of(self.device.interface(variant.interface), variant.code)
+            limits = _clock_limits_of(self.device.interface(variant.interface), variant.code)
             variants_by_facts.setdefault((variant.interface, quantities, limits), []).append(variant)
         groups = variants_by_facts.values()
         page_names = names_of_codes((variants[0].code for variants in groups), RESERVED_NAMES)
@@ -214,12 +214,12 @@ class OrderCodes:
     @cached_property
     def links(self) -> dict[str, str]:
         """Links to the page of each order code, for pages next to the folder of the family."""
-        return self._links(f"{self.device.name}/")
+        return self._links_to_order_codes(f"{self.device.name}/")
 
     @cached_property
     def links_in_folder(self) -> dict[str, str]:
         """Links to the page of each order code, relative to the folder of the family."""
-        return self._links("")
+        return self._links_to_order_codes("")
 
     def page_links(self, interface_name: str) -> list[str]:
         """Return links to the order code pages of an interface, for pages next to it."""
@@ -230,7 +230,7 @@ class OrderCodes:
                 links.append(link(label, f"{self.device.name}/{group.name}.md"))
         return links
 
-    def _links(self, folder: str) -> dict[str, str]:
+    def _links_to_order_codes(self, folder: str) -> dict[str, str]:
         """Return the link to the page of each order code, from pages that reach it through ``folder``."""
         links: dict[str, str] = {}
         for group in self.groups:
@@ -238,11 +238,11 @@ class OrderCodes:
         return links
 
 
-def _limits_of(interface: Interface, code: str) -> Hashable:
+def _clock_limits_of(interface: Interface, order_code: str) -> Hashable:
     """Return the clock, the time-out and the clocks by cable length of an order code."""
-    clock = interface.clock_of(code) if isinstance(interface, Clocked) else None
-    timeout = interface.timeout_of(code) if isinstance(interface, Biss) else None
-    cable_lengths = facts_for_code(interface.cable_lengths, code) if isinstance(interface, Ssi) else ()
+    clock = interface.clock_of(order_code) if isinstance(interface, Clocked) else None
+    timeout = interface.timeout_of(order_code) if isinstance(interface, Biss) else None
+    cable_lengths = facts_for_code(interface.cable_lengths, order_code) if isinstance(interface, Ssi) else ()
     return clock, timeout, cable_lengths
 
 
@@ -252,39 +252,39 @@ def _position_text(device: Device, interface: Interface) -> str:
     if position_measurement is None:
         return ""
     ranges = [_range_in_frame(name, frame_range) for name, frame_range in own_ranges(device, interface.name)]
-    return ", ".join([STYLE.phrase(measurement(position_measurement)), *ranges])
+    return ", ".join([MARKDOWN.phrase(measurement(position_measurement)), *ranges])
 
 
 def _range_in_frame(name: str, frame_range: LayoutRange) -> str:
     frame_name = f"in {code(name)}:" if frame_range.wraps else code(name)
-    return f"{frame_name} {STYLE.phrase(position_range(frame_range))}"
+    return f"{frame_name} {MARKDOWN.phrase(position_range(frame_range))}"
 
 
-def page_values(group: CodeGroup, has_masters: bool, pictures: Pictures) -> CodePage:
+def page_values(code_group: CodeGroup, has_masters: bool, pictures: Pictures) -> CodePage:
     """Return the values of the page. ``pictures`` are those of the family, of which the page may replace some."""
-    device, interface, errata_links = group.device, group.interface, ErrataLinks(group.device)
+    device, interface, errata_links = code_group.device, code_group.interface, ErrataLinks(code_group.device)
     interface_sections = page_sections(device)
-    variant, frame = group.variants[0], group.frame
+    variant, frame = code_group.variants[0], code_group.frame
     return {
         **interface_sections,
-        **interface_values(group.family, device, group.variants, has_masters, group.pictures),
+        **interface_values(code_group.family, device, code_group.variants, has_masters, code_group.pictures),
         "errata_at": errata_links,
-        "codes": group.codes,
+        "codes": code_group.codes,
         # The notes on SSI and RS-485 begin with the line, those on BiSS with limits that users must keep.
         "lead": lead_sentences(interface.note) if isinstance(interface, Biss) else "",
         "position": _position_text(device, interface),
         "evidence": grade(device),
         "made_up": tuple(not_on_label(device)),
-        "wiring": wiring_tables.wiring(device, group.codes),
-        "supply": wiring_tables.supply_lines(device, group.variants),
-        "speed": wiring_tables.speed_section(group.family, device, interface, frame),
-        "frame": _frame_section(group, frame, {**pictures, **group.pictures}) if frame is not None else None,
+        "wiring": wiring_tables.wiring_table(device, code_group.codes),
+        "supply": wiring_tables.supply_lines(device, code_group.variants),
+        "speed": wiring_tables.speed_section(code_group.family, device, interface, frame),
+        "frame": _frame_section(code_group, frame, {**pictures, **code_group.pictures}) if frame is not None else None,
         "sending": bytes_to_send.sending_section(
-            group.family, device, interface, variant, errata_links.links_about_bytes
+            code_group.family, device, interface, variant, errata_links.links_about_bytes
         ),
         "led_rows": list(fact_tables.led_rows(device)),
-        "no_leds": no_leds(group.family, device, interface),
-        "no_supply": no_supply(group.family, interface),
+        "no_leds": no_leds(code_group.family, device, interface),
+        "no_supply": no_supply(code_group.family, interface),
         "interfaces": [_with_short_rows(device, section) for section in interface_sections["interfaces"]],
         "registers": [_register_section(device, section) for section in interface_sections["registers"]],
         "register_rows": list(fact_tables.register_rows(device)),
@@ -296,7 +296,7 @@ def page_values(group: CodeGroup, has_masters: bool, pictures: Pictures) -> Code
         "time_rows": list(fact_tables.time_rows(interface.timings + device.timings)),
         "by_hand": manual_procedures(device),
         "example_rows": list(fact_tables.example_rows(device, _examples_of_order_codes(device))),
-        "quantity_rows": list(_quantity_rows(group)),
+        "quantity_rows": list(_quantity_rows(code_group)),
         "errata_summary": errata_links.count_by_status,
         "errata_list": errata_links.list_of_errata,
     }
@@ -332,23 +332,25 @@ def lead_sentences(note: str) -> str:
     return sentence(sentences)
 
 
-def _frame_section(group: CodeGroup, layout: Layout, pictures: Pictures) -> Section:
+def _frame_section(code_group: CodeGroup, layout: Layout, pictures: Pictures) -> Section:
     """Return the frame with the position: its picture, fields, facts and verdicts."""
-    crc = group.family.crc_of(layout.place(group.variants[0].parameters))
-    choices = [alternative.name for alternative in group.device.alternatives]
+    crc = code_group.family.crc_of(layout.place(code_group.variants[0].parameters))
+    choices = [alternative.name for alternative in code_group.device.alternatives]
     # The layout of the page has other notes. Verdicts are known for that of the family.
-    family_layout = member_named(group.family.interface(group.interface.name).layouts, layout.name, "layout")
-    verdict_head, verdict_rows = verdict_table(group.family, group.device, family_layout, group.variants[0])
+    family_layout = member_named(code_group.family.interface(code_group.interface.name).layouts, layout.name, "layout")
+    verdict_head, verdict_rows = verdict_table(
+        code_group.family, code_group.device, family_layout, code_group.variants[0]
+    )
     return {
         "title": title(layout),
         "name": layout.name,
-        "size": STYLE.phrase(statement(*size(layout, group.device.alternatives))),
+        "size": MARKDOWN.phrase(statement(*size(layout, code_group.device.alternatives))),
         "wide": pictures[f"wide-{layout.name}"],
         "narrow": pictures[f"layout-{layout.name}"],
         # Widest screen that shows the narrow picture.
         "narrower": wide_pictures.SCREEN - 1,
-        "questions": list(order_code_tables.open_questions(group.device, layout)),
-        "facts": list(order_code_tables.frame_facts(group.family, layout, group.variants[0], choices)),
+        "questions": list(order_code_tables.open_questions(code_group.device, layout)),
+        "facts": list(order_code_tables.frame_facts(code_group.family, layout, code_group.variants[0], choices)),
         "verdict_head": verdict_head,
         "verdict_rows": verdict_rows,
         "crc_path": [f"crcs.{crc.name}"] if crc is not None else [],
@@ -379,31 +381,33 @@ def _registers_summary(device: Device) -> str:
     return f"{counted(len(device.registers), 'register')} from {hexadecimal(lowest)} to {hexadecimal(highest)}"
 
 
-def _quantity_rows(group: CodeGroup) -> Iterator[Row]:
+def _quantity_rows(code_group: CodeGroup) -> Iterator[Row]:
     """Yield rows of value, meaning of the quantities set by the order code or by registers.
 
     The values of those that registers set are their factory defaults. Quantities that are 0 are left out, and so are
     those that answers set.
     """
-    run_time_parameters = run_time_names(group.family)
-    for parameter in parameters_of(group.family, group.interface.name):
-        if not parameter.alternative and group.variants[0].parameters[parameter.name] != 0:
-            yield _quantity_row(group, parameter, is_set_by_registers=parameter.name in run_time_parameters)
+    run_time_parameters = run_time_names(code_group.family)
+    for parameter in parameters_of(code_group.family, code_group.interface.name):
+        if not parameter.alternative and code_group.variants[0].parameters[parameter.name] != 0:
+            yield _quantity_row(code_group, parameter, is_set_by_registers=parameter.name in run_time_parameters)
 
 
-def _quantity_row(group: CodeGroup, parameter: Parameter, is_set_by_registers: bool) -> Row:
+def _quantity_row(code_group: CodeGroup, parameter: Parameter, is_set_by_registers: bool) -> Row:
     """Return a row for a quantity that the order code or a register sets."""
-    quantity = parameter_value(parameter, group.variants[0].parameters[parameter.name])
-    meaning = text(sentence(meaning_without_range(group.family, parameter)))
-    origin = _origin_of_quantity(group.family, parameter, is_set_by_registers)
-    about_quantity = f"{meaning}{origin} <small>{code(parameter.name)}</small> <small>{cited(parameter.source)}</small>"
-    return with_unit(quantity, text(parameter.unit)), about_quantity
+    quantity = parameter_value(parameter, code_group.variants[0].parameters[parameter.name])
+    meaning = escape(sentence(meaning_without_range(code_group.family, parameter)))
+    origin = _origin_of_quantity(code_group.family, parameter, is_set_by_registers)
+    about_quantity = (
+        f"{meaning}{origin} <small>{code(parameter.name)}</small> <small>{citation(parameter.source)}</small>"
+    )
+    return with_unit(quantity, escape(parameter.unit)), about_quantity
 
 
-def _origin_of_quantity(family: Device, parameter: Parameter, is_set_by_registers: bool) -> str:
+def _origin_of_quantity(family_device: Device, parameter: Parameter, is_set_by_registers: bool) -> str:
     """Return a sentence on the registers that hold or set a quantity, or an empty string."""
     if parameter.read_from:
-        has_default = family.register(parameter.register).default is not None
+        has_default = family_device.register(parameter.register).default is not None
         value_kind = "Factory default" if has_default else "Value of the order code"
-        return f" {value_kind}, held in {text(field_at(family, parameter.read_from))}."
+        return f" {value_kind}, held in {escape(field_at(family_device, parameter.read_from))}."
     return " Factory default, set by registers." if is_set_by_registers else ""

@@ -28,34 +28,35 @@ from ...order_codes.parameters import parameters_of, run_time_names, with_answer
 from ...plan.values import Active, TwosComplement, meaning_of
 from ...plan.verdicts import Judgement, Match, VerdictCause
 from ...say.layout import crc_inverted, crc_reflected
-from ...say.markdown import STYLE, cited, code, joined, link, text
+from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
 from ...say.names_and_places import bits, frame_bytes, heading
 from ...say.order_code import open_values, parameter_origin, parameter_value
 from ...say.plain_text import counted, number
 from ...say.register import measurement, own_ranges, position_range
-from ...say.report import conditions, deciding
-from ...say.text import WORTH, statement
+from ...say.report import conditions, deciding_bits
+from ...say.text import VERDICT_CLAUSES, statement
 from .page_links import style_in_folder
-from .verdict_table import EFFECTS, any_of, applicable_causes, judgement_of
+from .verdict_table import EFFECTS, applicable_causes, join_as_any_of, judgement_of
 
 
 def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
     """Yield rows of part, meaning, value, meaning of the value, source, then of other values that a part accepts."""
     parameters = {parameter.name: parameter for parameter in device.parameters}
     for part in device.order_code.parts:
-        name_cell, meaning_cell = code(part.name), text(part.meaning)
+        name_cell, meaning_cell = code(part.name), escape(part.meaning)
         for value in part.values:
-            assignments = [_assignment(parameters[name], number) for name, number in value.sets.items()]
-            value_meaning_cell = joined([text(value.meaning), ", ".join(assignments), _only_with(value.only_with)])
-            yield name_cell, meaning_cell, code(value.text), value_meaning_cell, cited(value.source or part.source)
+            assignments = [_assignment_text(parameters[name], number) for name, number in value.sets.items()]
+            meaning_parts = [escape(value.meaning), ", ".join(assignments), _combinable_parts(value.only_with)]
+            value_meaning_cell = join_filled(meaning_parts)
+            yield name_cell, meaning_cell, code(value.text), value_meaning_cell, citation(value.source or part.source)
             # Only the first row of a part names it.
             name_cell, meaning_cell = "", ""
         for open_value in open_values(part):
-            other_values_cell = joined([STYLE.sentence(open_value), _only_with(part.open_only_with)])
-            yield "", "", "", other_values_cell, cited(part.source)
+            other_values_cell = join_filled([MARKDOWN.sentence(open_value), _combinable_parts(part.open_only_with)])
+            yield "", "", "", other_values_cell, citation(part.source)
 
 
-def _assignment(parameter: Parameter, number: int) -> str:
+def _assignment_text(parameter: Parameter, number: int) -> str:
     """Return a parameter with the value that a part of an order code, or an answer, sets."""
     return f"{code(parameter.name)} = {parameter_value(parameter, number)}"
 
@@ -68,13 +69,13 @@ def spelling_rows(device: Device) -> Iterator[tuple[str, ...]]:
         ignored_ending = f"{code(spelling.then)} may follow and has no meaning here" if spelling.then else ""
         yield (
             code(spelling.pattern),
-            text(spelling.where),
-            joined([texts_of_values, ignored_ending]),
-            cited(spelling.source),
+            escape(spelling.where),
+            join_filled([texts_of_values, ignored_ending]),
+            citation(spelling.source),
         )
 
 
-def _only_with(texts_by_part: Mapping[str, Sequence[str]]) -> str:
+def _combinable_parts(texts_by_part: Mapping[str, Sequence[str]]) -> str:
     """Return the parts of an order code with which a value can be combined."""
     conditions = []
     for part_name, texts in texts_by_part.items():
@@ -87,10 +88,10 @@ def parameter_rows(device: Device, interface_name: str) -> Iterator[tuple[str, .
     for parameter in _parameters_of_order_codes(device, interface_name):
         yield (
             code(parameter.name),
-            text(parameter.meaning),
-            text(parameter.unit),
-            STYLE.number(parameter.equals) if parameter.equals is not None else "",
-            cited(parameter.source),
+            escape(parameter.meaning),
+            escape(parameter.unit),
+            MARKDOWN.number(parameter.equals) if parameter.equals is not None else "",
+            citation(parameter.source),
         )
 
 
@@ -109,13 +110,13 @@ def run_time_rows(device: Device, interface_name: str) -> Iterator[tuple[str, ..
     names_at_run_time = run_time_names(device)
     for parameter in parameters_of(device, interface_name):
         if parameter.name in names_at_run_time:
-            unit = f"unit: {text(parameter.unit)}" if parameter.unit else ""
+            unit = f"unit: {escape(parameter.unit)}" if parameter.unit else ""
             yield (
                 code(parameter.name),
-                joined([text(parameter.meaning), unit]),
+                join_filled([escape(parameter.meaning), unit]),
                 style_in_folder(device).paragraph(parameter_origin(device, parameter)),
                 _factory_default(device, parameter),
-                cited(parameter.source),
+                citation(parameter.source),
             )
 
 
@@ -176,8 +177,9 @@ def _answer_row(device: Device, alternative: Alternative, answer: Answer) -> tup
     for name, value in answer.sets.items():
         # The page of one interface lacks the parameters of others.
         if name in parameters:
-            assignments.append(f"{_assignment(parameters[name], value)}: {text(parameters[name].meaning)}")
-    return code(answer.name), text(answer.meaning), joined(assignments), cited(answer.source or alternative.source)
+            assignments.append(f"{_assignment_text(parameters[name], value)}: {escape(parameters[name].meaning)}")
+    source = answer.source or alternative.source
+    return code(answer.name), escape(answer.meaning), join_filled(assignments), citation(source)
 
 
 def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
@@ -192,11 +194,12 @@ def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
         if interface_measurement is not None:
             for layout_name, frame_range in own_ranges(device, interface.name):
                 position_in_frame = f"{code(interface_measurement.of)} in {code(layout_name)}"
-                yield position_in_frame, STYLE.phrase(position_range(frame_range)), cited(frame_range.source)
+                range_text = MARKDOWN.phrase(position_range(frame_range))
+                yield position_in_frame, range_text, citation(frame_range.source)
 
 
 def _measurement_row(position: Measurement, over_interface: str = "") -> tuple[str, ...]:
-    return code(position.of) + over_interface, STYLE.phrase(measurement(position)), cited(position.source)
+    return code(position.of) + over_interface, MARKDOWN.phrase(measurement(position)), citation(position.source)
 
 
 #: Lowest number of order codes that are shown as patterns. Fewer codes are listed one by one.
@@ -209,27 +212,28 @@ PartTexts = tuple[str, ...]
 
 def order_codes(device: Device, codes: Sequence[str]) -> str:
     """Return fewer than ``_FEWEST_FOR_PATTERNS`` order codes one by one, and more of them as patterns."""
-    return ", ".join(map(code, codes)) if len(codes) < _FEWEST_FOR_PATTERNS else joined(patterns(device, codes))
+    are_few = len(codes) < _FEWEST_FOR_PATTERNS
+    return ", ".join(map(code, codes)) if are_few else join_filled(code_patterns(device, codes))
 
 
-def patterns(device: Device, codes: Collection[str]) -> list[str]:
+def code_patterns(device: Device, codes: Collection[str]) -> list[str]:
     """Return patterns that together match exactly these order codes, such as `A-x/y` with x = 1 or 2, y = B or C."""
     part_names = [part.name for part in device.order_code.parts]
     variants = [variant for variant in device.variants if variant.code in codes]
     texts_by_variant = [_texts_of_parts(variant, part_names) for variant in variants]
-    products = _products(texts_by_variant)
-    return [_pattern(device.order_code, part_names, texts_by_part) for texts_by_part in products]
+    products = _group_into_products(texts_by_variant)
+    return [_code_pattern(device.order_code, part_names, texts_by_part) for texts_by_part in products]
 
 
 def _texts_of_parts(variant: Variant, part_names: Sequence[str]) -> PartTexts:
     return tuple(variant.parts.get(name, "") for name in part_names)
 
 
-def _pattern(order_code: OrderCode, part_names: Sequence[str], texts_of_parts: Sequence[Sequence[str]]) -> str:
+def _code_pattern(order_code: OrderCode, part_names: Sequence[str], texts_of_parts: Sequence[Sequence[str]]) -> str:
     """Return the codes with these texts for each part, in order, such as ```` `A-x/B` with x = 1 or 2````."""
     # A letter that the pattern or a text contains would be ambiguous.
     fixed_letters = set(re.sub(r"\{\w+\}", "", order_code.pattern)).union(*map("".join, texts_of_parts))
-    letters = _letters_without(fixed_letters)
+    letters = _unused_letters(fixed_letters)
     text_or_letter_by_part: dict[str, str] = {}
     letter_meanings: list[str] = []
     for part_name, texts in zip(part_names, texts_of_parts, strict=True):
@@ -243,13 +247,13 @@ def _pattern(order_code: OrderCode, part_names: Sequence[str], texts_of_parts: S
     return f"{pattern} with {', '.join(letter_meanings)}" if letter_meanings else pattern
 
 
-def _letters_without(fixed_letters: Collection[str]) -> Iterator[str]:
+def _unused_letters(fixed_letters: Collection[str]) -> Iterator[str]:
     """Yield letters that are not in an order code, and numbered ones when these are used up."""
     yield from (letter for letter in _LETTERS if letter not in fixed_letters)
     yield from (f"x{number}" for number in count(1))
 
 
-def _products(combinations: Sequence[PartTexts]) -> Iterator[list[list[str]]]:
+def _group_into_products(combinations: Sequence[PartTexts]) -> Iterator[list[list[str]]]:
     """Yield the combinations as products: a list of texts for each part, ``[["A"], ["1", "2"]]`` for A-1 and A-2.
 
     If the texts of a part combine with different other parts, the combinations are first split by such a part, namely
@@ -263,7 +267,7 @@ def _products(combinations: Sequence[PartTexts]) -> Iterator[list[list[str]]]:
         yield [list(dict.fromkeys(texts)) for texts in texts_by_part]
         return
     for group in min(splitting_groups, key=len):
-        yield from _products(group)
+        yield from _group_into_products(group)
 
 
 def _divided_by_part(combinations: Sequence[PartTexts], index: int) -> list[list[PartTexts]]:
@@ -282,12 +286,12 @@ _SUPERSCRIPT = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _EXPONENT = re.compile(r"\^([0-9]*)")
 
 
-def position_frame(family: Device, interface: Interface) -> Layout | None:
+def position_frame(family_device: Device, interface: Interface) -> Layout | None:
     """Return the frame with the most parts of the position. With a tie, it has the most flags, then is shortest."""
-    family_layouts = family.interface(interface.name).layouts
-    position_frames = {layout.name for layout in family_layouts if family.sends_position(interface.name, layout)}
+    family_layouts = family_device.interface(interface.name).layouts
+    position_frames = {layout.name for layout in family_layouts if family_device.sends_position(interface.name, layout)}
     candidates = [layout for layout in interface.layouts if layout.name in position_frames]
-    parts_of_position = family.position_names(interface.name)
+    parts_of_position = family_device.position_names(interface.name)
 
     def information(layout: Layout) -> tuple[int, int, int]:
         number_of_parts = len(parts_of_position & {field.name for field in layout.fields})
@@ -306,22 +310,22 @@ def open_questions(device: Device, layout: Layout) -> Iterator[str]:
 
 
 def frame_facts(
-    family: Device, layout: Layout, variant: Variant, choices: Sequence[str] = ()
+    family_device: Device, layout: Layout, variant: Variant, choices: Sequence[str] = ()
 ) -> Iterator[tuple[str, str]]:
     """Yield facts as label and text: the CRC, the flags, the ranges of signed fields, and the verdict.
 
     ``choices`` are the names of the alternatives on the page, to which the verdicts link.
     """
-    crc = family.crc_of(layout.place(variant.parameters))
-    yield "CRC", "none" if crc is None else crc_line(family, crc)
+    crc = family_device.crc_of(layout.place(variant.parameters))
+    yield "CRC", "none" if crc is None else crc_line(family_device, crc)
     # The layout of a page is a copy with other notes. The family finds ranges only for its own layout objects.
-    family_layout = member_named(family.interface(variant.interface).layouts, layout.name, "layout")
+    family_layout = member_named(family_device.interface(variant.interface).layouts, layout.name, "layout")
     placed_layout = family_layout.place(variant.parameters)
     yield from _flag_facts(placed_layout)
     for placed_field in placed_layout.fields:
         if isinstance(meaning_of(placed_field.field), TwosComplement):
-            yield "Signed", _range_of_signed_number(family, placed_field, placed_layout)
-    yield from _verdict_facts(family, family_layout, variant, choices, has_crc=crc is not None)
+            yield "Signed", _range_of_signed_number(family_device, placed_field, placed_layout)
+    yield from _verdict_facts(family_device, family_layout, variant, choices, has_crc=crc is not None)
 
 
 def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
@@ -336,40 +340,40 @@ def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
             frame_bytes(layout, placed_layout.bits, placed_field.high, placed_field.low) if layout.in_bytes else ""
         )
         flag = (code(placed_field.name), byte_place or bits(placed_field.high, placed_field.low))
-        level = deciding(placed_field.field)
+        level = deciding_bits(placed_field.field)
         if isinstance(meaning_of(placed_field.field), Active):
             flags_by_label.setdefault(f"Active at {level}", []).append(flag)
         elif not byte_place and placed_field.field.printed_name and level in {"0", "1"}:
             flags_by_label.setdefault("Not used by this encoder", []).append(flag)
-    yield from ((label, ", ".join(_with_places(flags))) for label, flags in flags_by_label.items())
+    yield from ((label, ", ".join(_flags_with_places(flags))) for label, flags in flags_by_label.items())
 
 
 def _verdict_facts(
-    family: Device, layout: Layout, variant: Variant, choices: Sequence[str], has_crc: bool
+    family_device: Device, layout: Layout, variant: Variant, choices: Sequence[str], has_crc: bool
 ) -> Iterator[tuple[str, str]]:
     """Yield the verdict on the position, if there is one, and verdicts to which other answers add causes."""
-    judgement = judgement_of(family, layout)
+    judgement = judgement_of(family_device, layout)
     if judgement is None:
         return
     yield "Position", verdict_line(judgement, variant, has_crc)
-    alternatives = [alternative for alternative in family.verdict_alternatives(layout) if alternative.name in choices]
+    alternatives = [question for question in family_device.verdict_alternatives(layout) if question.name in choices]
     for alternative in alternatives:
         # The first answer is the default.
         for answer in alternative.answers[1:]:
-            variant_with_answer = with_answers(family, variant, {alternative.name: answer.name})
+            variant_with_answer = with_answers(family_device, variant, {alternative.name: answer.name})
             changed_verdicts = _changed_verdicts(judgement, variant, variant_with_answer)
             if changed_verdicts:
                 with_answer = link(f"With {code(answer.name)}", f"#alternative-{alternative.name}")
                 yield with_answer, "; ".join(changed_verdicts)
 
 
-def _range_of_signed_number(family: Device, placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
+def _range_of_signed_number(family_device: Device, placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
     """Return a signed field with its range, such as ``position, in two's complement, -512 to 511``."""
-    lowest, highest = family.signed_range(placed_field, placed_layout)
+    lowest, highest = family_device.signed_range(placed_field, placed_layout)
     return f"{code(placed_field.name)}, in two's complement, {number(lowest)} to {number(highest)}"
 
 
-def _with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
+def _flags_with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
     """Yield flags with their places: ``error (byte 1, bit 0)``, then ``warning (bit 1)`` in the same byte."""
     previous_byte = ""
     for flag_name, place in flags:
@@ -378,13 +382,13 @@ def _with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
         previous_byte = byte
 
 
-def crc_line(family: Device, crc: Crc) -> str:
+def crc_line(family_device: Device, crc: Crc) -> str:
     """Return the parameters of a CRC in one line, with the polynomial including its top bit."""
     polynomial = _EXPONENT.sub(_in_superscript, crc.polynomial)
     crc_properties = [
-        f"poly `0x{crc.poly_with_top_bit:X}` ({text(polynomial)})",
+        f"poly `0x{crc.poly_with_top_bit:X}` ({escape(polynomial)})",
         f"init {crc.init:#x}" if crc.init else "init 0",
-        crc_reflected(family, crc),
+        crc_reflected(family_device, crc),
         crc_inverted(crc),
         counted(crc.width, "bit"),
         "over everything before it",
@@ -403,7 +407,7 @@ def verdict_line(judgement: Judgement, variant: Variant, has_crc: bool) -> str:
     causes_by_verdict = applicable_causes(judgement, variant)
     conditional_verdicts = [_verdict_if(verdict, causes) for verdict, causes in causes_by_verdict.items()]
     if not conditional_verdicts:
-        return STYLE.phrase(statement(WORTH[judgement.otherwise]))
+        return MARKDOWN.phrase(statement(VERDICT_CLAUSES[judgement.otherwise]))
     correct = ", if the CRC is correct," if has_crc else ""
     return "; ".join([*conditional_verdicts, f"otherwise{correct} {EFFECTS[judgement.otherwise]}"])
 
@@ -430,11 +434,11 @@ def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
     for cause in causes:
         if not isinstance(cause.by, Match):
             # deciding() gives the level at which the flag is active, such as "1".
-            names_by_level.setdefault(deciding(cause.by.field), []).append(_cause_text(cause))
-    yield from (f"{any_of(names)} is {level}" for level, names in names_by_level.items())
+            names_by_level.setdefault(deciding_bits(cause.by.field), []).append(_cause_text(cause))
+    yield from (f"{join_as_any_of(names)} is {level}" for level, names in names_by_level.items())
     for cause in causes:
         if isinstance(cause.by, Match):
-            yield STYLE.phrase(conditions((part.field, value) for part, value in cause.by.conditions))
+            yield MARKDOWN.phrase(conditions((part.field, value) for part, value in cause.by.conditions))
 
 
 def _cause_text(cause: VerdictCause) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from ...model import Alarm, Device, Erratum, Interface, Layout, Procedure, Register
-from ...say.markdown import STYLE, code, link, reference, text
+from ...say.markdown import MARKDOWN, code, escape, link, reference
 from ...say.names_and_places import heading
 from ...say.text import Ref, Style
 
@@ -84,7 +84,7 @@ def link_to_procedure(device: Device, procedure: Procedure) -> str:
 
 
 def link_to_erratum(device: Device, erratum: Erratum) -> str:
-    return link(text(erratum.title), f"{device.name}/{ERRATA}#erratum-{erratum.name}")
+    return link(escape(erratum.title), f"{device.name}/{ERRATA}#erratum-{erratum.name}")
 
 
 def with_errata_linked(device: Device, page: str, page_text: str) -> str:
@@ -98,7 +98,7 @@ def with_errata_linked(device: Device, page: str, page_text: str) -> str:
     name_expression = f"(?:{'|'.join(longest_first)})\\b"
 
     def name_link(erratum_name: re.Match[str]) -> str:
-        return link(text(titles[erratum_name[0]]), f"{folder}{ERRATA}#erratum-{erratum_name[0]}")
+        return link(escape(titles[erratum_name[0]]), f"{folder}{ERRATA}#erratum-{erratum_name[0]}")
 
     def with_names_linked(mention: re.Match[str]) -> str:
         return re.sub(name_expression, name_link, mention[0])
@@ -109,7 +109,7 @@ def with_errata_linked(device: Device, page: str, page_text: str) -> str:
 
 def links_to_steps(folder: str, names: Iterable[str]) -> list[str]:
     """Return links to the steps by hand with these names. ``folder`` is the path to the folder of the family."""
-    return [link(text(f"Steps: {heading(name)}"), f"{folder}hardware.md#by-hand-{name}") for name in names]
+    return [link(escape(f"Steps: {heading(name)}"), f"{folder}hardware.md#by-hand-{name}") for name in names]
 
 
 def style_in_folder(device: Device) -> Style:
@@ -121,4 +121,4 @@ def style_in_folder(device: Device) -> Style:
                 return link(code(ref.name), f"{page_in_folder(register.interface, 'registers')}#{ref.anchor}")
         return reference(ref)
 
-    return replace(STYLE, ref=reference_text)
+    return replace(MARKDOWN, ref=reference_text)

@@ -15,7 +15,17 @@ from ...model.record import dataclass
 from ...say.names_and_places import Titled, title
 from ..palette import palette
 from . import layout_tables
-from .layout_pictures import WIDE, Stack, card, rect, stacks_picture, swatch, text, text_alternative, wrapped
+from .layout_pictures import (
+    WIDE,
+    Stack,
+    create_picture,
+    draw_box,
+    draw_swatch,
+    draw_text,
+    stacks_picture,
+    text_alternative,
+    wrap_to_width,
+)
 from .wide_pictures import wide_picture
 
 _MARGIN, _ROW, _LINE, _SIZE = 10.0, 28.0, 15.0, 12
@@ -43,20 +53,24 @@ def connector_picture(connector: Connector) -> str:
         signal_lines = list(_signal_lines(contact, WIDE - _MARGIN - signal_left))
         body += _contact_elements(contact, top)
         for index, (text_line, faint) in enumerate(signal_lines):
-            body.append(text(signal_left, top + 18 + _LINE * index, text_line, _SIZE, "start", faint=faint))
+            body.append(
+                draw_text(signal_left, top + 18 + _LINE * index, text_line, size=_SIZE, anchor="start", faint=faint)
+            )
         top += max(_ROW, _LINE * len(signal_lines) + 8)
     if any(map(_is_pin, connector.contacts)):
-        for text_line in wrapped(FACE_UNKNOWN, WIDE - 2 * _MARGIN, _SIZE):
-            body.append(text(_MARGIN, top + 16, text_line, _SIZE, "start", faint=True))
+        for text_line in wrap_to_width(FACE_UNKNOWN, WIDE - 2 * _MARGIN, _SIZE):
+            body.append(draw_text(_MARGIN, top + 16, text_line, size=_SIZE, anchor="start", faint=True))
             top += _LINE
-    return card(connector.title, body, WIDE, top + _MARGIN, connector_text(connector))
+    return create_picture(
+        connector.title, body, width=WIDE, height=top + _MARGIN, description=connector_text(connector)
+    )
 
 
 def _signal_lines(contact: Contact, room: float) -> Iterator[tuple[str, bool]]:
     """Yield the lines for a signal and its order codes, each with True if it is faint."""
-    yield from ((line, False) for line in wrapped(contact.signal, room, _SIZE))
+    yield from ((line, False) for line in wrap_to_width(contact.signal, room, _SIZE))
     if contact.only:
-        yield from ((line, True) for line in wrapped(f"only {contact.only}", room, _SIZE))
+        yield from ((line, True) for line in wrap_to_width(f"only {contact.only}", room, _SIZE))
 
 
 def _is_pin(contact: Contact) -> bool:
@@ -67,18 +81,24 @@ def _is_pin(contact: Contact) -> bool:
 def _contact_elements(contact: Contact, top: float) -> Iterator[str]:
     """Yield the elements of a pin with its number, a wire with its colours and their names, or only a name."""
     if _is_pin(contact):
-        yield rect(_MARGIN, top + 3, 28, 22, "data")
-        yield text(_MARGIN + 14, top + 18, contact.contact, _SIZE, "middle", bold=True)
+        yield draw_box(_MARGIN, top + 3, box_width=28, box_height=22, fill="data")
+        yield draw_text(_MARGIN + 14, top + 18, contact.contact, size=_SIZE, anchor="middle", bold=True)
         return
     colour_words = _BETWEEN_COLOURS.split(contact.contact.lower())
     wire_colours = palette().wires
     if all(word in wire_colours for word in colour_words):
         colour_width = 28.0 / len(colour_words)
         for index, word in enumerate(colour_words):
-            yield swatch(_MARGIN + colour_width * index, top + 5, colour_width, 18, wire_colours[word])
+            yield draw_swatch(
+                _MARGIN + colour_width * index,
+                top + 5,
+                box_width=colour_width,
+                box_height=18,
+                colour=wire_colours[word],
+            )
     # Only the first line of a long name fits.
-    for name_line in wrapped(contact.contact, _SIGNAL_AFTER_WIRES - _NAME - 6, _SIZE)[:1]:
-        yield text(_NAME, top + 18, name_line, _SIZE, "start")
+    for name_line in wrap_to_width(contact.contact, _SIGNAL_AFTER_WIRES - _NAME - 6, _SIZE)[:1]:
+        yield draw_text(_NAME, top + 18, name_line, size=_SIZE, anchor="start")
 
 
 @dataclass(frozen=True)
@@ -99,23 +119,23 @@ def pictures_of_family(device: Device) -> Pictures:
     pictures: Pictures = {}
     for interface, layout in device.layouts():
         stacks = layout_tables.layout_stacks(device, interface, layout)
-        pictures[_layout_key(layout)] = _picture(f"{layout.name}.svg", layout, stacks)
+        pictures[_layout_key(layout)] = _draw_picture(f"{layout.name}.svg", layout, stacks)
     groups = {group.name: group for group in device.field_groups}
     for interface in device.interfaces:
         for name in layout_tables.used_groups(interface):
             stacks = layout_tables.group_stacks(device, groups[name])
-            pictures[f"group-{name}"] = _picture(f"{name}.svg", groups[name], stacks)
+            pictures[f"group-{name}"] = _draw_picture(f"{name}.svg", groups[name], stacks)
     for register in device.registers:
         if layout_tables.has_picture(register):
             stacks = layout_tables.register_stacks(device, register)
-            pictures[_register_key(register)] = _picture(f"register-{register.name}.svg", register, stacks)
+            pictures[_register_key(register)] = _draw_picture(f"register-{register.name}.svg", register, stacks)
     for connector in device.connectors:
         key = f"connector-{connector.name}"
         pictures[key] = Picture(f"{key}.svg", connector_text(connector), connector_picture(connector))
     return pictures
 
 
-def pictures_of_order_codes(family: Device, narrowed_family: Device, page: str, frame_name: str) -> Pictures:
+def pictures_of_order_codes(family_device: Device, narrowed_family: Device, page: str, frame_name: str) -> Pictures:
     """Return the pictures for a page of order codes that differ from the family's pictures.
 
     They are those of the layout ``frame_name``, also as one line, and of registers whose fields the order code moves.
@@ -124,10 +144,10 @@ def pictures_of_order_codes(family: Device, narrowed_family: Device, page: str, 
     pictures: Pictures = {}
     for interface, layout in narrowed_family.layouts():
         if layout.name == frame_name:
-            stacks = _uncaptioned(layout_tables.layout_stacks(narrowed_family, interface, layout))
+            stacks = _without_only_caption(layout_tables.layout_stacks(narrowed_family, interface, layout))
             # A frame of bits has captions in the picture of the family, so that its picture differs.
-            if not layout.in_bytes or stacks != layout_tables.layout_stacks(family, interface, layout):
-                pictures[_layout_key(layout)] = _picture(f"{page}-{layout.name}.svg", layout, stacks)
+            if not layout.in_bytes or stacks != layout_tables.layout_stacks(family_device, interface, layout):
+                pictures[_layout_key(layout)] = _draw_picture(f"{page}-{layout.name}.svg", layout, stacks)
             shapes = layout_tables.captioned_shapes(narrowed_family, interface, layout)
             pictures[f"wide-{layout.name}"] = Picture(
                 name=f"{page}-{layout.name}-wide.svg",
@@ -135,10 +155,10 @@ def pictures_of_order_codes(family: Device, narrowed_family: Device, page: str, 
                 svg=wide_picture(title(layout), shapes),
             )
     for register in narrowed_family.registers:
-        differs = len(layout_tables.register_stacks(family, register)) > 1
+        differs = len(layout_tables.register_stacks(family_device, register)) > 1
         if differs and layout_tables.has_picture(register):
-            stacks = _uncaptioned(layout_tables.register_stacks(narrowed_family, register))
-            pictures[_register_key(register)] = _picture(f"{page}-register-{register.name}.svg", register, stacks)
+            stacks = _without_only_caption(layout_tables.register_stacks(narrowed_family, register))
+            pictures[_register_key(register)] = _draw_picture(f"{page}-register-{register.name}.svg", register, stacks)
     return pictures
 
 
@@ -150,10 +170,10 @@ def _register_key(register: Register) -> str:
     return f"register-{register.name}"
 
 
-def _picture(name: str, titled: Titled, stacks: Sequence[Stack]) -> Picture:
+def _draw_picture(name: str, titled: Titled, stacks: Sequence[Stack]) -> Picture:
     return Picture(name, text_alternative(stacks), stacks_picture(title(titled), stacks))
 
 
-def _uncaptioned(stacks: Sequence[Stack]) -> list[Stack]:
+def _without_only_caption(stacks: Sequence[Stack]) -> list[Stack]:
     """Return the stacks, a single one without its caption."""
     return [replace(stacks[0], caption="")] if len(stacks) == 1 else list(stacks)

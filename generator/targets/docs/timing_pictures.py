@@ -18,8 +18,8 @@ from ...say.layout import DATA, box_colour
 from ...say.names_and_places import words
 from ...say.order_code import REPLIES, bounds_with_codes, timeouts_with_codes, word_lengths
 from ...say.text import counted, microseconds
-from .layout_pictures import card, number, rect, text
-from .layout_pictures import width as text_width
+from .layout_pictures import create_picture, draw_box, draw_text, number
+from .layout_pictures import text_width as text_width
 
 _HIGH, _ROW, _NAME, _MARGIN = 24.0, 58.0, 70.0, 16.0
 #: Width of a clock pulse, including its low and high parts.
@@ -97,21 +97,21 @@ def _ssi_diagram(interface: Ssi) -> TimingDiagram:
     up, down = Trace.UP, Trace.DOWN
     first_bits = "the most significant bit" if interface.alignment.end == "msb_left" else "leading zeros"
     clock_line = (
-        Part(up, 40),
-        Part(Trace.CLOCK, 3 * _PERIOD),
-        Part(Trace.GAP, 40),
-        Part(Trace.CLOCK, 3 * _PERIOD),
-        Part(up, 150),
-        Part(Trace.CLOCK, 2 * _PERIOD),
+        Part(up, width=40),
+        Part(Trace.CLOCK, width=3 * _PERIOD),
+        Part(Trace.GAP, width=40),
+        Part(Trace.CLOCK, width=3 * _PERIOD),
+        Part(up, width=150),
+        Part(Trace.CLOCK, width=2 * _PERIOD),
     )
     # Data is sent from the first rising edge to the last.
     data_line = (
-        Part(up, 52),
-        Part(Trace.EITHER, 64, "first bit", "data"),
-        Part(Trace.EITHER, 32, "…", "data"),
-        Part(Trace.EITHER, 64, "last bit", "data"),
-        Part(down, 60),
-        Part(up, 150),
+        Part(up, width=52),
+        Part(Trace.EITHER, width=64, label="first bit", fill="data"),
+        Part(Trace.EITHER, width=32, label="…", fill="data"),
+        Part(Trace.EITHER, width=64, label="last bit", fill="data"),
+        Part(down, width=60),
+        Part(up, width=150),
     )
     # The word ends at 212 pixels, data is low until 272, and the next word begins at 374.
     monoflop = _symbol_with_times(interface, "Tm")
@@ -119,7 +119,7 @@ def _ssi_diagram(interface: Ssi) -> TimingDiagram:
     return TimingDiagram(
         title="SSI: a word",
         lines=(("Clock", clock_line), ("Data", data_line)),
-        spans=(Span(212, 272, monoflop), Span(212, 374, pause)),
+        spans=(Span(start=212, end=272, label=monoflop), Span(start=212, end=374, label=pause)),
         text="Clock and data are high between words. Each rising edge of the clock shifts out one bit, starting with "
         f"{first_bits}. After the last bit the data line is low ({monoflop}) and then high again. "
         f"Pause between two words: {pause}.",
@@ -134,13 +134,13 @@ def _spi_diagram(interface: Spi) -> TimingDiagram:
     replies = ("reply 1", "reply 2")
     if has_requests and interface.reply == "next_word":
         replies = ("reply to the request before", "reply to request 1")
-    select = (Part(up, 40), Part(down, 180), Part(up, 40), Part(down, 180), Part(up, 40))
+    select = (Part(up, width=40), Part(down, width=180), Part(up, width=40), Part(down, width=180), Part(up, width=40))
     clock = (
-        Part(down, 56),
-        Part(Trace.CLOCK, 6 * _PERIOD),
-        Part(down, 76),
-        Part(Trace.CLOCK, 6 * _PERIOD),
-        Part(down, 60),
+        Part(down, width=56),
+        Part(Trace.CLOCK, width=6 * _PERIOD),
+        Part(down, width=76),
+        Part(Trace.CLOCK, width=6 * _PERIOD),
+        Part(down, width=60),
     )
 
     lines: list[tuple[str, tuple[Part, ...]]] = [("CS", select), ("Clock", clock), ("MISO", _spi_words(*replies))]
@@ -160,45 +160,48 @@ def _spi_diagram(interface: Spi) -> TimingDiagram:
 def _spi_words(first: str, second: str) -> tuple[Part, ...]:
     """Return the data line with two words of these labels."""
     return (
-        Part(Trace.DOWN, 44),
-        Part(Trace.EITHER, 172, first, "data"),
-        Part(Trace.DOWN, 48),
-        Part(Trace.EITHER, 172, second, "data"),
-        Part(Trace.DOWN, 44),
+        Part(Trace.DOWN, width=44),
+        Part(Trace.EITHER, width=172, label=first, fill="data"),
+        Part(Trace.DOWN, width=48),
+        Part(Trace.EITHER, width=172, label=second, fill="data"),
+        Part(Trace.DOWN, width=44),
     )
 
 
 def _biss_diagram(device: Device, interface: Biss) -> TimingDiagram:
     """Return a frame: acknowledge, start bit, CDS, the fields of the single cycle data, time-out."""
     names_and_fills = list(_data_boxes(codec_of(device, interface.layouts[0]), device.position_names(interface.name)))
-    boxes = [Part(Trace.EITHER, max(34.0, text_width(name, 11) + 10), name, fill) for name, fill in names_and_fills]
+    boxes = [
+        Part(Trace.EITHER, width=max(34.0, text_width(name, 11) + 10), label=name, fill=fill)
+        for name, fill in names_and_fills
+    ]
     data_line = (
-        Part(Trace.UP, 76),  # up to the second rising edge of MA
-        Part(Trace.DOWN, 60, "Ack"),
-        Part(Trace.UP, 36, "Start"),
-        Part(Trace.EITHER, 36, "CDS", "choice"),
+        Part(Trace.UP, width=76),  # up to the second rising edge of MA
+        Part(Trace.DOWN, width=60, label="Ack"),
+        Part(Trace.UP, width=36, label="Start"),
+        Part(Trace.EITHER, width=36, label="CDS", fill="choice"),
         *boxes,
-        Part(Trace.DOWN, 90, "stop"),
-        Part(Trace.UP, 46),
+        Part(Trace.DOWN, width=90, label="stop"),
+        Part(Trace.UP, width=46),
     )
     # The last two parts, the time-out and the idle level, are 136 pixels wide.
     timeout_start = sum(part.width for part in data_line) - 136
     # Whole pulses, after 136 pixels with the first ones and a gap of at least 40.
     clocks_width = (timeout_start - 176) // _PERIOD * _PERIOD
     clock_line = (
-        Part(Trace.UP, 40),
-        Part(Trace.CLOCK, 4 * _PERIOD),
-        Part(Trace.GAP, timeout_start - 136 - clocks_width),
-        Part(Trace.CLOCK, clocks_width),
-        Part(Trace.EITHER, 90, "not CDM", "choice"),
-        Part(Trace.UP, 46),
+        Part(Trace.UP, width=40),
+        Part(Trace.CLOCK, width=4 * _PERIOD),
+        Part(Trace.GAP, width=timeout_start - 136 - clocks_width),
+        Part(Trace.CLOCK, width=clocks_width),
+        Part(Trace.EITHER, width=90, label="not CDM", fill="choice"),
+        Part(Trace.UP, width=46),
     )
     timeout = timeouts_with_codes(interface.timeouts) or _words_without_timeout(device, interface)
     labels = ", ".join(name for name, _ in names_and_fills)
     return TimingDiagram(
         title="BiSS C-mode: a frame",
         lines=(("MA", clock_line), ("SLO", data_line)),
-        spans=(Span(timeout_start, timeout_start + 90, f"time-out: {timeout}"),),
+        spans=(Span(start=timeout_start, end=timeout_start + 90, label=f"time-out: {timeout}"),),
         text="MA and SLO are high between frames. SLO is low (acknowledge) from the second rising edge of MA until the "
         f"start bit, which is high. The CDS bit, {labels} and a low stop bit follow, until the time-out ({timeout}). "
         "During the time-out, MA is the inverse of the CDM bit.",
@@ -236,10 +239,13 @@ def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
     request_size = f"{'at least ' if len(request_lengths) > 1 else ''}{counted(request_lengths[0], 'byte')}"
     reply_size = f"{'up to ' if len(reply_lengths) > 1 else ''}{counted(reply_lengths[-1], 'byte')}"
     request_label = f"request, {request_size}"
-    master = [Part(Trace.UP, 40), Part(Trace.EITHER, text_width(request_label, 11) + 12, request_label, "choice")]
+    master = [
+        Part(Trace.UP, width=40),
+        Part(Trace.EITHER, width=text_width(request_label, 11) + 12, label=request_label, fill="choice"),
+    ]
     request_end = sum(part.width for part in master)
-    reply = Part(Trace.EITHER, 170, f"reply, {reply_size}", "data")
-    encoder = [Part(Trace.UP, request_end + 40), reply, Part(Trace.UP, 40)]
+    reply = Part(Trace.EITHER, width=170, label=f"reply, {reply_size}", fill="data")
+    encoder = [Part(Trace.UP, width=request_end + 40), reply, Part(Trace.UP, width=40)]
     description = f"The master sends a request of {request_size}. The encoder answers with {reply_size}."
     spans: tuple[Span, ...] = ()
     pause_us = _pause_between_requests(device, interface)
@@ -247,11 +253,19 @@ def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
         repetition_width = 60.0
         first_repetition_end = request_end + 270 + repetition_width
         pause = f"between repeated requests: at least {microseconds(pause_us)}"
-        first, second = (Part(Trace.EITHER, repetition_width, name, "choice") for name in ("1st", "2nd"))
+        first, second = (
+            Part(Trace.EITHER, width=repetition_width, label=name, fill="choice") for name in ("1st", "2nd")
+        )
         # Both lines end 490 pixels after the request.
-        master += [Part(Trace.UP, 270), first, Part(Trace.UP, repetition_width), second, Part(Trace.GAP, 40)]
-        encoder.append(Part(Trace.UP, 240))
-        spans = (Span(first_repetition_end, first_repetition_end + repetition_width, pause),)
+        master += [
+            Part(Trace.UP, width=270),
+            first,
+            Part(Trace.UP, width=repetition_width),
+            second,
+            Part(Trace.GAP, width=40),
+        ]
+        encoder.append(Part(Trace.UP, width=240))
+        spans = (Span(start=first_repetition_end, end=first_repetition_end + repetition_width, label=pause),)
         description += f" {pause.capitalize()}."
     return TimingDiagram(
         title="RS-485: requests and replies",
@@ -283,14 +297,14 @@ def diagram_picture(diagram: TimingDiagram) -> str:
     right_end = 0.0
     for row_index, (line_name, parts) in enumerate(diagram.lines):
         top = _MARGIN + 14 + row_index * _ROW
-        elements.append(text(_MARGIN, top + _HIGH - 7, line_name, 12, "start", bold=True))
+        elements.append(draw_text(_MARGIN, top + _HIGH - 7, line_name, size=12, anchor="start", bold=True))
         elements += _line_elements(parts, left, top)
         right_end = max(right_end, left + sum(part.width for part in parts))
     spans_top = _MARGIN + 14 + len(diagram.lines) * _ROW - 18
     for row_index, span in enumerate(diagram.spans):
         elements += _span_elements(span, left, spans_top + 10 + row_index * 22, right_end)
     height = spans_top + 10 + 22 * len(diagram.spans) + 4
-    return card(diagram.title, elements, right_end + _MARGIN, height, diagram.text)
+    return create_picture(diagram.title, elements, width=right_end + _MARGIN, height=height, description=diagram.text)
 
 
 def _span_elements(span: Span, left: float, middle: float, right_end: float) -> Iterator[str]:
@@ -299,7 +313,7 @@ def _span_elements(span: Span, left: float, middle: float, right_end: float) -> 
     yield f'<path d="M{number(start)} {number(middle - 6)}v12m0 -6H{number(end)}m0 -6v12" class="line"/>'
     fits_after = end + 8 + text_width(span.label, 11) <= right_end
     x, anchor = (end + 8, "start") if fits_after else (start - 8, "end")
-    yield text(x, middle + 4, span.label, 11, anchor)
+    yield draw_text(x, middle + 4, span.label, size=11, anchor=anchor)
 
 
 def _line_elements(parts: Sequence[Part], left: float, top: float) -> Iterator[str]:
@@ -312,15 +326,19 @@ def _line_elements(parts: Sequence[Part], left: float, top: float) -> Iterator[s
                 y = top if part.trace is Trace.UP else top + _HIGH
                 path.append(f"{'L' if path else 'M'}{number(part_start)} {number(y)}H{number(part_start + part.width)}")
                 if part.label:
-                    yield text(part_start + part.width / 2, top + _HIGH - 8, part.label, 11, "middle", faint=True)
+                    yield draw_text(
+                        part_start + part.width / 2, top + _HIGH - 8, part.label, size=11, anchor="middle", faint=True
+                    )
             case Trace.CLOCK:
                 path += _pulse_path(part_start, top, part, starts=not path)
             case Trace.GAP:
-                yield text(part_start + part.width / 2, top + _HIGH - 7, "· · ·", 12, "middle", faint=True)
+                yield draw_text(
+                    part_start + part.width / 2, top + _HIGH - 7, "· · ·", size=12, anchor="middle", faint=True
+                )
                 path.append(f"M{number(part_start + part.width)} {number(top)}")
             case Trace.EITHER:
-                yield rect(part_start, top, part.width, _HIGH, part.fill)
-                yield text(part_start + part.width / 2, top + _HIGH - 8, part.label, 11, "middle")
+                yield draw_box(part_start, top, box_width=part.width, box_height=_HIGH, fill=part.fill)
+                yield draw_text(part_start + part.width / 2, top + _HIGH - 8, part.label, size=11, anchor="middle")
                 path.append(f"M{number(part_start + part.width)} {number(top)}")
             case _:
                 assert_never(part.trace)

@@ -8,12 +8,12 @@ from typing import Annotated, TypedDict
 from ...model import Alarm, Alternative, Device, Field, Interface, Layout, Sign, Verdict, first_of
 from ...model.record import dataclass
 from ...plan.values import Active, meaning_of
-from ...plan.verdicts import Judgement, Only, Reporting, reportings, reports_of, sums_up, verdict_of
+from ...plan.verdicts import Judgement, Only, Reporting, combined_flag_names, reportings, reports_of, verdict_of
 from ...say.evidence import document
-from ...say.markdown import STYLE, cited, code, joined, link, link_list, text
+from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, link_list
 from ...say.names_and_places import own_names
-from ...say.report import alarm_of, by_hand, conditions, deciding, meaning, remedy_text, source
-from ...say.text import Code, listed, statement
+from ...say.report import alarm_of, conditions, deciding_bits, manual_steps, meaning, remedy_text, source
+from ...say.text import Code, list_parts, statement
 from .page_links import link_to_erratum, link_to_layout, links_to_steps, path_to_anchor
 from .verdict_table import EFFECTS
 
@@ -41,7 +41,7 @@ def file_name(device: Device) -> str:
 
 def usable_values(devices: Sequence[Device]) -> UsablePage:
     """Return the values of the page on verdicts."""
-    return {"family_links": [link(text(device.title), file_name(device)) for device in devices]}
+    return {"family_links": [link(escape(device.title), file_name(device)) for device in devices]}
 
 
 def page_values(device: Device) -> VerdictPage:
@@ -85,14 +85,14 @@ def _rows_of_frame(device: Device, interface: Interface, layout: Layout, judgeme
     A last row is for order codes without the bits that judge the position, if there are any.
     """
     signs = {sign.flag.name: sign for sign in layout.signs}
-    deciders = _deciders(layout, judgement)
+    deciders = _deciding_fields(layout, judgement)
     for decider in deciders:
         yield _decider_row(device, interface, layout, decider, signs.get(decider.field.name))
     name_of_other_cases = "none of these" if deciders else "no field decides"
     yield name_of_other_cases, "", EFFECTS[judgement.otherwise], "", ""
     if judgement.may_be_unknown:
         judging_names = [Code(field.name) for field in layout.judging_fields]
-        missing_names = STYLE.phrase(statement(*listed(judging_names)))
+        missing_names = MARKDOWN.phrase(statement(*list_parts(judging_names)))
         yield f"order codes that lack {missing_names}", "", EFFECTS[Verdict.UNKNOWN], "", ""
 
 
@@ -105,7 +105,7 @@ class _Decider:
     conditions: tuple[Only, ...] = ()
 
 
-def _deciders(layout: Layout, judgement: Judgement) -> list[_Decider]:
+def _deciding_fields(layout: Layout, judgement: Judgement) -> list[_Decider]:
     """Return the fields that decide the verdict on a frame, worst verdict first, then in order of the frame.
 
     With ``otherwise`` UNKNOWN, fields with a warning or UNKNOWN also lead to UNKNOWN. Fields for which the position is
@@ -145,44 +145,48 @@ def _decider_row(device: Device, interface: Interface, layout: Layout, decider: 
 def _active_value(device: Device, field: Field, conditions_on_codes: Sequence[Only]) -> str:
     """Return the value of a field that decides the verdict, such as ``1 with X-24``, or with the answer it needs."""
     texts_of_conditions = [_condition_text(device, only) for only in conditions_on_codes]
-    return " ".join([deciding(field), *texts_of_conditions])
+    return " ".join([deciding_bits(field), *texts_of_conditions])
 
 
-def _condition_text(device: Device, only: Only) -> str:
+def _condition_text(device: Device, parameter_condition: Only) -> str:
     """Return the order codes, such as ``with X-24``, or the answer to a question with a link to it."""
     for alternative in device.optional_alternatives:
-        if alternative.parameter == only.parameter:
-            return _answer_text(device, alternative, only)
-    return f"with {code(only.codes)}" if only.holds else "with all others"
+        if alternative.parameter == parameter_condition.parameter:
+            return _answer_text(device, alternative, parameter_condition)
+    return f"with {code(parameter_condition.codes)}" if parameter_condition.holds else "with all others"
 
 
-def _answer_text(device: Device, question: Alternative, only: Only) -> str:
+def _answer_text(device: Device, question: Alternative, parameter_condition: Only) -> str:
     """Return the answers to a question for which a condition holds, with a link to the question.
 
     The link leads to the page of the first interface with a frame whose verdict depends on it.
     """
-    answers = [answer for answer in question.answers if bool(answer.sets[only.parameter]) == only.holds]
+    answers = [
+        answer
+        for answer in question.answers
+        if bool(answer.sets[parameter_condition.parameter]) == parameter_condition.holds
+    ]
     answer_names = " or ".join(code(answer.name) for answer in answers)
     frames = device.layouts()
     interfaces = (interface for interface, layout in frames if question in device.verdict_alternatives(layout))
     interface = first_of(interfaces, f"frame whose verdict '{question.name}' decides")
     page = f"{device.name}/{interface.name}.md#alternative-{question.name}"
-    default = "" if only.holds else ", the default"
+    default = "" if parameter_condition.holds else ", the default"
     return f"and {link('your choice', page)} is {answer_names}{default}"
 
 
 def _values_of_sign(layout: Layout, sign: Sign) -> str:
     """Return the values of fields that decide the verdict together."""
-    return STYLE.phrase(conditions((layout.field(name), value) for name, value in sign.conditions))
+    return MARKDOWN.phrase(conditions((layout.field(name), value) for name, value in sign.conditions))
 
 
 def _condition_on_lower_flags(field: Field, layout: Layout) -> str:
     """Return the flags of the frame that must be inactive if a flag that combines them is to decide."""
     names_in_layout = {field.name for field in layout.fields}
-    lower_flags = [Code(name) for name in sums_up(field) if name in names_in_layout]
+    lower_flags = [Code(name) for name in combined_flag_names(field) if name in names_in_layout]
     if not lower_flags:
         return ""
-    return f", with {STYLE.phrase(statement(*listed(lower_flags)))} inactive"
+    return f", with {MARKDOWN.phrase(statement(*list_parts(lower_flags)))} inactive"
 
 
 def _frame_rows(device: Device, reporting_frames: Sequence[Reporting]) -> Iterator[Row]:
@@ -204,11 +208,11 @@ def _report_rows(device: Device) -> Iterator[Row]:
     """Yield rows of report, meaning, remedy, source."""
     for report in reports_of(device):
         alarm = alarm_of(device, report.field)
-        name_cell = joined([code(report.name), text(own_names(report.field))])
-        steps = links_to_steps(f"{device.name}/", by_hand(report.field, alarm))
-        remedy_and_steps = joined([text(remedy_text(report.field, alarm)), *steps])
+        name_cell = join_filled([code(report.name), escape(own_names(report.field))])
+        steps = links_to_steps(f"{device.name}/", manual_steps(report.field, alarm))
+        remedy_and_steps = join_filled([escape(remedy_text(report.field, alarm)), *steps])
         remedy = remedy_and_steps or _clearing_procedures(device, alarm) or f"The {document(device)} gives no remedy"
-        yield name_cell, text(meaning(report.field, alarm)), remedy, cited(source(report.field, alarm))
+        yield name_cell, escape(meaning(report.field, alarm)), remedy, citation(source(report.field, alarm))
 
 
 def _clearing_procedures(device: Device, alarm: Alarm | None) -> str:
@@ -218,16 +222,16 @@ def _clearing_procedures(device: Device, alarm: Alarm | None) -> str:
     procedure_links = []
     for procedure in map(device.procedure, alarm.cleared_by):
         path = path_to_anchor(device, procedure.interface, f"procedure-{procedure.name}")
-        procedure_links.append(link(text(procedure.title), path))
+        procedure_links.append(link(escape(procedure.title), path))
     return f"Cleared by: {', '.join(procedure_links)}"
 
 
 def _name_cell(field: Field) -> str:
-    return joined([code(field.name), text(own_names(field))])
+    return join_filled([code(field.name), escape(own_names(field))])
 
 
 def _source_cell(device: Device, field: Field) -> str:
-    return cited(source(field, alarm_of(device, field)))
+    return citation(source(field, alarm_of(device, field)))
 
 
 def _layout_links(device: Device, layouts: Sequence[Layout]) -> str:

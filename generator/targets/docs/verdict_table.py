@@ -8,9 +8,9 @@ from ...model import Device, Field, Layout, PlacedLayout, Variant, Verdict
 from ...plan.values import Active, meaning_of
 from ...plan.verdicts import Judgement, Match, VerdictCause, reportings
 from ...say.layout import is_reserved
-from ...say.markdown import STYLE, code, joined, link, text
+from ...say.markdown import MARKDOWN, code, escape, join_filled, link
 from ...say.names_and_places import bits, frame_bytes, heading
-from ...say.report import alarm_of, by_hand, conditions, deciding, remedy_text
+from ...say.report import alarm_of, conditions, deciding_bits, manual_steps, remedy_text
 from ...say.text import sentence
 
 Row = tuple[str, ...]
@@ -26,19 +26,21 @@ _MOST_ALTERNATIVES = 3
 _HEAD = ("Bit", "Flag", "Active at", "Position", "What to do")
 
 
-def judgement_of(family: Device, layout: Layout) -> Judgement | None:
+def judgement_of(family_device: Device, layout: Layout) -> Judgement | None:
     """Return how the verdict on a frame follows from its bits, or None for a frame without a position."""
-    judgements = (reporting.judgement for reporting in reportings(family) if reporting.codec.layout.name == layout.name)
+    judgements = (
+        reporting.judgement for reporting in reportings(family_device) if reporting.codec.layout.name == layout.name
+    )
     return next(judgements, None)
 
 
-def verdict_table(family: Device, device: Device, layout: Layout, variant: Variant) -> tuple[Row, list[Row]]:
+def verdict_table(family_device: Device, device: Device, layout: Layout, variant: Variant) -> tuple[Row, list[Row]]:
     """Return the head and the rows of the table. Columns without any content are left out.
 
     The rows are the causes of each verdict, then all other flags, then the verdict without any cause. ``device`` is the
     family with the order codes of the page, and has the alarms and remedies for these only.
     """
-    judgement = judgement_of(family, layout)
+    judgement = judgement_of(family_device, layout)
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {}
     if judgement is not None:
         judgement = judgement.for_parameters(variant.parameters)
@@ -50,26 +52,26 @@ def verdict_table(family: Device, device: Device, layout: Layout, variant: Varia
         with_crc = "" if placed.crc_field is None else ", and the CRC is correct"
         rows.append(("", f"none of these{with_crc}", "", EFFECTS[judgement.otherwise], ""))
     columns_with_content = _indices_with_content(rows)
-    return _columns(_HEAD, columns_with_content), [_columns(row, columns_with_content) for row in rows]
+    return _cells_at(_HEAD, columns_with_content), [_cells_at(row, columns_with_content) for row in rows]
 
 
-def _columns(row: Row, indexes: Iterable[int]) -> Row:
+def _cells_at(row: Row, indexes: Iterable[int]) -> Row:
     """Return the cells with these indexes."""
     return tuple(row[index] for index in indexes)
 
 
 def _cause_rows(
-    device: Device, placed: PlacedLayout, causes_by_verdict: dict[Verdict, list[VerdictCause]]
+    device: Device, placed_layout: PlacedLayout, causes_by_verdict: dict[Verdict, list[VerdictCause]]
 ) -> Iterator[Row]:
     """Yield a row for each cause of a verdict, the worst verdict first."""
     for verdict, causes in causes_by_verdict.items():
         for cause in causes:
             if isinstance(cause.by, Match):
-                yield _row_of_match(placed, cause.by, EFFECTS[verdict])
+                yield _row_of_match(placed_layout, cause.by, EFFECTS[verdict])
             else:
                 field = cause.by.field
-                active_level = deciding(field) + _while_inactive(cause)
-                yield _build_row(device, placed, field, active_level, EFFECTS[verdict])
+                active_level = deciding_bits(field) + _while_inactive(cause)
+                yield _build_row(device, placed_layout, field, active_level, EFFECTS[verdict])
 
 
 def _indices_with_content(rows: Iterable[Row]) -> list[int]:
@@ -82,7 +84,7 @@ def _indices_with_content(rows: Iterable[Row]) -> list[int]:
 
 def _rows_of_other_flags(
     device: Device,
-    placed: PlacedLayout,
+    placed_layout: PlacedLayout,
     causes_by_verdict: dict[Verdict, list[VerdictCause]],
     judgement: Judgement | None,
 ) -> Iterator[Row]:
@@ -94,52 +96,58 @@ def _rows_of_other_flags(
     for causes in causes_by_verdict.values():
         names_of_causes.update(cause.by.field.name for cause in causes)
     effect = "unchanged" if judgement is not None else ""
-    for placed_field in placed.fields:
+    for placed_field in placed_layout.fields:
         field = placed_field.field
         if isinstance(meaning_of(field), Active) and field.name not in names_of_causes:
-            yield _build_row(device, placed, field, deciding(field), effect)
+            yield _build_row(device, placed_layout, field, deciding_bits(field), effect)
 
 
-def _build_row(device: Device, placed: PlacedLayout, field: Field, level: str, effect: str) -> Row:
+def _build_row(device: Device, placed_layout: PlacedLayout, field: Field, level: str, effect: str) -> Row:
     """Return a row of place, name, active level, effect on the position, remedy."""
-    return _place(placed, field.name), _name(field), level, effect, _remedy_cell(device, field)
+    return (
+        _place_of_field(placed_layout, field.name),
+        _names_of_field(field),
+        level,
+        effect,
+        _remedy_cell(device, field),
+    )
 
 
 def _remedy_cell(device: Device, field: Field) -> str:
     """Return the remedy of a flag, with links to those steps by hand that the page of the hardware describes."""
     alarm = alarm_of(device, field)
     remedy = remedy_text(field, alarm)
-    sentences = [text(sentence(remedy) if remedy else "")]
+    sentences = [escape(sentence(remedy) if remedy else "")]
     described_names = {characteristic.name for characteristic in device.characteristics}
-    for name in by_hand(field, alarm):
+    for name in manual_steps(field, alarm):
         if name in described_names:
             steps_link = link("Step by step", f"hardware.md#by-hand-{name}")
             sentences.append(f"{steps_link}.")
-    return joined(sentences, " ")
+    return join_filled(sentences, " ")
 
 
-def _name(field: Field) -> str:
+def _names_of_field(field: Field) -> str:
     """Return the name of a field in words, its printed name if that differs, and its name in programs."""
     if is_reserved(field):
         return f"Reserved <small>{code(field.name)}</small>"
     words = heading(field.name)
     is_printed_alike = field.printed_name.lower() in {"", words.lower()}
-    printed_name = "" if is_printed_alike else f"{text(field.printed_name)} "
-    return f"{text(words)} <small>{printed_name}{code(field.name)}</small>"
+    printed_name = "" if is_printed_alike else f"{escape(field.printed_name)} "
+    return f"{escape(words)} <small>{printed_name}{code(field.name)}</small>"
 
 
-def _row_of_match(placed: PlacedLayout, match: Match, effect: str) -> Row:
+def _row_of_match(placed_layout: PlacedLayout, match: Match, effect: str) -> Row:
     """Return the row of values that lead to a verdict together."""
-    places = ", ".join(_place(placed, part.field.name) for part, _ in match.conditions)
-    phrase = STYLE.phrase(conditions((part.field, value) for part, value in match.conditions))
+    places = ", ".join(_place_of_field(placed_layout, part.field.name) for part, _ in match.conditions)
+    phrase = MARKDOWN.phrase(conditions((part.field, value) for part, value in match.conditions))
     return places, phrase, "", effect, ""
 
 
-def _place(placed: PlacedLayout, name: str) -> str:
+def _place_of_field(placed_layout: PlacedLayout, name: str) -> str:
     """Return the bit of a field, or its byte and bit in a frame of bytes."""
-    field = placed.field(name)
-    if placed.layout.in_bytes:
-        return frame_bytes(placed.layout, placed.bits, field.high, field.low)
+    field = placed_layout.field(name)
+    if placed_layout.layout.in_bytes:
+        return frame_bytes(placed_layout.layout, placed_layout.bits, field.high, field.low)
     return bits(field.high, field.low)
 
 
@@ -155,17 +163,17 @@ def applicable_causes(judgement: Judgement, variant: Variant) -> dict[Verdict, l
     """Return the causes of each verdict that apply to an order code, the worst verdict first."""
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {}
     for verdict, causes in judgement.worst_first:
-        causes_for_variant = [cause for cause in causes if _applies(cause, variant)]
+        causes_for_variant = [cause for cause in causes if _holds_for_variant(cause, variant)]
         if causes_for_variant:
             causes_by_verdict[verdict] = causes_for_variant
     return causes_by_verdict
 
 
-def _applies(cause: VerdictCause, variant: Variant) -> bool:
+def _holds_for_variant(cause: VerdictCause, variant: Variant) -> bool:
     """Return whether all conditions of a cause hold for an order code and the answers chosen for it."""
     return all(bool(variant.parameters.get(only.parameter, 0)) == only.holds for only in cause.conditions)
 
 
-def any_of(names: Sequence[str]) -> str:
+def join_as_any_of(names: Sequence[str]) -> str:
     """Return names as ``a or b``, and more than three as ``any of a, b, c, d``."""
     return f"any of {', '.join(names)}" if len(names) > _MOST_ALTERNATIVES else " or ".join(names)

@@ -8,7 +8,18 @@ from textwrap import wrap
 from ...model import PlacedLayout
 from ...model.record import dataclass
 from ...say.names_and_places import bit_range
-from .layout_pictures import Stack, bit_stack, byte_stack, card, number, rect, runs_of, text, text_alternative, width
+from .layout_pictures import (
+    Stack,
+    bit_stack,
+    byte_stack,
+    create_picture,
+    draw_box,
+    draw_text,
+    number,
+    runs_of,
+    text_alternative,
+    text_width,
+)
 
 #: Width of the picture, and of the narrowest screen on which it is shown instead of the stacked picture.
 WIDE, SCREEN = 720.0, 700
@@ -55,11 +66,11 @@ def wide_picture(title: str, shapes: Sequence[tuple[str, PlacedLayout]]) -> str:
         stack = make_stack(caption, placed_layout)
         stacks.append(stack)
         if caption:
-            body.append(text(_MARGIN, top + 13, caption, _SIZE, "start", bold=True))
+            body.append(draw_text(_MARGIN, top + 13, caption, size=_SIZE, anchor="start", bold=True))
             top += _LINE
         elements, top = _frame_elements(placed_layout, stack, top)
         body += elements
-    return card(title, body, WIDE, top, text_alternative(stacks))
+    return create_picture(title, body, width=WIDE, height=top, description=text_alternative(stacks))
 
 
 def _frame_elements(placed_layout: PlacedLayout, stack: Stack, top: float) -> tuple[list[str], float]:
@@ -71,11 +82,13 @@ def _frame_elements(placed_layout: PlacedLayout, stack: Stack, top: float) -> tu
     else:
         cells = list(_bit_cells(placed_layout))
         marks = list(_bit_marks(placed_layout))
-    elements = [text(x, top + 12, mark_text, _SIZE, anchor, faint=True) for x, mark_text, anchor in marks]
+    elements = [
+        draw_text(x, top + 12, mark_text, size=_SIZE, anchor=anchor, faint=True) for x, mark_text, anchor in marks
+    ]
     for cell in cells:
         elements += _cell_elements(cell, box_top)
     if not placed_layout.layout.in_bytes:
-        elements.append(f'<path d="{_ticks(placed_layout.bits, box_top)}" class="line"/>')
+        elements.append(f'<path d="{_ruler_ticks(placed_layout.bits, box_top)}" class="line"/>')
     bottom = box_top + _BOX
     for line_bottom, element in _names_below(cells, bottom + 4):
         elements.append(element)
@@ -85,13 +98,13 @@ def _frame_elements(placed_layout: PlacedLayout, stack: Stack, top: float) -> tu
 
 def _cell_elements(cell: _Cell, top: float) -> Iterator[str]:
     """Yield the box of a cell, and the lines inside it, of which the last one is the place."""
-    yield rect(cell.left, top, cell.right - cell.left, _BOX, cell.fill)
+    yield draw_box(cell.left, top, box_width=cell.right - cell.left, box_height=_BOX, fill=cell.fill)
     # The lines are 14 pixels apart, and centred in the box.
     first_baseline = top + _BOX / 2 + 4.5 - 7 * (len(cell.lines) - 1)
     for index, box_text in enumerate(cell.lines):
         is_place = bool(cell.place) and index == len(cell.lines) - 1
         baseline = first_baseline + 14 * index
-        yield text((cell.left + cell.right) / 2, baseline, box_text, _SIZE, "middle", faint=is_place)
+        yield draw_text((cell.left + cell.right) / 2, baseline, box_text, size=_SIZE, anchor="middle", faint=is_place)
 
 
 def _bit_cells(placed_layout: PlacedLayout) -> Iterator[_Cell]:
@@ -160,7 +173,7 @@ def _byte_marks(stack: Stack) -> Iterator[tuple[float, str, str]]:
         yield _MARGIN + byte_width * (index + 0.5), row.label, "middle"
 
 
-def _ticks(bits: int, top: float) -> str:
+def _ruler_ticks(bits: int, top: float) -> str:
     """Return the ticks of the ruler, longer at every eighth bit, counted from the lowest one."""
     ticks = []
     for index in range(bits + 1):
@@ -176,12 +189,12 @@ def _names_below(cells: Sequence[_Cell], top: float) -> Iterator[tuple[float, st
     for cell in cells:
         if not cell.lines:
             # A colour box is 16 pixels with its gap, and 16 more follow the text.
-            width_with_box = 16 + width(cell.about, _SIZE) + 16
+            width_with_box = 16 + text_width(cell.about, _SIZE) + 16
             is_line_full = left + width_with_box > WIDE - _MARGIN
             if is_line_full and left > _MARGIN:
                 left = _MARGIN
                 top += _LINE
             bottom = top + _LINE
-            yield bottom, rect(left, top + 4, 10, 10, cell.fill)
-            yield bottom, text(left + 16, top + 13, cell.about, _SIZE, "start")
+            yield bottom, draw_box(left, top + 4, box_width=10, box_height=10, fill=cell.fill)
+            yield bottom, draw_text(left + 16, top + 13, cell.about, size=_SIZE, anchor="start")
             left += width_with_box

@@ -24,10 +24,10 @@ from ...model import (
 from ...model.order_codes import fits
 from ...model.record import dataclass
 from ...say.evidence import Subject, document, mentions
-from ...say.markdown import STYLE, anchor, cited, code, link, text
+from ...say.markdown import MARKDOWN, anchor, citation, code, escape, link
 from ...say.order_code import bounds_with_codes, clock_words, settings
 from ...say.plain_text import counted
-from ...say.text import BY_NAME, hertz, listed, nanoseconds, sentence, statement, timeout_words, volts
+from ...say.text import PLAIN_STYLE, hertz, list_parts, nanoseconds, sentence, statement, timeout_words, volts
 
 Row = tuple[str, ...]
 
@@ -47,13 +47,13 @@ class Wiring:
     errata: tuple[str, ...]
 
 
-def wiring(device: Device, order_codes: Sequence[str]) -> Wiring:
+def wiring_table(device: Device, order_codes: Sequence[str]) -> Wiring:
     """Return one table with a row for each signal, and a column for each connector or group of similar ones.
 
     Connectors whose contacts are mostly the same share a column.
     """
-    columns = _columns(device.connectors, order_codes)
-    heads = _heads(columns)
+    columns = _connectors_by_column(device.connectors, order_codes)
+    heads = _column_heads(columns)
     contacts = [contact for connector in device.connectors for contact in connector.contacts]
     signals = dict.fromkeys(_signal_cell(contact, order_codes) for contact in contacts)
     about_columns = []
@@ -68,7 +68,7 @@ def wiring(device: Device, order_codes: Sequence[str]) -> Wiring:
     )
 
 
-def _heads(columns: Sequence[Sequence[Connector]]) -> list[str]:
+def _column_heads(columns: Sequence[Sequence[Connector]]) -> list[str]:
     """Return the head of each column: ``Pin`` or ``Wire``, if no other column has this head.
 
     Columns with the same head have the short name of their first connector instead.
@@ -99,11 +99,11 @@ def _common_sentences(connectors: Sequence[Connector]) -> list[str]:
     for note_sentence in first_note:
         is_common = all(note_sentence in other_note for other_note in other_notes)
         if note_sentence and is_common:
-            common_sentences.append(text(sentence(note_sentence)))
+            common_sentences.append(escape(sentence(note_sentence)))
     return common_sentences
 
 
-def _columns(connectors: Sequence[Connector], order_codes: Sequence[str]) -> list[list[Connector]]:
+def _connectors_by_column(connectors: Sequence[Connector], order_codes: Sequence[str]) -> list[list[Connector]]:
     """Group connectors for the columns of the table.
 
     A connector joins the first column whose first connector has similar contacts, as in ``_have_similar_contacts``.
@@ -142,13 +142,13 @@ def _signal_cell(contact: Contact, order_codes: Sequence[str]) -> str:
     If only some order codes have it, add the patterns of these that fit one of ``order_codes``.
     """
     if not contact.only:
-        return text(contact.signal)
+        return escape(contact.signal)
     patterns = []
     # ``only`` is a list of patterns of order codes, such as "X-*-24, X-*-25".
     for pattern in contact.only.split(", "):
         if any(fits(pattern, order_code) for order_code in order_codes):
             patterns.append(pattern)
-    return f"{text(contact.signal)} <small>(only {text(', '.join(patterns))})</small>"
+    return f"{escape(contact.signal)} <small>(only {escape(', '.join(patterns))})</small>"
 
 
 def _contacts_cell(column: Sequence[Connector], signal: str, order_codes: Sequence[str]) -> str:
@@ -161,13 +161,13 @@ def _contacts_cell(column: Sequence[Connector], signal: str, order_codes: Sequen
         contacts = _contacts_by_signal(connector, order_codes).get(signal, [])
         contact_lists.append(_contact_list(contacts))
     if len(set(contact_lists)) == 1:
-        return text(contact_lists[0])
+        return escape(contact_lists[0])
     connector_names = _short_names([connector.title for connector in column])
     lists_with_names = []
     for contact_list, connector_name in zip(contact_lists, connector_names, strict=True):
         if contact_list:
             lists_with_names.append(f"{contact_list} ({connector_name})")
-    return text(", ".join(lists_with_names))
+    return escape(", ".join(lists_with_names))
 
 
 def _short_names(titles: Sequence[str]) -> list[str]:
@@ -197,7 +197,7 @@ def _contact_list(contacts: Sequence[str]) -> str:
 
 
 def _anchored_title(connector: Connector) -> str:
-    return f"{anchor(f'connector-{connector.name}')}{text(connector.title)}"
+    return f"{anchor(f'connector-{connector.name}')}{escape(connector.title)}"
 
 
 def supply_lines(device: Device, variants: Sequence[Variant]) -> list[str]:
@@ -216,50 +216,52 @@ def supply_lines(device: Device, variants: Sequence[Variant]) -> list[str]:
 
 
 def _supply_text(supply: Supply) -> str:
-    return f"{volts(supply.min_mv)} to {volts(supply.max_mv)} ({cited(supply.source)})"
+    return f"{volts(supply.min_mv)} to {volts(supply.max_mv)} ({citation(supply.source)})"
 
 
-def unstated_facts(family: Device, interface: Interface, subjects: Mapping[str, Subject]) -> Iterator[str]:
+def unstated_facts(family_device: Device, interface: Interface, subjects: Mapping[str, Subject]) -> Iterator[str]:
     """Yield the facts that the manual does not state, and links for those that a text may have, in one line.
 
-    ``subjects`` are the facts by label. ``family`` has the texts about all order codes, because a text about others may
-    be valid for this one too.
+    ``subjects`` are the facts by label. ``family_device`` has the texts about all order codes, because a text about
+    others may be valid for this one too.
     """
-    unmentioned = [label for label, subject in subjects.items() if not mentions(family, interface, subject)]
-    sentences = [f"{_capitalized(unmentioned)}: the {document(family)} does not say."] if unmentioned else []
+    unmentioned = [label for label, subject in subjects.items() if not mentions(family_device, interface, subject)]
+    sentences = (
+        [f"{_join_capitalized(unmentioned)}: the {document(family_device)} does not say."] if unmentioned else []
+    )
     mentioned = [label for label in subjects if label not in unmentioned]
     if mentioned:
         places = [link("times", "#timings")]
-        if family.characteristics:
+        if family_device.characteristics:
             places.append(link("characteristics", "hardware.md#characteristics"))
-        sentences.append(f"{_capitalized(mentioned)}: see {' and '.join(places)}.")
+        sentences.append(f"{_join_capitalized(mentioned)}: see {' and '.join(places)}.")
     if sentences:
         yield " ".join(sentences)
 
 
-def no_leds(family: Device, device: Device, interface: Interface) -> str:
+def no_leds(family_device: Device, device: Device, interface: Interface) -> str:
     """Return that the manual describes no LEDs, for a page without any.
 
     Return an empty string if the page has LEDs, if the manual may have some in its texts, or if the spec is not
     transcribed from all of a manual.
     """
-    if device.leds or document(family) != "manual":
+    if device.leds or document(family_device) != "manual":
         return ""
-    if family.leds:
+    if family_device.leds:
         return "The manual describes no LEDs of this order code."
-    return "" if mentions(family, interface, Subject.LEDS) else "The manual describes no LEDs."
+    return "" if mentions(family_device, interface, Subject.LEDS) else "The manual describes no LEDs."
 
 
-def no_supply(family: Device, interface: Interface) -> str:
+def no_supply(family_device: Device, interface: Interface) -> str:
     """Return what a page says in place of a supply."""
-    if mentions(family, interface, Subject.SUPPLY):
+    if mentions(family_device, interface, Subject.SUPPLY):
         return f"see {link('characteristics', 'hardware.md#characteristics')}"
-    return f"the {document(family)} does not say"
+    return f"the {document(family_device)} does not say"
 
 
-def _capitalized(labels: list[str]) -> str:
+def _join_capitalized(labels: list[str]) -> str:
     """Return labels as the beginning of a sentence."""
-    phrase = BY_NAME.phrase(statement(*listed(labels)))
+    phrase = PLAIN_STYLE.phrase(statement(*list_parts(labels)))
     return phrase[:1].upper() + phrase[1:]
 
 
@@ -279,45 +281,45 @@ class SpeedSection:
     rows: tuple[Row, ...] = ()
 
 
-def speed_section(family: Device, device: Device, interface: Interface, layout: Layout | None) -> SpeedSection:
+def speed_section(family_device: Device, device: Device, interface: Interface, layout: Layout | None) -> SpeedSection:
     """Return the section about the clock or the baud rate of an interface."""
     match interface:
         case Ssi() | Biss():
-            return _clock_section(family, device, interface, layout)
+            return _clock_section(family_device, device, interface, layout)
         case Spi():
-            setting_sentences = map(STYLE.sentence, settings(device, interface))
+            setting_sentences = map(MARKDOWN.sentence, settings(device, interface))
             return SpeedSection("Clock and words", tuple(setting_sentences))
         case Rs485():
-            return _baud_section(family, device, interface)
+            return _baud_section(family_device, device, interface)
         case _:
             assert_never(interface)
 
 
-def _clock_section(family: Device, device: Device, interface: Ssi | Biss, layout: Layout | None) -> SpeedSection:
+def _clock_section(family_device: Device, device: Device, interface: Ssi | Biss, layout: Layout | None) -> SpeedSection:
     """Return the limits of the clock, the duration of a frame, and the clock for each cable length.
 
     The table has no cables whose clock is below the lowest one of the encoder. Faster clocks than its fastest one are
     replaced by that.
     """
     clock = interface.clocks[0]  # The order codes of a page share their clock.
-    facts = [f"Clock: {clock_words(clock)} ({cited(clock.source)})."]
+    facts = [f"Clock: {clock_words(clock)} ({citation(clock.source)})."]
     lengths = _frame_lengths(device, layout) if layout is not None else []
     start_bits = _BISS_START_BITS if isinstance(interface, Biss) else 0
     clocked_lengths = [bits + start_bits for bits in lengths]
     if lengths:
         example_hz = _example_clock(clock)
-        durations = _durations(clocked_lengths, example_hz)
+        durations = _duration_range(clocked_lengths, example_hz)
         with_start_bits = ", with the start bit and the CDS bit" if start_bits else ""
         facts.append(f"{_joined_by_or(map(str, lengths))} bits at {hertz(example_hz)}: {durations}{with_start_bits}.")
-    facts += _pauses(family, interface)
+    facts += _pause_sentences(family_device, interface)
     cable_clocks = cable_table(device, interface)
     cable_rows: list[Row] = []
     for cable in cable_clocks.rows:
         if clock.fastest_hz is not None and cable.hz >= (clock.min_hz or 0):
             clock_hz = min(cable.hz, clock.fastest_hz)
-            cable_rows.append((f"{cable.metres} m", hertz(clock_hz), _durations(clocked_lengths, clock_hz)))
+            cable_rows.append((f"{cable.metres} m", hertz(clock_hz), _duration_range(clocked_lengths, clock_hz)))
     if cable_rows:
-        facts.append(f"Clock for each cable length: from {text(cable_clocks.origin)}{_limit_of_used_clocks(clock)}.")
+        facts.append(f"Clock for each cable length: from {escape(cable_clocks.origin)}{_limit_of_used_clocks(clock)}.")
     if any(cable.is_below for cable in cable_clocks.rows):
         head = ("Cable below", "Clock below", "Frame above")
     else:
@@ -341,20 +343,20 @@ def _limit_of_used_clocks(clock: Clock) -> str:
     return f", up to {hertz(clock.fastest_hz)}, the fastest clock in use"
 
 
-def _pauses(family: Device, interface: Ssi | Biss) -> Iterator[str]:
+def _pause_sentences(family_device: Device, interface: Ssi | Biss) -> Iterator[str]:
     """Yield the pause between two frames over SSI, or the time-out and the reply time over BiSS."""
     match interface:
         case Ssi():
             pauses = [timing for timing in interface.timings if timing.symbol == "Tp"]
             for pause in pauses:
-                yield f"Pause between two words: {bounds_with_codes(pause)} ({cited(pause.source)})."
+                yield f"Pause between two words: {bounds_with_codes(pause)} ({citation(pause.source)})."
         case Biss():
             for timeout in interface.timeouts:
-                yield f"Time-out after a frame: {timeout_words(timeout)} ({cited(timeout.source)})."
-            yield from unstated_facts(family, interface, {"reply time (acknowledge)": Subject.REPLY_TIME})
+                yield f"Time-out after a frame: {timeout_words(timeout)} ({citation(timeout.source)})."
+            yield from unstated_facts(family_device, interface, {"reply time (acknowledge)": Subject.REPLY_TIME})
 
 
-def _baud_section(family: Device, device: Device, interface: Rs485) -> SpeedSection:
+def _baud_section(family_device: Device, device: Device, interface: Rs485) -> SpeedSection:
     """Return the baud rate, and the durations of one byte and of the replies."""
     port = interface.port
     start_bit = 1
@@ -363,13 +365,13 @@ def _baud_section(family: Device, device: Device, interface: Rs485) -> SpeedSect
     reply_sizes = sorted({layout.widest // 8 for layout in interface.layouts if layout.sender == "encoder"})
     durations = []
     for size in (1, *reply_sizes):
-        durations.append(f"{counted(size, 'byte')} {_duration(size * bits_per_byte, port.baud)}")
+        durations.append(f"{counted(size, 'byte')} {_duration_text(size * bits_per_byte, port.baud)}")
     # The first setting of a serial interface is its baud rate.
-    baud_rate = STYLE.phrase(next(iter(settings(device, interface))))
+    baud_rate = MARKDOWN.phrase(next(iter(settings(device, interface))))
     facts = (
-        f"{baud_rate} ({cited(port.source)}).",
+        f"{baud_rate} ({citation(port.source)}).",
         f"Duration ({bits_per_byte} bits per byte): {', '.join(durations)}.",
-        *unstated_facts(family, interface, {"reply time": Subject.REPLY_TIME, "cable length": Subject.CABLE}),
+        *unstated_facts(family_device, interface, {"reply time": Subject.REPLY_TIME, "cable length": Subject.CABLE}),
     )
     return SpeedSection("Baud rate and times", facts)
 
@@ -383,11 +385,11 @@ def _joined_by_or(alternatives: Iterable[str]) -> str:
     return " or ".join(alternatives)
 
 
-def _durations(lengths: Iterable[int], hz: int) -> str:
-    return _joined_by_or(_duration(bits, hz) for bits in lengths)
+def _duration_range(lengths: Iterable[int], hz: int) -> str:
+    return _joined_by_or(_duration_text(bits, hz) for bits in lengths)
 
 
-def _duration(bits: int, hz: int) -> str:
+def _duration_text(bits: int, hz: int) -> str:
     """Return the duration of some bits, rounded to 0.1 µs unless it is a multiple of 100 ns."""
     exact_ns = bits * 1_000_000_000 / hz
     return nanoseconds(round(exact_ns)) if exact_ns % 100 == 0 else f"{exact_ns / 1000:.1f} µs"

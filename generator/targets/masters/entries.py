@@ -106,7 +106,7 @@ class Content:
         return self.channels[0].entries if self.channels else ()
 
 
-def content(sheet: Sheet, rule: Raw, device: str) -> Content:
+def content_of_file(sheet: Sheet, rule: Raw, device: str) -> Content:
     """Return the content of a file for a device. ``rule`` is the entry of ``files`` in the description of the master.
 
     A setting that the file leaves out gets a sentence with the reason. So does a value without a place in the format.
@@ -123,10 +123,12 @@ def content(sheet: Sheet, rule: Raw, device: str) -> Content:
         for setting_or_write in to_write:
             reason = _reason_for_misfit(setting_or_write, rule, format_, device)
             if reason:
-                omissions.append(f"{_name(setting_or_write)} = {setting_or_write.text}: {reason}.")
+                omissions.append(f"{_setting_name(setting_or_write)} = {setting_or_write.text}: {reason}.")
             else:
                 file_values += _file_values(setting_or_write, rule, device)
-    return Content(_channels(sheet, device, file_values), tuple(omissions), tuple(map(condition_text, sheet.writing)))
+    return Content(
+        _channels_of_device(sheet, device, file_values), tuple(omissions), tuple(map(condition_text, sheet.writing))
+    )
 
 
 def _settings_in_write_order(sheet: Sheet) -> Iterator[tuple[Setting, list[Write], list[Write]]]:
@@ -165,16 +167,16 @@ def _reason_to_leave_out(setting: Setting, sheet: Sheet, format_: FileFormat) ->
     return ""
 
 
-def _name(setting_or_write: Setting | Write) -> str:
+def _setting_name(setting_or_write: Setting | Write) -> str:
     return setting_or_write.name if isinstance(setting_or_write, Setting) else setting_or_write.title
 
 
 def _reason_for_misfit(setting_or_write: Setting | Write, rule: Raw, format_: FileFormat, device: str) -> str:
     """Return the reason for the first place on a device to which a format cannot write a value, or an empty string."""
-    key = _key(setting_or_write, rule)
+    key = _key_in_file(setting_or_write, rule)
     for place in setting_or_write.places:
         if place.device == device:
-            reason = _reason_for_misfit_at(place, _value(setting_or_write), key, format_)
+            reason = _reason_for_misfit_at(place, _setting_value(setting_or_write), key, format_)
             if reason:
                 return reason
     return ""
@@ -182,15 +184,15 @@ def _reason_for_misfit(setting_or_write: Setting | Write, rule: Raw, format_: Fi
 
 def _file_values(setting_or_write: Setting | Write, rule: Raw, device: str) -> list[FileValue]:
     """Return a value with each of its locations on a device."""
-    marks = _marks(setting_or_write) if isinstance(setting_or_write, Setting) else []
+    marks = _setting_marks(setting_or_write) if isinstance(setting_or_write, Setting) else []
     file_values = []
     for place in setting_or_write.places:
         if place.device == device:
             file_value = FileValue(
-                name=_name(setting_or_write),
-                key=_key(setting_or_write, rule),
-                value=_value(setting_or_write),
-                word=_word(setting_or_write, rule),
+                name=_setting_name(setting_or_write),
+                key=_key_in_file(setting_or_write, rule),
+                value=_setting_value(setting_or_write),
+                word=_value_word(setting_or_write, rule),
                 mark=", ".join(marks),
                 place=place,
             )
@@ -198,15 +200,15 @@ def _file_values(setting_or_write: Setting | Write, rule: Raw, device: str) -> l
     return file_values
 
 
-def _word(setting_or_write: Setting | Write, rule: Raw) -> str:
+def _value_word(setting_or_write: Setting | Write, rule: Raw) -> str:
     """Return a value in the notation of the file: a word that the rule gives for it, or else a number or text."""
-    value = _value(setting_or_write)
-    words_by_value = rule.get("words", {}).get(_name(setting_or_write), {})
+    value = _setting_value(setting_or_write)
+    words_by_value = rule.get("words", {}).get(_setting_name(setting_or_write), {})
     number_or_text = int(value) if isinstance(value, bool) else value
     return str(words_by_value.get(str(value), number_or_text))
 
 
-def _marks(setting: Setting) -> list[str]:
+def _setting_marks(setting: Setting) -> list[str]:
     """Return the marks of a setting: ``derived`` if no document states it, and its bound, such as ``at most``."""
     marks = ["derived"] if setting.standing == "inferred" else []
     if setting.bound:
@@ -214,13 +216,13 @@ def _marks(setting: Setting) -> list[str]:
     return marks
 
 
-def _key(setting_or_write: Setting | Write, rule: Raw) -> str:
+def _key_in_file(setting_or_write: Setting | Write, rule: Raw) -> str:
     """Return the name of a setting in the file, or an empty string."""
-    key: str = rule.get("names", {}).get(_name(setting_or_write), "")
+    key: str = rule.get("names", {}).get(_setting_name(setting_or_write), "")
     return key
 
 
-def _value(setting_or_write: Setting | Write) -> Value:
+def _setting_value(setting_or_write: Setting | Write) -> Value:
     assert setting_or_write.value is not None
     return setting_or_write.value
 
@@ -244,7 +246,7 @@ def _reason_for_misfit_at(place: Place, value: Value, key: str, format_: FileFor
     return ""
 
 
-def _channels(sheet: Sheet, device: str, file_values: Sequence[FileValue]) -> tuple[Channel, ...]:
+def _channels_of_device(sheet: Sheet, device: str, file_values: Sequence[FileValue]) -> tuple[Channel, ...]:
     """Return the channels of a device with their values, or one channel if all values are shared, or none without any.
 
     That one channel has a name only if the device has a single channel.

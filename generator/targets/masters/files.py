@@ -20,12 +20,12 @@ from ...masters.text import cited, condition_text
 from ...model import Device
 from ...render import Templates, our_templates
 from ...say.evidence import grade_below_manual, titled_in_lists
-from ...say.markdown import text as markdown
+from ...say.markdown import escape as escape_markdown
 from ...say.plain_text import plain, wrapped
-from ...say.text import BY_NAME
+from ...say.text import PLAIN_STYLE
 from .. import NO_OPTIONS, Library, Option, Options, Target
 from ..registry import licence_in, names_of_codes
-from .entries import Channel, Content, Raw, content
+from .entries import Channel, Content, Raw, content_of_file
 
 _WIDTH = 120
 _ONE_FILE_EACH = "each"
@@ -51,7 +51,7 @@ class Index(TypedDict):
 
 def file_text(
     device: Device,
-    codes: Sequence[str],
+    order_codes: Sequence[str],
     sheet: Sheet,
     rule: Raw,
     master_device: str,
@@ -72,16 +72,16 @@ def file_text(
         file_content: The content of the file, if it is known already.
     """
     if file_content is None:
-        file_content = content(sheet, rule, master_device)
+        file_content = content_of_file(sheet, rule, master_device)
     written_keys = {file_value.key for file_value in file_content.entries}
     head = list(_paragraphs_on_content(file_content, is_short))
     if not is_short:
-        head = [*_first_paragraphs(device, codes, sheet, rule, master_device), *head]
+        head = [*_first_paragraphs(device, order_codes, sheet, rule, master_device), *head]
     values: MasterFile = {
         "head": head,
         "content": file_content,
         "channels": file_content.channels[:1] if is_short else file_content.channels,
-        "name": re.sub(r"\W|^(?=\d)", "_", codes[0], flags=re.ASCII),
+        "name": re.sub(r"\W|^(?=\d)", "_", order_codes[0], flags=re.ASCII),
         "device": master_device,
         "also": {key: value for key, value in rule.get("also", {}).items() if key not in written_keys},
         "line": rule.get("line", ""),
@@ -90,11 +90,11 @@ def file_text(
 
 
 def _first_paragraphs(
-    device: Device, codes: Sequence[str], sheet: Sheet, rule: Raw, master_device: str
+    device: Device, order_codes: Sequence[str], sheet: Sheet, rule: Raw, master_device: str
 ) -> Iterator[str]:
     """Yield what the file is for, and where its values come from."""
     format_ = FILE_FORMATS[rule["format"]]
-    yield f"{master_device} with {', '.join(codes)}. For {format_.title}."
+    yield f"{master_device} with {', '.join(order_codes)}. For {format_.title}."
     yield from _paragraphs_on_origin(device, [sheet], rule, master_device)
 
 
@@ -102,7 +102,7 @@ def _paragraphs_on_origin(device: Device, sheets: Sequence[Sheet], rule: Raw, ma
     """Yield the manual with the grade of the evidence, the cited documents of the master, and the state of tests."""
     format_, manual = FILE_FORMATS[rule["format"]], device.manual
     yield f"From the spec of {device.title}, manual {manual.title}, revision {manual.revision}."
-    yield from map(BY_NAME.sentence, grade_below_manual(device))
+    yield from map(PLAIN_STYLE.sentence, grade_below_manual(device))
     cited_keys: set[str] = set()
     for sheet in sheets:
         for place in _places_on_device(sheet, master_device):
@@ -158,7 +158,7 @@ def note(text: object) -> str:
     return plain(text).replace("--", "- -").replace("*/", "* /")
 
 
-def filled(pattern: str, file_content: Content) -> str:
+def fill_pattern(pattern: str, file_content: Content) -> str:
     """Return the pattern with each key in braces replaced by its value: ``-b {bits}`` becomes ``-b 24``."""
     for file_value in file_content.entries:
         pattern = pattern.replace(f"{{{file_value.key}}}", file_value.word)
@@ -173,11 +173,11 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """
     files: dict[str, str] = {}
     for device in library.devices:
-        files |= library.files_of(_family, device, options)
-    return files | {"masters/README.md": _index(library, files)} | licence_in("masters")
+        files |= library.files_of(_files_of_family, device, options)
+    return files | {"masters/README.md": _format_page(library, files)} | licence_in("masters")
 
 
-def _family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
+def _files_of_family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path of each file of a family, and a function for its text."""
     is_one_file_each = options.get(_ORDER_CODES_OPTION.name, _ORDER_CODES_OPTION.default) == _ONE_FILE_EACH
     files_of_device = _file_of_each_order_code if is_one_file_each else _bulk_file
@@ -221,14 +221,14 @@ def _usable_sheets(interface_sheets: Sequence[GroupSheets], number: int) -> Iter
                 yield sheet, group.record, group.codes
 
 
-def _index(library: Library, files: Iterable[str]) -> str:
+def _format_page(library: Library, files: Iterable[str]) -> str:
     """Return the page about the formats of masters. Formats of which ``files`` contains no path are left out."""
     folders = {path.rpartition("/")[0].removeprefix("masters/") for path in files}
     rows: list[dict[str, str]] = []
     for master in shipped_masters():
         rows += [_index_row(master, rule["format"]) for rule in master.files]
     values: Index = {
-        "families": [markdown(titled_in_lists(device)) for device in library.devices],
+        "families": [escape_markdown(titled_in_lists(device)) for device in library.devices],
         "rows": [row for row in rows if row["folder"] in folders],
     }
     return TEMPLATES.render("README.md.jinja", values, library.own_templates)
@@ -285,7 +285,7 @@ def _bulk_text(device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master
     codes_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], list[str]] = {}
     sheet_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], Sheet] = {}
     for sheet, record, codes in sheets:
-        content_and_answers = (content(sheet, rule, master_device), tuple(record.answers.items()))
+        content_and_answers = (content_of_file(sheet, rule, master_device), tuple(record.answers.items()))
         codes_by_content.setdefault(content_and_answers, []).extend(codes)
         sheet_by_content.setdefault(content_and_answers, sheet)
     blocks = []
@@ -336,7 +336,7 @@ def _without_declaration(text: str) -> str:
 TEMPLATES = Templates(
     our_templates("masters"),
     values={"README.md.jinja": Index, **{f"{name}.jinja": MasterFile for name in FILE_FORMATS}},
-    filters={"comment": comment, "filled": filled, "note": note},
+    filters={"comment": comment, "filled": fill_pattern, "note": note},
 )
 TARGET = Target(
     name="masters",
@@ -344,5 +344,5 @@ TARGET = Target(
     files=generate,
     options=(_ORDER_CODES_OPTION,),
     templates=TEMPLATES,
-    family=_family,
+    family=_files_of_family,
 )

@@ -9,29 +9,29 @@ from ...model import Field, Piece
 from ...model.expressions import Expression
 from ...model.lookup import assert_never
 from ...plan.codec import Codec, ShiftedBits, moved_bits
-from ...plan.operations import Bits, Reserved, Whole
+from ...plan.operations import Bits, JoinedNumber, Reserved
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...say.plain_text import plain
-from .literals import Atom, Expr, Not, Operation, Scope, call, joined, mask, moved, number, times
+from .literals import Atom, Expr, Not, Operation, Scope, call, join_operands, mask, multiply, number, shift_value
 from .names import ClassNames, byte_order
 
 
-class Maker:
+class BitsEncoder:
     """Expressions of joined numbers. They use the attributes of a class."""
 
-    def __init__(self, scope: Scope, codec: Codec, names: ClassNames) -> None:
+    def __init__(self, scope: Scope, codec: Codec, class_names: ClassNames) -> None:
         self.scope = scope
         self.codec = codec
-        self.names = names
+        self.names = class_names
 
-    def _bits(self, field: Field) -> Expr:
+    def _checked_bits(self, field: Field) -> Expr:
         """Return the bits of a field, with a check of its value like that of ``encode``.
 
         An example is ``check_width("turns", self.turns, 12)``.
         """
         attribute = Atom(f"self.{self.names.attribute(field.name)}")
         quoted_name = f'"{field.name}"'
-        width = str(self.scope.of(field.width))
+        width = str(self.scope.expression_of(field.width))
         match meaning_of(field):
             case Raw() | Named():
                 return call("check_width", quoted_name, attribute, width)
@@ -54,24 +54,24 @@ class Maker:
 
     def digits(self, field: Field) -> Expr:
         """Return the number that the runs of decimal digits of a field form, each times its divisor."""
-        return joined("+", (times(self._index(run.name), run.divisor) for run in field.runs))
+        return join_operands("+", (multiply(self._index_of_choice(run.name), run.divisor) for run in field.runs))
 
-    def checked_bits(self, whole: Whole) -> list[tuple[str, Expr]]:
+    def checked_bits(self, joined_number: JoinedNumber) -> list[tuple[str, Expr]]:
         """Return each attribute of a joined number, most significant first, with a checked expression for its bits."""
-        return [(self.names.attribute(field.name), self._bits(field)) for field in whole.fields]
+        return [(self.names.attribute(field.name), self._checked_bits(field)) for field in joined_number.fields]
 
-    def whole_of_numbers(self, whole: Whole, scope: Scope, expression_of: Callable[[str], str]) -> Expr:
+    def join_numbers(self, joined_number: JoinedNumber, scope: Scope, expression_of: Callable[[str], str]) -> Expr:
         """Return a joined number of attributes that are unsigned numbers, without checks of their values.
 
         ``expression_of`` returns the expression for an attribute. An example is ``turns << 12 | angle``.
         """
         shifted_attributes = []
-        for field, low in whole.from_low:
+        for field, low in joined_number.from_low:
             attribute = Atom(expression_of(self.names.attribute(field.name)))
-            shifted_attributes.append(moved(attribute, "<<", scope.of(low)))
-        return joined("|", reversed(shifted_attributes))
+            shifted_attributes.append(shift_value(attribute, "<<", scope.expression_of(low)))
+        return join_operands("|", reversed(shifted_attributes))
 
-    def parts(self, whole: Whole) -> list[tuple[Field, Expr]]:
+    def parts(self, whole: JoinedNumber) -> list[tuple[Field, Expr]]:
         """Return the fields of a joined number, most significant first, with expressions for their bits.
 
         An example of such an expression is ``position >> 4 & 0xFFF``.
@@ -80,7 +80,7 @@ class Maker:
         highest_field = whole.fields[0]
         fields_and_bits: list[tuple[Field, Expr]] = []
         for field, low in whole.from_low:
-            bits = moved(joined_number, ">>", self.scope.of(low))
+            bits = shift_value(joined_number, ">>", self.scope.expression_of(low))
             # No bits are above the highest field, so it needs no mask.
             if field is not highest_field:
                 bits = Operation(bits, "&", self.scope.ones(field.width))
@@ -88,21 +88,21 @@ class Maker:
         return fields_and_bits
 
     @staticmethod
-    def parameters_of_whole(whole: Whole) -> frozenset[str]:
+    def parameters_of_whole(joined_number: JoinedNumber) -> frozenset[str]:
         """Return the parameters in the shifts and width checks of the expression of a joined number."""
         parameters: set[str] = set()
-        for field, low in whole.from_low:
+        for field, low in joined_number.from_low:
             parameters.update(low.parameters)
             if _has_width_check(field):
                 parameters.update(field.width.parameters)
         return frozenset(parameters)
 
-    def _index(self, name: str) -> Expr:
+    def _index_of_choice(self, name: str) -> Expr:
         return call("index", f"self.{self.names.attribute(name)}")
 
 
 def _has_width_check(field: Field) -> bool:
-    """Return whether ``_bits`` compares a value with the width of the field."""
+    """Return whether ``_checked_bits`` compares a value with the width of the field."""
     match meaning_of(field):
         case Raw() | Named() | TwosComplement() | ZeroMeans():
             return True
@@ -124,7 +124,7 @@ class Reader:
         self.source = "number" if codec.in_bytes else "word"
 
     def as_sent(self) -> Reader:
-        """Return the reader of the bits before any Gray code is converted. They are in ``sent``."""
+        """Return the reader of the bits before any Gray code is converted. They are in ``sent_frames``."""
         reader = Reader(self.scope, self.codec, self._byte)
         reader.source = "sent" if self.codec.parity_covers_gray else self.source
         return reader
@@ -132,8 +132,8 @@ class Reader:
     def bits(self, bits: Bits) -> Expr:
         """Return the bits as a number, such as ``word >> 8 & 0x3FF``."""
         if not self.codec.by_word:
-            return self.of_bytes(bits.pieces)
-        shifted = moved(Atom(self.source), ">>", self.scope.of(bits.low))
+            return self.number_from_pieces(bits.pieces)
+        shifted = shift_value(Atom(self.source), ">>", self.scope.expression_of(bits.low))
         # Bits at the top of the word need no mask.
         is_at_top = bits.low + bits.width == self.codec.layout.bits
         return shifted if is_at_top else Operation(shifted, "&", self.scope.ones(bits.width))
@@ -156,10 +156,10 @@ class Reader:
         if not counted and self.codec.by_word and all(bits.are_fixed for bits in parts):
             # The fields need no XOR, since their bits are apart in the word.
             return Operation(Atom(self.source), "&", mask(sum(mask_in_place(bits) for bits in parts)))
-        xor_of_fields = joined("^", [self.bits(bits) for bits in parts])
+        xor_of_fields = join_operands("^", [self.bits(bits) for bits in parts])
         return Operation(xor_of_fields, "&", mask(counted)) if counted else xor_of_fields
 
-    def of_bytes(self, pieces: Sequence[Piece]) -> Expr:
+    def number_from_pieces(self, pieces: Sequence[Piece]) -> Expr:
         """Return the number that pieces of the bytes form."""
         return from_pieces(pieces, self.codec.length, self._byte)
 
@@ -172,24 +172,24 @@ class Reader:
             # A single bit has one piece. Bit numbers are now those in its byte.
             piece = bits.pieces[0]
             source = self._byte_variable(piece.byte)
-            low = Expression(piece.right)
+            low = Expression(piece.low_in_byte)
         if low.is_constant:
             return Operation(source, "&", Atom(f"0x{1 << low.constant:02X}"))
-        return Operation(moved(source, ">>", self.scope.of(low)), "&", number(1))
+        return Operation(shift_value(source, ">>", self.scope.expression_of(low)), "&", number(1))
 
     def _byte_variable(self, byte: int) -> Atom:
         return Atom(self._byte.format(byte))
 
-    def unused(self) -> Expr:
+    def differing_unused_bits(self) -> Expr:
         """Return the unused bits that differ from the manual, each at its position in one number."""
         fixed_bits = sorted(moved_bits(self.codec), key=lambda bits: (bits.byte or 0, bits.shift))
         differing_bits = [self._unused_at_fixed_place(bits) for bits in fixed_bits]
         for reserved in self.codec.reserved:
             if not reserved.bits.are_fixed:
                 differing_bits.append(self._unused_at_moving_place(reserved))
-        return joined("|", differing_bits)
+        return join_operands("|", differing_bits)
 
-    def others(self) -> Expr:
+    def bits_without_field(self) -> Expr:
         """Return the bits without a field, at their positions in the number that the bytes form."""
         if self.codec.by_word:
             all_bits = self.source
@@ -197,7 +197,7 @@ class Reader:
             all_bits = f'int.from_bytes(data, "{byte_order(self.codec.layout)}")'
         else:
             all_bits = "data[0]"
-        return Operation(Atom(all_bits), "&", others(self.scope, self.codec))
+        return Operation(Atom(all_bits), "&", mask_without_field(self.scope, self.codec))
 
     def _unused_at_fixed_place(self, bits: ShiftedBits) -> Expr:
         """Return the differing bits among those of the word, or of a byte, that are shifted by the same distance."""
@@ -206,21 +206,21 @@ class Reader:
         left_shift = max(-bits.shift, 0)
         # The mask and the value are those after the shift.
         mask_in_source, value_in_source = bits.mask >> left_shift, bits.value >> left_shift
-        expression = moved(source, ">>", number(right_shift))
+        expression = shift_value(source, ">>", number(right_shift))
         is_whole_byte = bits.byte is not None and mask_in_source == 0xFF
         if not is_whole_byte:
             expression = Operation(expression, "&", mask(mask_in_source))
         if bits.value:
             expression = Operation(expression, "^", mask(value_in_source))
-        return moved(expression, "<<", number(left_shift))
+        return shift_value(expression, "<<", number(left_shift))
 
     def _unused_at_moving_place(self, reserved: Reserved) -> Expr:
         """Return the differing bits among those whose position depends on the order code."""
-        bits = moved(Atom(self.source), ">>", self.scope.of(reserved.bits.low))
+        bits = shift_value(Atom(self.source), ">>", self.scope.expression_of(reserved.bits.low))
         if reserved.value:
             bits = Operation(bits, "^", mask(reserved.value))
         differing_bits = Operation(bits, "&", self.scope.ones(reserved.bits.width))
-        return moved(differing_bits, "<<", number(reserved.place))
+        return shift_value(differing_bits, "<<", number(reserved.place))
 
     def characters(self, bits: Bits) -> str:
         """Return the slice of ``data`` that contains the bytes of a string, such as ``data[2:6]``.
@@ -249,10 +249,10 @@ def place_in_bytes(pieces: Sequence[Piece]) -> str:
     first = pieces[0]
     if len(pieces) > 1:
         return "low byte first" if first.byte < pieces[-1].byte else "high byte first"
-    return "" if first.mask == 0xFF else bit_numbers(first.right, first.mask.bit_length())
+    return "" if first.mask == 0xFF else bit_numbers(first.low_in_byte, first.mask.bit_length())
 
 
-def purpose(field: Field, place: str) -> str:
+def purpose_of_constant(field: Field, place: str) -> str:
     """Return the place of a constant with the first sentence of its meaning, such as ``bits 1:0: always set``.
 
     Return only the place if both are too long for a comment at the end of a line.
@@ -267,7 +267,7 @@ def bit_numbers(low: int, width: int) -> str:
     return f"bit {low}" if width == 1 else f"bits {low + width - 1}:{low}"
 
 
-def others(scope: Scope, codec: Codec) -> Expr:
+def mask_without_field(scope: Scope, codec: Codec) -> Expr:
     """Return a mask of the bits without a field, such as ``0xF0 & ~(variant.mask << 4)``.
 
     Fields whose place is fixed are cleared in the first mask, and the others are masked at run time.
@@ -278,16 +278,16 @@ def others(scope: Scope, codec: Codec) -> Expr:
         if field.is_fixed:
             bits_without_fixed_field &= ~field.mask_in_place
         else:
-            masks_of_moving_fields.append(moved(scope.ones(field.width), "<<", scope.of(field.low)))
+            masks_of_moving_fields.append(shift_value(scope.ones(field.width), "<<", scope.expression_of(field.low)))
     if not masks_of_moving_fields:
         return mask(bits_without_fixed_field)
-    moving_bits = joined("|", masks_of_moving_fields)
+    moving_bits = join_operands("|", masks_of_moving_fields)
     return Operation(mask(bits_without_fixed_field), "&", Atom(f"~({moving_bits})"))
 
 
 def _is_whole_byte(piece: Piece) -> bool:
     """Return whether a piece is all eight bits of its byte."""
-    return not piece.right and piece.mask == 0xFF
+    return not piece.low_in_byte and piece.mask == 0xFF
 
 
 def _are_ascending(byte_indices: Sequence[int]) -> bool:
@@ -311,7 +311,7 @@ def from_pieces(pieces: Sequence[Piece], length: int = 0, byte: str = "data[{}]"
         stop = ascending[-1].byte + 1
         slice_of_data = "data" if (first, stop) == (0, length) else f"data[{first}:{stop}]"
         return call("int.from_bytes", slice_of_data, '"little"' if low_byte_first else '"big"')
-    return joined("|", (_from_piece(piece, byte) for piece in ascending))
+    return join_operands("|", (_from_piece(piece, byte) for piece in ascending))
 
 
 def _are_adjacent_whole_bytes(ascending: Sequence[Piece]) -> bool:
@@ -320,8 +320,8 @@ def _are_adjacent_whole_bytes(ascending: Sequence[Piece]) -> bool:
 
 def _from_piece(piece: Piece, byte: str) -> Expr:
     """Return the bits of one piece at their place in the number, such as ``(b1 & 0x3F) << 8``."""
-    bits = moved(Atom(byte.format(piece.byte)), ">>", number(piece.right))
-    reaches_top_of_byte = piece.mask == 0xFF >> piece.right
+    bits = shift_value(Atom(byte.format(piece.byte)), ">>", number(piece.low_in_byte))
+    reaches_top_of_byte = piece.mask == 0xFF >> piece.low_in_byte
     if not reaches_top_of_byte:
         bits = Operation(bits, "&", mask(piece.mask))
-    return moved(bits, "<<", number(piece.left))
+    return shift_value(bits, "<<", number(piece.low_in_number))

@@ -32,11 +32,11 @@ def channel_code(context: Context, interface: Interface, scope: Scope) -> Channe
     compared = []
     for field in frame.compared:
         attribute_name = ClassNames(field.layout, None, ()).attribute(field.name)
-        compared.append((indices[field.layout.name], attribute_name, scope.of(field.width)))
+        compared.append((indices[field.layout.name], attribute_name, scope.expression_of(field.width)))
     return ChannelCode(
         kinds=tuple(context.frames[layout.name] for layout in frame.layouts),
         position=indices[first_of(position_layouts, "channel with the position").name],
         compared=tuple(compared),
-        compared_bits=scope.of(frame.compared_bits),
+        compared_bits=scope.expression_of(frame.compared_bits),
         tolerance=frame.tolerance,
     )

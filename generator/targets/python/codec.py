@@ -13,7 +13,7 @@ from ...model.record import dataclass
 from ...plan.codec import codec_of
 from ...plan.crcs import carrier_of
 from ...plan.limits import Limits, limits_of, powers_of_two
-from ...plan.operations import FrameCrc, Part, Whole
+from ...plan.operations import FrameCrc, JoinedNumber, Part
 from ...plan.values import (
     Active,
     Characters,
@@ -27,8 +27,8 @@ from ...plan.values import (
 from ...say.names_and_places import words
 from ...say.text import sentence
 from . import docstrings
-from .bits import Maker
-from .decode import Decoder, assigned
+from .bits import BitsEncoder
+from .decode import Decoder, attribute_values
 from .limits import LimitsFunction, limit_expressions, limits_depend
 from .literals import Atom, Expr, Scope, coded, quoted
 from .named_values import NamedValues
@@ -56,14 +56,14 @@ class Coder:
         self.layout_interface = interface
         self.interface, self.encoder = interface_name(interface), encoder_name(interface)
         self.names = ClassNames(layout, register, context.crcs.values())
-        self.make = Maker(context.scope, self.plan, self.names)
-        scope = NamedValues(context.scope.names, self.answered) if register is None else context.scope
+        self.encoding = BitsEncoder(context.scope, self.plan, self.names)
+        scope = NamedValues(context.scope.names, self.answered_parameters) if register is None else context.scope
         self.decoding = Decoder(scope, self.plan, self.names, self.enum)
         #: Questions whose answers the decoder accepts: those of all frames among which it is chosen.
-        self.passed = self.questions
+        self.passed_arguments = self.questions
 
-    def number(self, value: Expression) -> Expr:
-        return self.context.scope.of(value)
+    def number(self, expression: Expression) -> Expr:
+        return self.context.scope.expression_of(expression)
 
     # -- dependencies
 
@@ -74,10 +74,10 @@ class Coder:
             return True
         if self.limits is not None and limits_depend(self.limits):
             return True
-        if self.reports is not None and self.reports.depends:
+        if self.reports is not None and self.reports.depends_on_order_code:
             return True
         stated_values = [field.equals for field in self.expected if isinstance(field.equals, Expression)]
-        return not all(self.answered.issuperset(stated_value.parameters) for stated_value in stated_values)
+        return not all(self.answered_parameters.issuperset(stated_value.parameters) for stated_value in stated_values)
 
     @cached_property
     def questions(self) -> list[OpenQuestion]:
@@ -85,7 +85,7 @@ class Coder:
         return self.context.questions_of(self.layout)
 
     @cached_property
-    def answered(self) -> frozenset[str]:
+    def answered_parameters(self) -> frozenset[str]:
         """Parameters that the answers set."""
         parameters: set[str] = set()
         for question in self.questions:
@@ -109,18 +109,18 @@ class Coder:
         return names_and_descriptions
 
     @property
-    def finds_constants(self) -> bool:
+    def can_raise_constant_error(self) -> bool:
         """True if ``decode`` can raise ConstantError."""
         return Fault.CONSTANT in self.plan.faults()
 
     @property
-    def finds_ranges(self) -> bool:
+    def can_raise_range_error(self) -> bool:
         """True if ``decode`` can raise RangeError: a check can, or a field has named values."""
         has_named_values = any(is_named(part.meaning) for part in self.plan.parts)
         return has_named_values or Fault.RANGE in self.plan.faults()
 
     @property
-    def chosen(self) -> list[Part]:
+    def named_value_parts(self) -> list[Part]:
         """Parts with named values, except the selector. ``decode`` looks up their members after all checks."""
         parts = self.plan.parts
         return [part for part in parts if is_named(part.meaning) and not self.selects(part.field)]
@@ -128,7 +128,7 @@ class Coder:
     @property
     def keeps_bytes(self) -> bool:
         """True if the register can hold values that may not be written, so that a decoded one keeps its bytes."""
-        return self.register is not None and bool(self.limited or powers_of_two(self.plan))
+        return self.register is not None and bool(self.limited_attribute or powers_of_two(self.plan))
 
     @property
     def bases(self) -> str:
@@ -153,41 +153,41 @@ class Coder:
         return self._attributes_of(part.field for part in self.plan.parts)
 
     @property
-    def _unused(self) -> list[Attribute]:
+    def _unused_attributes(self) -> list[Attribute]:
         if self.plan.keeps_others:
             return [Attribute("unused", type="int", meaning=docstrings.OF_OTHERS, default="0")]
         if self.plan.reserved:
             return [Attribute("unused", type="int", meaning=docstrings.OF_UNUSED, default="0")]
         return []
 
-    def others(self, whole: Whole) -> list[Attribute]:
+    def others(self, joined_number: JoinedNumber) -> list[Attribute]:
         """Return the attributes that are not part of a joined number."""
-        return self._attributes_of(part.field for part in self.plan.parts if part.field not in whole.fields)
+        return self._attributes_of(part.field for part in self.plan.parts if part.field not in joined_number.fields)
 
     def _attributes_of(self, fields: Iterable[Field]) -> list[Attribute]:
         """Return the attributes of these fields and of the unused bits."""
         attributes: list[Attribute] = []
         for field in fields:
             attributes += self._field_attributes(field)
-        return _with_defaults(attributes + self._unused)
+        return _with_trailing_defaults(attributes + self._unused_attributes)
 
     def _field_attributes(self, field: Field) -> Iterator[Attribute]:
         """Yield the attribute of a field, or one for each run of digits. The value in the manual is its default."""
         match meaning_of(field):
             case Raw():
                 stated = self._stated_number(field)
-                yield self._number(field, stated if stated is not None else self._default(field))
+                yield self._number_attribute(field, stated if stated is not None else self._request_default(field))
             case Active():
-                yield self._attribute(field, "bool", default=str(bool(self._default(field))))
+                yield self._field_attribute(field, "bool", default=str(bool(self._request_default(field))))
             case Named():
-                yield self._attribute(field, self.enum(field))
+                yield self._field_attribute(field, self.enum(field))
             case DigitRuns(runs):
                 for run in runs:
                     yield Attribute(self.names.attribute(run.name), type="int", meaning=self._of_run(field, run))
             case Characters():
-                yield self._attribute(field, "str")
+                yield self._field_attribute(field, "str")
             case _:  # Any other conversion of a number.
-                yield self._number(field, self._default(field))
+                yield self._number_attribute(field, self._request_default(field))
 
     def _stated_number(self, field: Field) -> int | None:
         """Return the value that the manual gives for a number in a frame, or None. The selector has none."""
@@ -195,15 +195,15 @@ class Coder:
             return None
         return field.equals if isinstance(field.equals, int) else None
 
-    def _default(self, field: Field) -> int | None:
+    def _request_default(self, field: Field) -> int | None:
         """Return the default of a number or flag in a request, if it has one."""
         is_request = self.register is None and self.layout.sender == "master"
         return field.default if is_request else None
 
-    def _number(self, field: Field, default: int | None) -> Attribute:
-        return self._attribute(field, "int", coded(default) if default is not None else "")
+    def _number_attribute(self, field: Field, default: int | None) -> Attribute:
+        return self._field_attribute(field, "int", coded(default) if default is not None else "")
 
-    def _attribute(self, field: Field, type_: str, default: str = "") -> Attribute:
+    def _field_attribute(self, field: Field, type_: str, default: str = "") -> Attribute:
         """Return the attribute of a field, whose description says if some order codes lack it."""
         variants = () if field.width.is_constant else self.context.device.variants
         may_be_absent = any(field.width.value(variant.parameters) == 0 for variant in variants)
@@ -211,9 +211,9 @@ class Coder:
             name=self.names.attribute(field.name), type=type_, meaning=self.about(field, may_be_absent), default=default
         )
 
-    def _of_run(self, field: Field, run: Digits) -> str:
+    def _of_run(self, field: Field, digit_run: Digits) -> str:
         """Return the description of a run of digits: that of the field if the run has its name."""
-        return self.about(field) if run.name == field.name else docstrings.of_run(run)
+        return self.about(field) if digit_run.name == field.name else docstrings.of_run(digit_run)
 
     def about(self, field: Field, may_be_missing: bool = False) -> str:
         return docstrings.of_field(self.context.device, field, may_be_missing)
@@ -239,27 +239,27 @@ class Coder:
     def assigned(self, field: Field, bits: Expr) -> Iterator[tuple[str, Expr]]:
         """Yield the attributes of a field of a joined number, with their values."""
         enum = self.enum(field) if is_named(meaning_of(field)) else ""
-        return assigned(self.context.scope, self.names, enum, field, bits)
+        return attribute_values(self.context.scope, self.names, enum, field, bits)
 
-    def whole_of_attributes(self, whole: Whole) -> Expr:
+    def join_attributes(self, joined_number: JoinedNumber) -> Expr:
         """Return a joined number as an expression of local variables named like the attributes."""
-        return self.make.whole_of_numbers(whole, self.make.scope, str)
+        return self.encoding.join_numbers(joined_number, self.encoding.scope, str)
 
-    def whole_takes_variant(self, whole: Whole) -> bool:
+    def whole_takes_variant(self, joined_number: JoinedNumber) -> bool:
         """Return whether the expression of a joined number depends on the order code, not only on answers."""
-        return not self.answered.issuperset(self.make.parameters_of_whole(whole))
+        return not self.answered_parameters.issuperset(self.encoding.parameters_of_whole(joined_number))
 
-    def whole_questions(self, whole: Whole) -> list[OpenQuestion]:
+    def whole_questions(self, joined_number: JoinedNumber) -> list[OpenQuestion]:
         """Return the questions whose answers the expression of a joined number needs."""
-        needed_parameters = self.make.parameters_of_whole(whole)
+        needed_parameters = self.encoding.parameters_of_whole(joined_number)
         needed_questions = []
         for question in self.questions:
             if any(parameter in needed_parameters for parameter, _ in question.members):
                 needed_questions.append(question)
         return needed_questions
 
-    def whole_width(self, whole: Whole) -> Expr:
-        return self.number(sum((field.width for field in reversed(whole.fields)), Expression(0)))
+    def whole_width(self, joined_number: JoinedNumber) -> Expr:
+        return self.number(sum((field.width for field in reversed(joined_number.fields)), Expression(0)))
 
     @property
     def expected(self) -> list[Field]:
@@ -267,7 +267,7 @@ class Coder:
         return [field for field in self.layout.fields if field.equals is not None]
 
     @property
-    def decimals(self) -> list[Field]:
+    def digit_fields(self) -> list[Field]:
         """Fields of decimal digits whose name is not that of a run of digits."""
         decimals = (part.field for part in self.plan.parts if part.field.runs)
         return [field for field in decimals if not _has_run_of_its_name(field)]
@@ -280,23 +280,23 @@ class Coder:
     @property
     def expected_in_words(self) -> str:
         """The values for which a frame is as documented, such as ``status = 0x1B, no unused bit differs``."""
-        conditions = [f"{field.name} = {_in_words(field.equals)}" for field in self.expected]
+        conditions = [f"{field.name} = {_value_in_words(field.equals)}" for field in self.expected]
         if self.is_strict:
             conditions.append("no unused bit differs")
         return ", ".join(conditions)
 
-    def stated(self, field: Field) -> Expr:
+    def documented_value(self, field: Field) -> Expr:
         """Return the value that the manual gives for a field."""
         match field.equals:
             case Expression() as value:
-                return self._scope_of_attributes(lambda name: f"self.{name}").of(value)
+                return self._scope_of_attributes(lambda name: f"self.{name}").expression_of(value)
             case str(characters):
                 return Atom(quoted(characters))
             case value:
                 return Atom(coded(value or 0))
 
     @property
-    def measured(self) -> str:
+    def position_attribute(self) -> str:
         """Attribute that is the position. Empty if the frame has no position, or only a part of it."""
         measurement = self.context.device.measurement_of(self.layout_interface)
         position_name = measurement.of if measurement is not None else "position"
@@ -305,14 +305,14 @@ class Coder:
         return self.names.attribute(position_name) if position_name in number_names else ""
 
     @property
-    def usable(self) -> str:
+    def usable_position(self) -> str:
         """Expression for the position: its attribute or, for a join of raw numbers, the join without checks."""
         scope = self._scope_of_attributes(self.by_index)
-        for whole in self.plan.wholes:
-            is_position = self.names.attribute(whole.join.name) == self.measured
+        for whole in self.plan.joined_numbers:
+            is_position = self.names.attribute(whole.join.name) == self.position_attribute
             if is_position and all(isinstance(meaning_of(field), Raw) for field in whole.fields):
-                return str(self.make.whole_of_numbers(whole, scope, self.by_index))
-        return self.by_index(self.measured)
+                return str(self.encoding.join_numbers(whole, scope, self.by_index))
+        return self.by_index(self.position_attribute)
 
     def _scope_of_attributes(self, read: Callable[[str], str]) -> Scope:
         """Return the scope in which ``read`` returns the expression for ``variant`` or for an answer by its name."""
@@ -323,23 +323,23 @@ class Coder:
         return Scope(code_of_parameter)
 
     @property
-    def not_usable(self) -> list[str]:
+    def not_usable_conditions(self) -> list[str]:
         """Conditions under which the position of a frame is not usable."""
         if self.reports is None:
             return []
         reports_with_indices = FrameReports(
             reporting=self.context.reportings.get(self.layout.name),
             codec=self.plan,
-            names=self.names,
+            class_names=self.names,
             parameters=self.context.parameters,
             attribute_of=self.by_index,
         )
-        return reports_with_indices.not_usable
+        return reports_with_indices.not_usable_conditions
 
     @property
     def index_names(self) -> str:
         """Names of the attributes that ``usable_position`` reads by index, for a comment: ``0 is position``."""
-        expressions = " ".join([*self.not_usable, self.usable])
+        expressions = " ".join([*self.not_usable_conditions, self.usable_position])
         indices = {int(index) for index in re.findall(r"self\[(\d+)\]", expressions)}
         return ", ".join(f"{index} is {self._names_by_index[index]}" for index in sorted(indices))
 
@@ -371,7 +371,7 @@ class Coder:
         return limits_of(self.context.device, register)
 
     @property
-    def limited(self) -> str:
+    def limited_attribute(self) -> str:
         """Attribute to which the limits of the register apply. Empty for a number made up of several attributes."""
         member = self.limits.member if self.limits is not None else ""
         return self.names.attribute(member) if member else ""
@@ -431,13 +431,13 @@ def _has_run_of_its_name(field: Field) -> bool:
     return any(run.name == field.name for run in field.runs)
 
 
-def _in_words(value: Expression | int | str | None) -> str:
+def _value_in_words(value: Expression | int | str | None) -> str:
     if isinstance(value, Expression):
         return value.render()
     return repr(value) if isinstance(value, str) else coded(value or 0)
 
 
-def _with_defaults(attributes: Sequence[Attribute]) -> list[Attribute]:
+def _with_trailing_defaults(attributes: Sequence[Attribute]) -> list[Attribute]:
     """Return the attributes. An attribute keeps its default only if all attributes after it also have one."""
     indices_without_default = [index for index, attribute in enumerate(attributes) if not attribute.default]
     last_required = max(indices_without_default, default=0)

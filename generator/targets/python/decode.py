@@ -28,10 +28,10 @@ class Decoder:
     A frame has one decoder for each encoder, which computes the values in a NamedValues scope only once.
     """
 
-    def __init__(self, scope: Scope, codec: Codec, names: ClassNames, enum: Callable[[Field], str]) -> None:
+    def __init__(self, scope: Scope, codec: Codec, class_names: ClassNames, enum: Callable[[Field], str]) -> None:
         self.scope = scope
         self.codec = codec
-        self.names = names
+        self.names = class_names
         self.enum = enum
         is_short_frame = isinstance(scope, NamedValues) and 1 < codec.length <= _MAX_BYTE_VARIABLES
         #: True if each byte of the frame has a variable, ``b0`` and so on.
@@ -42,15 +42,15 @@ class Decoder:
         self.assigned: set[str] = set()
         self._first_byte = FirstByte(codec, enum)
         if isinstance(scope, NamedValues):
-            prefer_names_of_fields(scope, codec, names)
+            prefer_names_of_fields(scope, codec, class_names)
 
-    def number(self, value: Expression) -> Expr:
-        return self.scope.of(value)
+    def number(self, expression: Expression) -> Expr:
+        return self.scope.expression_of(expression)
 
     @property
-    def named(self) -> Mapping[str, str]:
+    def values_by_name(self) -> Mapping[str, str]:
         """Values that depend on the order code, by name. Complete once the decoder has been printed."""
-        return self.scope.named if isinstance(self.scope, NamedValues) else {}
+        return self.scope.values_by_name if isinstance(self.scope, NamedValues) else {}
 
     @property
     def comments(self) -> Mapping[str, str]:
@@ -63,17 +63,17 @@ class Decoder:
         """Return the variable for the value of a field."""
         return self.names.local(field.name)
 
-    def start(self) -> str:
+    def forget_variables(self) -> str:
         """Forget all variables, at the beginning of a function. Prints nothing in the template."""
         self.assigned.clear()
         return ""
 
-    def enter(self) -> frozenset[str]:
-        """Return the fields that have a variable, for ``leave``."""
+    def assigned_fields(self) -> frozenset[str]:
+        """Return the fields that have a variable, for ``forget_assigned_since``."""
         return frozenset(self.assigned)
 
-    def leave(self, before: frozenset[str]) -> str:
-        """Forget the variables that have been assigned since ``enter``. Prints nothing in the template."""
+    def forget_assigned_since(self, before: frozenset[str]) -> str:
+        """Forget the variables that have been assigned since ``assigned_fields``. Prints nothing in the template."""
         self.assigned = set(before)
         return ""
 
@@ -119,10 +119,10 @@ class Decoder:
             return None
         if not frame_crc.crc.init and not frame_crc.is_part:
             return number(self.codec.layout.widest - frame_crc.crc.width)
-        answered = self.scope.answered if isinstance(self.scope, NamedValues) else frozenset()
+        answered = self.scope.answered_parameters if isinstance(self.scope, NamedValues) else frozenset()
         if not answered.isdisjoint(frame_crc.covered.parameters):
             return None
-        return Scope(self.scope.names).of(frame_crc.covered)
+        return Scope(self.scope.names).expression_of(frame_crc.covered)
 
     @property
     def tables(self) -> int:
@@ -130,7 +130,7 @@ class Decoder:
         return -(-self.codec.layout.widest // TABLE_BITS) if self.crc_covers is not None else 0
 
     @property
-    def lookups(self) -> str:
+    def table_lookups(self) -> str:
         """XOR of the tables, such as ``table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]``.
 
         ``low`` has the lowest 16 bits of the word, ``high`` all others. The word is halved first, because operations on
@@ -176,7 +176,7 @@ class Decoder:
     def padded_fields(self) -> list[tuple[Field, Expr]]:
         """Fields below zeros, each with the bits that include the zeros."""
         checks = (check for check in self.codec.checks if isinstance(check, ZerosAbove))
-        return [(check.field, self.read.of_bytes(check.field.pieces)) for check in checks]
+        return [(check.field, self.read.number_from_pieces(check.field.pieces)) for check in checks]
 
     @property
     def members(self) -> list[tuple[int, str]]:
@@ -184,7 +184,7 @@ class Decoder:
         return list(self._first_byte.members_by_byte.items()) if self.is_unpacked else []
 
     @property
-    def disagreement(self) -> list[str]:
+    def failing_conditions(self) -> list[str]:
         """Conditions under which a check fails, if the first byte has a selector and each byte has a variable.
 
         Otherwise it is empty, and also if other bytes need checks other than those of constant bits.
@@ -222,7 +222,7 @@ class Decoder:
         """
         field = part.field
         bits = self.bits(part)
-        if self.selects(field) and self.disagreement:
+        if self.selects(field) and self.failing_conditions:
             return [Atom("valid_first_bytes[b0]")]
         match meaning_of(field):
             case Raw():
@@ -238,7 +238,7 @@ class Decoder:
             case Named():
                 return [Atom(self.local(field))]
             case DigitRuns(runs):
-                return [run_value for _, run_value in digits(bits, runs)]
+                return [run_value for _, run_value in digit_values(bits, runs)]
             case Characters():
                 return [self._decode_text(part)]
             case meaning:
@@ -269,7 +269,7 @@ class Decoder:
         is_in_low_table = low_bit.is_constant and low_bit.constant < TABLE_BITS
         return "low" if self.tables and not self.codec.gray and is_in_low_table else ""
 
-    def result(self, encoder_and_answers: Sequence[tuple[str, str]]) -> DecodedValues:
+    def decoded_values(self, encoder_and_answers: Sequence[tuple[str, str]]) -> DecodedValues:
         """Return the values of all attributes, in order, beginning with the encoder and the answers.
 
         The last one is for the unused bits, if the class has an attribute for them.
@@ -278,9 +278,11 @@ class Decoder:
         for part in self.codec.parts:
             self._add_values(part, decoded)
         if self.codec.reserved:
-            decoded.values.append((str(self.read.unused()), "unused, 1 where a bit differs from the manual"))
+            decoded.values.append(
+                (str(self.read.differing_unused_bits()), "unused, 1 where a bit differs from the manual")
+            )
         elif self.codec.keeps_others:
-            decoded.values.append((str(self.read.others()), "unused, all other bits"))
+            decoded.values.append((str(self.read.bits_without_field()), "unused, all other bits"))
         return decoded
 
     def _add_values(self, part: Part, decoded: DecodedValues) -> None:
@@ -295,9 +297,9 @@ class Decoder:
         for attribute, expression in zip(attributes, self.values(part), strict=True):
             code = str(expression)
             shows_its_name = code == self.local(attribute)
-            decoded.values.append((code, "" if shows_its_name else self._comment(part, attribute)))
+            decoded.values.append((code, "" if shows_its_name else self._place_comment(part, attribute)))
 
-    def _comment(self, part: Part, attribute: Field | Digits) -> str:
+    def _place_comment(self, part: Part, attribute: Field | Digits) -> str:
         """Return the name of an attribute, with the place of its bits if its expression reads them.
 
         An example is ``warning, bit 6, active low``.
@@ -328,14 +330,16 @@ class DecodedValues:
         return [(code, name) for code, name in self.values if name]
 
 
-def assigned(scope: Scope, names: ClassNames, enum: str, field: Field, bits: Expr) -> Iterator[tuple[str, Expr]]:
+def attribute_values(
+    scope: Scope, class_names: ClassNames, enum: str, field: Field, bits: Expr
+) -> Iterator[tuple[str, Expr]]:
     """Yield the attributes of a field of a joined number, with their values. ``enum`` is the name of its IntEnum."""
-    attribute = names.attribute(field.name)
+    attribute = class_names.attribute(field.name)
     match meaning_of(field):
         case Raw():
             yield attribute, bits
         case TwosComplement():
-            yield attribute, call("signed", bits, scope.of(field.width))
+            yield attribute, call("signed", bits, scope.expression_of(field.width))
         case ZeroMeans(stands_for):
             yield attribute, _or_if_zero(bits, stands_for)
         case Active(low):
@@ -343,15 +347,15 @@ def assigned(scope: Scope, names: ClassNames, enum: str, field: Field, bits: Exp
         case Named():
             yield attribute, call("as_member", enum, f'"{field.name}"', bits)
         case DigitRuns(runs):
-            for run, run_value in digits(bits, runs):
-                yield names.attribute(run.name), run_value
+            for run, run_value in digit_values(bits, runs):
+                yield class_names.attribute(run.name), run_value
         case Characters():
             yield attribute, _text_of_number(field, bits)
         case meaning:
             assert_never(meaning)
 
 
-def digits(number_of_runs: Expr, runs: Sequence[Digits]) -> Iterator[tuple[Digits, Expr]]:
+def digit_values(number_of_runs: Expr, runs: Sequence[Digits]) -> Iterator[tuple[Digits, Expr]]:
     """Yield the runs of decimal digits in a number, each with its value, such as ``number // 100 % 10``."""
     for run in runs:
         run_value = number_of_runs

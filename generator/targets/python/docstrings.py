@@ -23,15 +23,14 @@ from ...model import (
 )
 from ...model.record import dataclass
 from ...say import commands, layout, names_and_places, register
-from ...say import layout as crc
-from ...say import register as field
+from ...say import layout as say_layout
+from ...say import register as say_register
 from ...say.errata import errata, erratum
 from ...say.evidence import grade, origin, other_editions, removals
 from ...say.names_and_places import full_title, heading, title
 from ...say.order_code import parameter
 from ...say.plain_text import counted, plain, wrapped
-from ...say.text import AS_LITERAL as S
-from ...say.text import Statement, sentence, spec_text, statement
+from ...say.text import DOCSTRING_STYLE, Statement, sentence, spec_text, statement
 from .line_breaks import WIDTH
 from .names import is_one_choice
 
@@ -79,10 +78,10 @@ def _block_lines(block: Block, pad: str) -> list[str]:
     title, entries = block
     if not entries:
         return []
-    return [wrapped(_in_docstring(f"{title}:"), WIDTH, pad), *(_entry(name, text, pad) for name, text in entries)]
+    return [wrapped(_in_docstring(f"{title}:"), WIDTH, pad), *(_block_entry(name, text, pad) for name, text in entries)]
 
 
-def _entry(name: str, text: str, pad: str) -> str:
+def _block_entry(name: str, text: str, pad: str) -> str:
     """Return an entry of a block. Further lines of a named entry are indented."""
     start = f"{pad}    {_in_docstring(name)}: " if name else f"{pad}    "
     return wrapped(_in_docstring(text), WIDTH, f"{pad}        " if name else start, start)
@@ -116,8 +115,8 @@ def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iter
         f"Version {device.manufacturer.version}, generated from the manual “{plain(manual.title)}”, {plain(revision)}."
         " Sections and pages refer to this manual. A source that starts with a language code refers to the edition in"
         " that language. A source that starts with any other key refers to that entry of DOCUMENTS.",
-        S.sentence(grade(device)),
-        S.paragraph([*origin(device), *other_editions(device)]),
+        DOCSTRING_STYLE.sentence(grade(device)),
+        DOCSTRING_STYLE.paragraph([*origin(device), *other_editions(device)]),
         *_in_full(removals(device)),
         " ".join(device.manufacturer.trademarks),
     )
@@ -134,19 +133,19 @@ def paragraphs(statements: Iterable[Statement]) -> list[Block]:
     # Of these statements, only errata have others below them.
     errata_in_short = [_short_erratum(statement) for statement in all_statements if statement.below]
     return [
-        *(S.sentence(statement) for statement in all_statements if not statement.below),
+        *(DOCSTRING_STYLE.sentence(statement) for statement in all_statements if not statement.below),
         ("Errata (full text in ERRATA)", errata_in_short),
     ]
 
 
 def _in_full(statements: Iterable[Statement]) -> list[Block]:
     """Return a heading with labelled statements below it for each statement."""
-    return [(S.head(statement), list(map(_labelled, statement.below))) for statement in statements]
+    return [(DOCSTRING_STYLE.head(statement), list(map(_split_label, statement.below))) for statement in statements]
 
 
-def _labelled(statement: Statement) -> tuple[str, str]:
+def _split_label(statement: Statement) -> tuple[str, str]:
     """Return the label of a statement and its sentence without it."""
-    return statement.label, S.sentence(replace(statement, label=""))
+    return statement.label, DOCSTRING_STYLE.sentence(replace(statement, label=""))
 
 
 def _short_erratum(statement: Statement) -> tuple[str, str]:
@@ -156,9 +155,9 @@ def _short_erratum(statement: Statement) -> tuple[str, str]:
     statement, with the label.
     """
     title_of_erratum = statement.label.removeprefix("Erratum: ")
-    phrases_by_label = {part.label: S.phrase(part) for part in statement.below}
+    phrases_by_label = {part.label: DOCSTRING_STYLE.phrase(part) for part in statement.below}
     first_part = statement.below[0]
-    correction = phrases_by_label.get("Used") or f"{first_part.label}: {S.phrase(first_part)}"
+    correction = phrases_by_label.get("Used") or f"{first_part.label}: {DOCSTRING_STYLE.phrase(first_part)}"
     # Changes by overlays and other editions have no short form.
     is_erratum_of_manual = bool(statement.brief) and "Used" in phrases_by_label
     if is_erratum_of_manual:
@@ -171,7 +170,7 @@ def notes(device: Device, interface: Interface) -> list[list[str]]:
     """Return the errata of an interface that do not belong to a single layout, each as a list of lines."""
     path = f"interfaces.{interface.name}"
     interface_errata = errata(device, path, without=[f"{path}.{frame.name}" for frame in interface.layouts])
-    return [S.lines(erratum(listed_erratum)) for listed_erratum in interface_errata]
+    return [DOCSTRING_STYLE.lines(erratum(listed_erratum)) for listed_erratum in interface_errata]
 
 
 # -- order codes
@@ -216,7 +215,7 @@ def _about_quantity(device: Device, quantity: Parameter) -> str:
 
 def of_alternative(device: Device, alternative: Alternative) -> str:
     """Return the docstring of a question that the manual leaves open."""
-    question = S.sentence(statement(alternative.meaning, source=alternative.source))
+    question = DOCSTRING_STYLE.sentence(statement(alternative.meaning, source=alternative.source))
     decision = "The manual leaves this open, or other evidence contradicts it."
     if alternative.default:
         decision += f" The default is {alternative.default.upper()}. Variant.with_answers() chooses another answer."
@@ -227,11 +226,11 @@ def of_alternative(device: Device, alternative: Alternative) -> str:
 
 def of_answer(answer: Answer) -> str:
     """Return the meaning of an answer to a question that the manual leaves open."""
-    return S.sentence(statement(answer.meaning, source=answer.source))
+    return DOCSTRING_STYLE.sentence(statement(answer.meaning, source=answer.source))
 
 
 def of_parameter(device: Device, quantity: Parameter) -> str:
-    return S.paragraph(parameter(device, quantity))
+    return DOCSTRING_STYLE.paragraph(parameter(device, quantity))
 
 
 # -- frames, registers and procedures
@@ -242,7 +241,7 @@ def of_layout(device: Device, interface: Interface, frame: Layout) -> tuple[str,
 
     The last one lists the titles of errata about its groups of fields that are not also about the frame.
     """
-    summary = S.sentence(layout.head(interface, frame, heading(frame.name), device.alternatives))
+    summary = DOCSTRING_STYLE.sentence(layout.head(interface, frame, heading(frame.name), device.alternatives))
     names_of_groups = dict.fromkeys(member.group for member in frame.fields if member.group)
     group_paths = [f"field_groups.{name}" for name in names_of_groups]
     frame_errata = errata(device, f"interfaces.{interface.name}.{frame.name}")
@@ -258,15 +257,15 @@ def of_register(device: Device, device_register: Register) -> tuple[str, list[Bl
     """
     facts = [*register.facts(device, device_register)]
     if is_one_choice(device_register):
-        facts += field.rules(device, device_register.layout.fields[0])
+        facts += say_register.rules(device, device_register.layout.fields[0])
     register_errata = of_errata(device, f"registers.{device_register.name}")
     blocks: list[Block] = [
         sentence(device_register.meaning),
-        S.paragraph(facts),
+        DOCSTRING_STYLE.paragraph(facts),
         sentence(device_register.note),
         *register_errata,
     ]
-    return S.sentence(register.head(device, device_register, full_title(device_register))), blocks
+    return DOCSTRING_STYLE.sentence(register.head(device, device_register, full_title(device_register))), blocks
 
 
 def of_class(
@@ -283,7 +282,7 @@ def of_class(
 
 def of_crc(device: Device, device_crc: Crc) -> list[Block]:
     """Return the paragraphs of the function that computes a CRC."""
-    head, *more = paragraphs(crc.crc(device, device_crc))
+    head, *more = paragraphs(say_layout.crc(device, device_crc))
     return [f"Compute the {head}", *more]
 
 
@@ -298,7 +297,7 @@ def of_procedure(device: Device, device_procedure: Procedure) -> list[Block]:
 
 
 def of_argument(device: Device, argument: Argument) -> str:
-    return S.sentence(commands.argument(device, argument))
+    return DOCSTRING_STYLE.sentence(commands.argument(device, argument))
 
 
 # -- fields
@@ -308,12 +307,12 @@ def of_field(device: Device, data_field: Field, may_be_missing: bool) -> str:
     """Return the description of an attribute: meaning, rules and note, or else the name of the field."""
     missing = [statement("0 if the encoder does not have this field")] if may_be_missing else []
     statements = [
-        *field.meaning(data_field, data_field.meaning),
+        *say_register.meaning(data_field, data_field.meaning),
         *missing,
-        *field.rules(device, data_field),
+        *say_register.rules(device, data_field),
         *spec_text(data_field.note),
     ]
-    return S.paragraph(statements) or sentence(title(data_field))
+    return DOCSTRING_STYLE.paragraph(statements) or sentence(title(data_field))
 
 
 #: Description of the member for unused bits.
@@ -329,8 +328,8 @@ def of_unused(unused_field: Field, at: int) -> str:
 
 def of_value(named_value: Field | Value) -> str:
     """Return the meaning of a named value or a choice. Empty if the manual does not give one."""
-    return S.paragraph(field.meaning(named_value, named_value.meaning))
+    return DOCSTRING_STYLE.paragraph(say_register.meaning(named_value, named_value.meaning))
 
 
-def of_run(run: Digits) -> str:
-    return sentence(run.meaning or counted(run.digits, "digit"))
+def of_run(digit_run: Digits) -> str:
+    return sentence(digit_run.meaning or counted(digit_run.digits, "digit"))

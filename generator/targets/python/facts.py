@@ -55,15 +55,23 @@ _TABLES = (
         name="ALARMS",
         kind="Alarm",
     ),
-    Table("Timings of the encoder as a whole.", "TIMINGS", "Timing"),
-    Table("Connectors and cables, contact by contact.", "CONNECTORS", "Connector"),
-    Table("LEDs and the meaning of their states.", "LEDS", "Led"),
-    Table("Hardware inputs.", "INPUTS", "Input"),
-    Table("Tables of the manual.", "TABLES", "Table"),
-    Table("Further facts of the manual, as text.", "CHARACTERISTICS", "Characteristic"),
-    Table("Content of figures that is missing from the text of the manual.", "LOST_FIGURES", "LostFigure"),
-    Table("Errors and ambiguities in the manual, with the text that is used instead.", "ERRATA", "Erratum"),
-    Table("Documents that sources cite by key.", "DOCUMENTS", "Document"),
+    Table(comment="Timings of the encoder as a whole.", name="TIMINGS", kind="Timing"),
+    Table(comment="Connectors and cables, contact by contact.", name="CONNECTORS", kind="Connector"),
+    Table(comment="LEDs and the meaning of their states.", name="LEDS", kind="Led"),
+    Table(comment="Hardware inputs.", name="INPUTS", kind="Input"),
+    Table(comment="Tables of the manual.", name="TABLES", kind="Table"),
+    Table(comment="Further facts of the manual, as text.", name="CHARACTERISTICS", kind="Characteristic"),
+    Table(
+        comment="Content of figures that is missing from the text of the manual.",
+        name="LOST_FIGURES",
+        kind="LostFigure",
+    ),
+    Table(
+        comment="Errors and ambiguities in the manual, with the text that is used instead.",
+        name="ERRATA",
+        kind="Erratum",
+    ),
+    Table(comment="Documents that sources cite by key.", name="DOCUMENTS", kind="Document"),
 )
 #: Tables that every module has, even empty.
 _ALWAYS = ("ALARMS", "TIMINGS", "CONNECTORS", "LEDS", "CHARACTERISTICS", "ERRATA", "DOCUMENTS")
@@ -108,20 +116,20 @@ def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> Call | None
 
 def tables(device: Device) -> list[Table]:
     """Return the tables at the end of a module: those with rows, and those that every module has."""
-    filled_tables = [_with_rows(table, device) for table in _TABLES]
+    filled_tables = [_with_register_rows(table, device) for table in _TABLES]
     return [table for table in filled_tables if table.rows or table.name in _ALWAYS]
 
 
-def _with_rows(table: Table, device: Device) -> Table:
+def _with_register_rows(table: Table, device: Device) -> Table:
     return replace(table, rows=records_of(table.kind, getattr(device, table.section)))
 
 
 def reports(device: Device) -> list[Call]:
     """Return the reports of the encoder in frames of the family."""
-    return [_report(report.name, report.field, alarm_of(device, report.field)) for report in reports_of(device)]
+    return [_report_record(report.name, report.field, alarm_of(device, report.field)) for report in reports_of(device)]
 
 
-def _report(name: str, field: Field, alarm: Alarm | None) -> Call:
+def _report_record(name: str, field: Field, alarm: Alarm | None) -> Call:
     """Return the record ``Report``, with the meaning and the remedy of its alarm if the field has one."""
     verdict = verdict_of(field)
     return record(
@@ -144,7 +152,7 @@ def interface(interface: Interface) -> Call:
             return record_of(
                 "SsiFacts",
                 interface,
-                **_clocks(interface),
+                **_clock_members(interface),
                 alignment=Member("Alignment", interface.alignment.end),
                 output_code=output_code.code if output_code is not None else "",
                 alignment_source=cite(interface.alignment.source),
@@ -152,19 +160,19 @@ def interface(interface: Interface) -> Call:
             )
         case Biss():
             timeouts = records_of("Timeout", interface.timeouts_by_code)
-            return record_of("BissFacts", interface, **_clocks(interface), timeouts=timeouts)
+            return record_of("BissFacts", interface, **_clock_members(interface), timeouts=timeouts)
         case Rs485():
             memory = tuple(
                 record_of("MemoryAccess", access, busy=bool(access.busy)) for access in interface.memory_access
             )
             return record_of("Rs485Facts", interface, memory_access=memory)
         case Spi():
-            return record_of("SpiFacts", interface, **_clocks(interface))
+            return record_of("SpiFacts", interface, **_clock_members(interface))
         case _:
             assert_never(interface)
 
 
-def _clocks(interface: Clocked) -> Mapping[str, Literal]:
+def _clock_members(interface: Clocked) -> Mapping[str, Literal]:
     """Return the clock, which has no limits if they depend on the order code, and the clocks of the order codes."""
     clock = interface.clock if interface.clock is not None else Clock(source=())
     return {"clock": record_of("Clock", clock), "clocks": records_of("Clock", interface.clocks_by_code)}
@@ -173,7 +181,7 @@ def _clocks(interface: Clocked) -> Mapping[str, Literal]:
 # -- fields and registers
 
 
-def _field(codec: Codec, field: Field) -> Call:
+def _field_record(codec: Codec, field: Field) -> Call:
     """Return the record ``FieldFacts`` of a field.
 
     ``constant`` and ``unused`` are the values that the manual gives for a constant or for unused bits.
@@ -192,9 +200,9 @@ def _field(codec: Codec, field: Field) -> Call:
     )
 
 
-def _fields(codec: Codec) -> tuple[Call, ...]:
+def _field_records(codec: Codec) -> tuple[Call, ...]:
     """Return the facts of each field."""
-    return tuple(_field(codec, field) for field in codec.layout.fields)
+    return tuple(_field_record(codec, field) for field in codec.layout.fields)
 
 
 def _is_one_number(layout: Layout) -> bool:
@@ -208,19 +216,19 @@ def _is_one_number(layout: Layout) -> bool:
 
 def frame_rows(device: Device) -> dict[str, tuple[Call, ...]]:
     """Return the facts of the fields of frames, by the name of the frame."""
-    return {layout.name: _fields(codec_of(device, layout)) for _, layout in device.layouts()}
+    return {layout.name: _field_records(codec_of(device, layout)) for _, layout in device.layouts()}
 
 
 def register_rows(device: Device) -> dict[str, Call]:
-    return {register.name: _register(device, register) for register in device.registers}
+    return {register.name: _register_record(device, register) for register in device.registers}
 
 
-def _register(device: Device, register: Register) -> Call:
+def _register_record(device: Device, register: Register) -> Call:
     """Return the record ``Register``. A register that is a single number has no fields."""
     return record_of(
         "Register",
         register,
         default=register.default_bytes(),
         wait_ms=register.wait_at_least_ms,
-        fields=() if _is_one_number(register.layout) else _fields(codec_of(device, register.layout)),
+        fields=() if _is_one_number(register.layout) else _field_records(codec_of(device, register.layout)),
     )

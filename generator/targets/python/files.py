@@ -21,11 +21,11 @@ from ...render import Templates, our_templates, tests_for
 from ...say.plain_text import plain
 from ...say.text import sentence
 from .. import NO_OPTIONS, Library, Options, Target, has_biss, main_manufacturer
-from ..registry import copied, licence_in, our_runtime
-from .bits import place_in_bytes, purpose
+from ..registry import copied_files, licence_in, our_runtime
+from .bits import place_in_bytes, purpose_of_constant
 from .docstrings import docstring, of_answer, of_crc, of_value
-from .line_breaks import broken
-from .literals import Expr, coded, constant, grouped, literal, mask, quoted, table
+from .line_breaks import break_lines
+from .literals import Expr, coded, constant, grouped, literal, mask, quoted, table_statement
 from .module import Enumeration, Module
 from .names import (
     BISS,
@@ -41,16 +41,16 @@ from .names import (
     interface_name,
     names_of,
 )
-from .readme import ReadmeExample, start, virtual_examples
+from .readme import ReadmeExample, first_example, virtual_examples
 
 
-def operand(value: Expr) -> str:
+def in_parentheses(value: Expr) -> str:
     """Return an operand, in parentheses unless it is a name, a number or a call."""
     return value.operand
 
 
 FILTERS: Mapping[str, Callable[..., object]] = {
-    "broken": broken,
+    "broken": break_lines,
     "byte_order": byte_order,
     "coded": coded,
     "encoder": encoder_name,
@@ -58,9 +58,9 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "interface": interface_name,
     "mask": mask,
     "names_of": names_of,
-    "operand": operand,
+    "operand": in_parentheses,
     "place_in_bytes": place_in_bytes,
-    "purpose": purpose,
+    "purpose": purpose_of_constant,
     "sentence": sentence,
 }
 FUNCTIONS: Mapping[str, Callable[..., object]] = {
@@ -71,7 +71,7 @@ FUNCTIONS: Mapping[str, Callable[..., object]] = {
     "of_answer": of_answer,
     "of_value": of_value,
     "quoted": quoted,
-    "table": table,
+    "table": table_statement,
 }
 TESTS = tests_for(
     operations.Check,
@@ -144,22 +144,22 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     files = _runtime_files(_RUNTIME)
     makers = library.by_manufacturer()
     main = main_manufacturer([maker for maker, _ in makers])
-    folders = {maker.name: _folder_of(maker, is_main=maker is main) for maker, _ in makers}
+    folders = {maker.name: _folder_of_package(maker, is_main=maker is main) for maker, _ in makers}
     for maker, devices in makers:
         folder = folders[maker.name]
         files |= licence_in(folder)
-        for path, file_text in _package(maker, devices, library, folders).items():
+        for path, file_text in _package_files(maker, devices, library, folders).items():
             files[f"{folder}/{path}"] = file_text
     return files
 
 
-def _folder_of(maker: Manufacturer, is_main: bool) -> str:
+def _folder_of_package(maker: Manufacturer, is_main: bool) -> str:
     return "python" if is_main else f"python/{maker.python_package}"
 
 
 def _runtime_files(folder: str) -> dict[str, str]:
     files = {f"{folder}/{name}": (RUNTIME / name).read_text(encoding="utf-8") for name in _PROJECT_FILES}
-    return files | licence_in(folder) | copied(RUNTIME / "codewheel_runtime", f"{folder}/codewheel_runtime")
+    return files | licence_in(folder) | copied_files(RUNTIME / "codewheel_runtime", f"{folder}/codewheel_runtime")
 
 
 def runtime_version() -> str:
@@ -168,7 +168,7 @@ def runtime_version() -> str:
     return version[: version.rindex(".")]
 
 
-def _package(
+def _package_files(
     maker: Manufacturer, devices: tuple[Device, ...], library: Library, folders: Mapping[str, str]
 ) -> dict[str, str]:
     """Return the files of a manufacturer's package, by their path in it."""
@@ -181,12 +181,12 @@ def _package(
     for name in _PACKAGE_FILES:
         files[f"{package}/{name}.py"] = TEMPLATES.render(f"{name}.py.jinja", values, user_templates)
     files["setup.py"] = (_PROJECT / "setup.py").read_text(encoding="utf-8")
-    files |= copied(_PROJECT / "package", package)
+    files |= copied_files(_PROJECT / "package", package)
     # The copied folder has the module for BiSS.
     if not biss:
         del files[f"{package}/{BISS}.py"]
     for device in devices:
-        files |= library.files_of(_family, device, NO_OPTIONS)
+        files |= library.files_of(_files_of_family, device, NO_OPTIONS)
     return files
 
 
@@ -199,7 +199,7 @@ def _package_values(
     path_prefix = "./" if folder == "python" else ""
     other_folders = (other_folder for name, other_folder in folders.items() if name != maker.name)
     modules = [Module(device) for device in devices]
-    shown_example = start([module.readme for module in modules])
+    shown_example = first_example([module.readme for module in modules])
     shown_family = _family_of(shown_example.code, modules)
     shown_family_first = sorted(modules, key=lambda module: module is not shown_family)
     rs485 = any(device.find_interface(Rs485) for device in devices)
@@ -212,7 +212,7 @@ def _package_values(
         "title": plain(maker.title),
         "maker": maker,
         "notices": [plain(trademark) for trademark in maker.trademarks],
-        "header": _header(f"the specifications of {plain(maker.title)}'s encoders"),
+        "header": _header_comment(f"the specifications of {plain(maker.title)}'s encoders"),
         "modules": modules,
         "start": shown_example,
         "shown_family": shown_family,
@@ -279,7 +279,7 @@ def _biss_procedure(modules: Iterable[Module]) -> ReadmeExample | None:
     return None
 
 
-def _family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
+def _files_of_family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path of each module of a family, and a function for its text: its device, facts and shapes module."""
     package = device.manufacturer.python_package
     module = Module(device)
@@ -291,7 +291,7 @@ def _family(device: Device, library: Library, options: Options) -> Iterator[tupl
 def _module_text(module: Module, package: str, template: str, user_templates: Path | None) -> str:
     """Return the text of a module, with imports of the names that it uses."""
     family: Family = {
-        "header": _header(f"the specification of {plain(module.device.title)}"),
+        "header": _header_comment(f"the specification of {plain(module.device.title)}"),
         "package": package,
         "module": module,
         "imports": [],
@@ -306,17 +306,17 @@ def _module_text(module: Module, package: str, template: str, user_templates: Pa
     return TEMPLATES.render(f"{template}.py.jinja", values, user_templates)
 
 
-def _header(source: str) -> str:
+def _header_comment(source: str) -> str:
     licence = "# Licence 0BSD: you may use, change and distribute this file without any condition."
     return f"# Generated by codewheel from {source}.\n{licence}"
 
 
-def _toml(text: str) -> str:
+def _toml_string(text: str) -> str:
     """Return ``text`` as a TOML string."""
     return '"' + plain(text).replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
-def _markdown(text: str) -> str:
+def _escape_markdown(text: str) -> str:
     """Return text of a spec, escaped for Markdown."""
     return plain(text).translate({ord(character): f"\\{character}" for character in _MARKUP})
 
@@ -333,12 +333,12 @@ TEMPLATES = Templates(
     },
     filters=FILTERS,
     tests=TESTS,
-    functions={**FUNCTIONS, "toml": _toml, "markdown": _markdown},
+    functions={**FUNCTIONS, "toml": _toml_string, "markdown": _escape_markdown},
 )
 TARGET = Target(
     name="python",
     summary="an installable, typed package for each manufacturer, and the runtime that they share",
     files=generate,
     templates=TEMPLATES,
-    family=_family,
+    family=_files_of_family,
 )

@@ -52,10 +52,10 @@ class FirstByte:
         """
         for part in self.codec.parts:
             if self._is_selector(part.field):
-                return self._members(part.field)
+                return self._codes_by_first_byte(part.field)
         return {}
 
-    def _members(self, selector: Field) -> dict[int, str]:
+    def _codes_by_first_byte(self, selector: Field) -> dict[int, str]:
         """Return the code of each value of the selector, by first byte.
 
         A value without a name is a number.
@@ -92,10 +92,10 @@ def _needs_only_first_byte(check: Check) -> bool:
 
 
 def _passes_all(checks: Sequence[Check], first_byte: int) -> bool:
-    return all(_passes(check, first_byte) for check in checks)
+    return all(_check_passes(check, first_byte) for check in checks)
 
 
-def _passes(check: Check, first_byte: int) -> bool:
+def _check_passes(check: Check, first_byte: int) -> bool:
     """Return whether a frame with this first byte passes a check that needs only the first byte."""
     checked_bits = _bits_in_byte(check.bits.pieces, first_byte)
     match check:
@@ -125,4 +125,4 @@ def _expected_parity(check: ParityIs, first_byte: int) -> int:
 
 def _bits_in_byte(pieces: Iterable[Piece], byte: int) -> int:
     """Return the number that these pieces of a byte form."""
-    return sum(((byte >> piece.right) & piece.mask) << piece.left for piece in pieces)
+    return sum(((byte >> piece.low_in_byte) & piece.mask) << piece.low_in_number for piece in pieces)

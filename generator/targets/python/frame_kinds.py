@@ -32,7 +32,7 @@ def _column_names(coder: Coder) -> list[str]:
             names.append(f"{attribute_of(column.name)} ({column.scale.unit})")
     if description.unused:
         names.append("unused")
-    if coder.reports is not None and coder.reports.otherwise:
+    if coder.reports is not None and coder.reports.default_verdict:
         names.append("verdict")
     return [*names, "fault"]
 
@@ -95,4 +95,4 @@ class FrameKind:
     @property
     def has_verdict(self) -> bool:
         """True if any of the frames has a verdict."""
-        return self.coder.reports is not None and bool(self.coder.reports.otherwise)
+        return self.coder.reports is not None and bool(self.coder.reports.default_verdict)

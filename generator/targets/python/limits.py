@@ -23,9 +23,9 @@ def limit_expressions(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
     """Return the lowest and the highest value. A missing limit follows from the width."""
     low, high = _limits_of_width(scope, limits)
     if limits.low is not None:
-        low = scope.of(limits.low)
+        low = scope.expression_of(limits.low)
     if limits.high is not None:
-        high = scope.of(limits.high)
+        high = scope.expression_of(limits.high)
     return low, high
 
 

@@ -15,7 +15,7 @@ _LOOSEST_FIRST = tuple(re.compile(rf" (?=(?:{words}) )") for words in (r"or", r"
 _TEXT = re.compile(r'(\s*)(\w+=|"(?:\\.|[^"\\])*": )?("(?:\\.|[^"\\])*"),')
 
 
-def broken(text: str) -> str:
+def break_lines(text: str) -> str:
     """Return the code with long lines broken into one line for each item, or each operand, in the first brackets."""
     return "\n".join(piece for line in text.split("\n") for piece in _broken_lines(line))
 
@@ -33,7 +33,7 @@ def _broken_lines(line: str) -> Iterator[str]:
         indent, name, quoted_text = text_item[1], text_item[2] or "", text_item[3]
         yield f"{indent}{name}{_split_literal(quoted_text, len(indent))},"
         return
-    line_start, items, line_end = _items(line)
+    line_start, items, line_end = _split_bracket_items(line)
     if not items:
         yield line
         return
@@ -58,12 +58,12 @@ def _lines_in_brackets(line_start: str, items: Sequence[str]) -> list[str]:
         return [f"{element}," for element in items if element]
     follows_value = re.search(r"[\w\])]\W$", line_start) is not None
     if line_start.endswith("(") and not follows_value:
-        return _operands(content)
+        return _split_operands(content)
     is_subscript = line_start.endswith("[") and follows_value
     return [content] if is_subscript else [f"{content},"]
 
 
-def _operands(expression: str) -> list[str]:
+def _split_operands(expression: str) -> list[str]:
     """Return the operands of the loosest operators, each after its operator: ``a``, ``+ b`` and ``- c``.
 
     A conditional expression is one operand, and so is an expression without operators.
@@ -72,8 +72,8 @@ def _operands(expression: str) -> list[str]:
         return [expression]
     for operator in _LOOSEST_FIRST:
         operands = [""]
-        for token, depth in _tokens(expression):
-            first_part, *further_parts = operator.split(token) if _is_outer(token, depth) else [token]
+        for token, depth in _tokens_with_depth(expression):
+            first_part, *further_parts = operator.split(token) if _is_outside_brackets(token, depth) else [token]
             operands[-1] += first_part
             operands += further_parts
         if len(operands) > 1:
@@ -83,14 +83,14 @@ def _operands(expression: str) -> list[str]:
 
 def _outer_text(expression: str) -> str:
     """Return the text outside brackets and quoted texts."""
-    return "".join(token for token, depth in _tokens(expression) if _is_outer(token, depth))
+    return "".join(token for token, depth in _tokens_with_depth(expression) if _is_outside_brackets(token, depth))
 
 
-def _is_outer(token: str, depth: int) -> bool:
+def _is_outside_brackets(token: str, depth: int) -> bool:
     return depth == 0 and not token.startswith('"')
 
 
-def _tokens(line: str) -> Iterator[tuple[str, int]]:
+def _tokens_with_depth(line: str) -> Iterator[tuple[str, int]]:
     """Yield each token with the number of brackets that are open after it, or before a closing bracket."""
     depth = 0
     for token in _TOKEN.findall(line):
@@ -101,7 +101,7 @@ def _tokens(line: str) -> Iterator[tuple[str, int]]:
             depth -= 1
 
 
-def _items(line: str) -> tuple[str, list[str], str]:
+def _split_bracket_items(line: str) -> tuple[str, list[str], str]:
     """Return the line up to its first bracket, the items in the brackets, and the rest with the closing bracket.
 
     The line ``call(a, [b, c]),`` gives ``call(``, the items ``a`` and ``[b, c]``, and ``),``. The last of several
@@ -111,7 +111,7 @@ def _items(line: str) -> tuple[str, list[str], str]:
     start = ""
     items = [""]
     position = 0
-    for token, depth in _tokens(line):
+    for token, depth in _tokens_with_depth(line):
         is_closing_first_bracket = bool(start) and depth == 1 and token in ")]}"
         if is_closing_first_bracket:
             break

@@ -9,7 +9,7 @@ from ...model.expressions import Expression, Factor, Term
 from ...model.lookup import assert_never
 from ...model.record import dataclass
 from ...plan.values import Active, Meaning, TwosComplement, ZeroMeans
-from .line_breaks import broken
+from .line_breaks import break_lines
 
 #: Operators by precedence, lowest first. Arithmetic gets parentheses next to bit operators.
 _LOOSEST_FIRST = (("or",), ("and",), ("not",), ("|",), ("^",), ("&",), ("<<", ">>"), ("+", "-"), ("*", "//", "%"))
@@ -117,21 +117,21 @@ def coded(value: int) -> str:
     return str(value) if value < 10 else f"0x{value:X}"
 
 
-def joined(operator: str, operands: Iterable[Expr]) -> Expr:
+def join_operands(operator: str, operands: Iterable[Expr]) -> Expr:
     """Return one or more operands, joined by an operator."""
     return reduce(lambda left, right: Operation(left, operator, right), operands)
 
 
-def times(value: Expr, factor: int) -> Expr:
+def multiply(value: Expr, factor: int) -> Expr:
     return value if factor == 1 else Operation(value, "*", number(factor))
 
 
-def moved(value: Expr, operator: str, by: Expr) -> Expr:
+def shift_value(value: Expr, operator: str, by: Expr) -> Expr:
     """Return ``value`` with a shift, or unchanged if the distance is 0."""
     return value if by == Atom("0") else Operation(value, operator, by)
 
 
-def _sign(value: int) -> int:
+def _sign_of(value: int) -> int:
     return 1 if value > 0 else -1
 
 
@@ -141,16 +141,18 @@ class Scope:
 
     names: Mapping[str, str]
 
-    def of(self, value: Expression) -> Expr:
+    def expression_of(self, expression: Expression) -> Expr:
         """Return a number that depends on parameters, such as ``variant.position_bits + 8``."""
-        if value.is_constant:
-            return number(value.constant)
-        signs_and_products = [(_sign(term.multiple), self._product(term)) for term in _collected(value)]
-        if value.constant:
-            sign_and_constant = (_sign(value.constant), Atom(str(abs(value.constant))))
+        if expression.is_constant:
+            return number(expression.constant)
+        signs_and_products = [
+            (_sign_of(term.multiple), self._product_of_factors(term)) for term in _collect_terms(expression)
+        ]
+        if expression.constant:
+            sign_and_constant = (_sign_of(expression.constant), Atom(str(abs(expression.constant))))
             # A sum should not start with a sign.
             first_term_sign, _ = signs_and_products[0]
-            is_first = value.constant > 0 and first_term_sign < 0
+            is_first = expression.constant > 0 and first_term_sign < 0
             signs_and_products.insert(0 if is_first else len(signs_and_products), sign_and_constant)
         (first_sign, first_product), *following = signs_and_products
         total: Expr = first_product if first_sign > 0 else Negative(first_product)
@@ -165,21 +167,21 @@ class Scope:
         return Operation(self.power(width), "-", number(1))
 
     def power(self, width: Expression) -> Expr:
-        return Operation(number(1), "<<", self.of(width))
+        return Operation(number(1), "<<", self.expression_of(width))
 
-    def _product(self, term: Term) -> Expr:
+    def _product_of_factors(self, term: Term) -> Expr:
         multiple = [number(abs(term.multiple))] if abs(term.multiple) != 1 else []
-        return joined("*", [*multiple, *map(self._factor, term.factors)])
+        return join_operands("*", [*multiple, *map(self._factor_expression, term.factors)])
 
-    def _factor(self, factor: Factor) -> Expr:
+    def _factor_expression(self, factor: Factor) -> Expr:
         parameter = Atom(self.names[factor.parameter])
         return Operation(number(1), "<<", parameter) if factor.power else parameter
 
 
-def _collected(value: Expression) -> list[Term]:
+def _collect_terms(expression: Expression) -> list[Term]:
     """Return the terms, with those of equal factors added up."""
     multiples: dict[tuple[Factor, ...], int] = {}
-    for term in value.terms:
+    for term in expression.terms:
         multiples[term.factors] = multiples.get(term.factors, 0) + term.multiple
     return [Term(multiple, factors) for factors, multiple in multiples.items()]
 
@@ -283,15 +285,15 @@ def is_empty(value: Literal) -> bool:
 
 def constant(name: str, value: Call) -> str:
     """Return the statement that assigns a value to ``name``."""
-    return broken(f"{name}: Final = {value.flat}")
+    return break_lines(f"{name}: Final = {value.flat}")
 
 
-def table(name: str, kind: str, rows: Sequence[Call]) -> str:
+def table_statement(name: str, kind: str, rows: Sequence[Call]) -> str:
     """Return the statement that assigns a tuple of records to ``name``, one per line."""
     start = f"{name}: Final[tuple[{kind}, ...]] = "
     if not rows:
         return f"{start}()"
-    row_lines = [broken(f"    {row.flat},") for row in rows]
+    row_lines = [break_lines(f"    {row.flat},") for row in rows]
     return "\n".join([f"{start}(", *row_lines, ")"])
 
 
@@ -310,12 +312,12 @@ def literal(value: Literal) -> str:
             items = [f"{quoted(key)}: {quoted(text)}" for key, text in value.items()]
             return f"ReadOnly({{{', '.join(items)}}})"
         case Code() | Hex() | Member() | Call() | ConditionalItem():
-            return _code(value)
+            return _source_code(value)
     elements = ", ".join(map(literal, value))
     return f"({elements},)" if len(value) == 1 else f"({elements})"
 
 
-def _code(value: Code | Hex | Member | Call | ConditionalItem) -> str:
+def _source_code(value: Code | Hex | Member | Call | ConditionalItem) -> str:
     """Return source code, such as ``0x0F``, ``Access.READ``, ``Led("P1")`` or ``*([Led("P1")] if has_led else [])``."""
     match value:
         case Code():

@@ -80,7 +80,7 @@ class Dispatcher:
         return from_pieces(self.plan.bits.pieces)
 
     @property
-    def allowed(self) -> list[int]:
+    def allowed_values(self) -> list[int]:
         """All values of the selector that belong to a frame."""
         return sorted(chain.from_iterable(branch.values for branch in self.plan.branches))
 
@@ -98,7 +98,7 @@ class Dispatcher:
         return [(question.name, question.about) for question in self.questions]
 
     @property
-    def told_by(self) -> str:
+    def selector_title(self) -> str:
         """Printed name of the selector."""
         return plain(self.plan.selector.printed_name or words(self.plan.selector.name))
 
@@ -121,8 +121,8 @@ class Module:
         self.device = device
         self.context = Context(device)
         self.name = self.context.module
-        self.sections = [self._section(interface) for interface in device.interfaces]
-        self.registers = [self._register(register) for register in device.registers]
+        self.sections = [self._interface_section(interface) for interface in device.interfaces]
+        self.registers = [self._register_class(register) for register in device.registers]
         coders = {coder.register.name: coder for coder in self.registers if isinstance(coder, Coder) and coder.register}
         self.by_register = coders
         self.procedures = [Steps(self.context, coders, procedure) for procedure in device.procedures]
@@ -166,24 +166,24 @@ class Module:
     @property
     def doc(self) -> str:
         return docstrings.of_module(
-            self.device, [(name, ", ".join(names)) for name, names in self.contents], self._example()
+            self.device, [(name, ", ".join(names)) for name, names in self.contents], self._decode_example()
         )
 
     @cached_property
     def contents(self) -> list[tuple[str, list[str]]]:
         """All public names of the module, in groups, for its docstring. Each name is in one group."""
-        return [(name, names) for name, names in self._contents() if names]
+        return [(name, names) for name, names in self._groups_of_public_names() if names]
 
-    def _contents(self) -> Iterator[tuple[str, list[str]]]:
+    def _groups_of_public_names(self) -> Iterator[tuple[str, list[str]]]:
         """Yield the groups of public names, each with its title."""
         identification = ["identify"] if self.identities else []
-        yield "Encoders", ["lookup", *identification, "Variant", *self._encoders(), "VARIANTS", "FAMILY"]
+        yield "Encoders", ["lookup", *identification, "Variant", *self._encoder_names(), "VARIANTS", "FAMILY"]
         for section in self.sections:
             frames = [coder.name for coder in section.coders]
             for dispatcher in section.dispatchers:
                 frames += (dispatcher.union, dispatcher.name)
             yield section.interface.title, frames
-        yield "All interfaces", ["Frame"] if self.codes.sent else []
+        yield "All interfaces", ["Frame"] if self.codes.sent_frames else []
         enumerations = [enumeration.name for enumeration in self.enums]
         yield "Values of fields", [*enumerations, *(question.kind for question, _ in self.alternatives)]
         addresses = ["Address"] if self.registers else []
@@ -192,7 +192,7 @@ class Module:
         yield "CRCs", [*self.context.crc_functions]
         yield "Facts", self.fact_names
 
-    def _encoders(self) -> Iterator[str]:
+    def _encoder_names(self) -> Iterator[str]:
         yield from (encoder_name(section.interface.name) for section in self.sections)
 
     @property
@@ -208,7 +208,7 @@ class Module:
         }
         return sorted([*names, *(name for name, facts_of_kind in fact_tables.items() if facts_of_kind)])
 
-    def _example(self) -> Iterable[Block]:
+    def _decode_example(self) -> Iterable[Block]:
         """Yield the first example of the README, which decodes a frame and checks its verdict, if there is one."""
         for frame in self.readme.frames[:1]:
             # The package's lookup() finds the family from which this one is derived.
@@ -247,7 +247,7 @@ class Module:
         return None
 
     @property
-    def known_by(self) -> list[str]:
+    def identifying_classes(self) -> list[str]:
         """Classes of the encoders whose registers identify the encoder."""
         return [encoder_name(identity.interface) for identity in self.identities]
 
@@ -279,10 +279,12 @@ class Module:
         fields = self.context.choices.values()
         return [Enumeration(self.context.enum(field), _enumeration_doc(field), field.values) for field in fields]
 
-    def _section(self, interface: Interface) -> Section:
+    def _interface_section(self, interface: Interface) -> Section:
         """Return an interface with its frames and the functions that decode any of them."""
         coders = tuple(Coder(self.context, interface.name, layout) for layout in interface.layouts)
-        dispatchers = [self._dispatcher(interface, dispatch, coders) for dispatch in dispatches(interface.layouts)]
+        dispatchers = [
+            self._sender_dispatcher(interface, dispatch, coders) for dispatch in dispatches(interface.layouts)
+        ]
         # Frames sent by the master come first.
         dispatchers.sort(key=lambda dispatcher: dispatcher.plan.sender == "encoder")
         notes = docstrings.notes(self.device, interface)
@@ -294,7 +296,7 @@ class Module:
             dispatchers=tuple(dispatchers),
         )
 
-    def _dispatcher(self, interface: Interface, plan: Dispatch, coders: Sequence[Coder]) -> Dispatcher:
+    def _sender_dispatcher(self, interface: Interface, plan: Dispatch, coders: Sequence[Coder]) -> Dispatcher:
         """Return the function that decodes all frames of a sender, such as ``decode_reply``."""
         # With several such interfaces, the name of the function begins with that of its interface.
         interfaces_with_dispatcher = {owner.name for owner, layout in self.device.layouts() if layout.selector}
@@ -313,10 +315,10 @@ class Module:
         )
         # Each decoder accepts the answers for all frames among which it is chosen.
         for coder in dispatcher.members:
-            coder.passed = dispatcher.questions
+            coder.passed_arguments = dispatcher.questions
         return dispatcher
 
-    def _register(self, register: Register) -> Coder | Enumeration:
+    def _register_class(self, register: Register) -> Coder | Enumeration:
         """Return the class of a register, or its enumeration if it is one choice among named values."""
         if not is_one_choice(register):
             return Coder(self.context, register.interface, register.layout, register)

@@ -16,18 +16,19 @@ from .names import ClassNames
 class NamedValues(Scope):
     """Scope that assigns a name to each value that depends on the order code, and records its expression.
 
-    ``named`` has the code of each value by its name, such as ``{"position_mask": "(1 << variant.position_bits) - 1"}``.
-    ``preferred`` has the names to use, by the kind of the value (``size`` or ``ones``) and its code.
-    Values that depend on the parameters ``answered`` are not assigned once, since a caller can give other answers.
+    ``values_by_name`` has the code of each value by its name, such as
+    ``{"position_mask": "(1 << variant.position_bits) - 1"}``. ``preferred`` has the names to use, by the kind of the
+    value (``size`` or ``ones``) and its code. Values that depend on the parameters ``answered_parameters`` are not
+    assigned once, since a caller can give other answers.
     """
 
-    answered: frozenset[str] = frozenset()
-    named: dict[str, str] = dataclass_field(default_factory=dict)
+    answered_parameters: frozenset[str] = frozenset()
+    values_by_name: dict[str, str] = dataclass_field(default_factory=dict)
     preferred: dict[tuple[str, str], str] = dataclass_field(default_factory=dict)
     comments: dict[str, str] = dataclass_field(default_factory=dict)
 
-    def of(self, value: Expression) -> Expr:
-        return self._use_name("size", value, super().of(value))
+    def expression_of(self, expression: Expression) -> Expr:
+        return self._use_name("size", expression, super().expression_of(expression))
 
     def ones(self, width: Expression) -> Expr:
         mask_of_parameters = Scope(self.names).ones(width)
@@ -39,15 +40,15 @@ class NamedValues(Scope):
         A value with the code of an earlier one has its name. A new one has its preferred name, or one such as
         ``size_3``. Values that depend on an answer have no name.
         """
-        depends_on_answer = not self.answered.isdisjoint(value.parameters)
+        depends_on_answer = not self.answered_parameters.isdisjoint(value.parameters)
         if value.is_constant or depends_on_answer:
             return expression
         code = str(expression)
-        names_by_code = {named_code: name for name, named_code in self.named.items()}
+        names_by_code = {named_code: name for name, named_code in self.values_by_name.items()}
         name = names_by_code.get(code)
         if name is None:
-            name = self.preferred.get((kind, code), f"{kind}_{len(self.named)}")
-        self.named[name] = code
+            name = self.preferred.get((kind, code), f"{kind}_{len(self.values_by_name)}")
+        self.values_by_name[name] = code
         return Atom(name)
 
     def prefer(self, name: str, kind: str, value: Expression, comment: str = "") -> None:
@@ -55,15 +56,15 @@ class NamedValues(Scope):
         if value.is_constant:
             return
         scope = Scope(self.names)
-        expression = scope.of(value) if kind == "size" else scope.ones(value)
+        expression = scope.expression_of(value) if kind == "size" else scope.ones(value)
         preferred_name = self.preferred.setdefault((kind, str(expression)), name)
         if comment and preferred_name == name:
             self.comments[name] = comment
 
 
-def prefer_names_of_fields(scope: NamedValues, codec: Codec, names: ClassNames) -> None:
+def prefer_names_of_fields(scope: NamedValues, codec: Codec, class_names: ClassNames) -> None:
     """Name the positions, widths, masks and limits that depend on the order code by their fields."""
-    unused_name = _LocalNames(codec, names).unused_name
+    unused_name = _LocalNames(codec, class_names).unused_name
     scope.prefer("frame_bits", "size", codec.layout.bits, comment_on_constant(codec, codec.layout.bits))
     for field in codec.layout.fields:
         scope.prefer(unused_name(f"{field.name}_bits"), "size", field.width)
@@ -84,12 +85,12 @@ def prefer_names_of_fields(scope: NamedValues, codec: Codec, names: ClassNames) 
 class _LocalNames:
     """Names of the variables of a decoder, beginning with those of its fields and their runs of digits."""
 
-    def __init__(self, codec: Codec, names: ClassNames) -> None:
-        self._names = names
+    def __init__(self, codec: Codec, class_names: ClassNames) -> None:
+        self._names = class_names
         self._used_names: set[str] = set()
         for field in codec.layout.fields:
-            self._used_names.add(names.local(field.name))
-            self._used_names.update(names.local(run.name) for run in field.runs)
+            self._used_names.add(class_names.local(field.name))
+            self._used_names.update(class_names.local(run.name) for run in field.runs)
 
     def unused_name(self, wanted: str) -> str:
         """Return ``wanted``, with underscores at its end if another variable has this name, and reserve it."""
@@ -100,12 +101,12 @@ class _LocalNames:
         return name
 
 
-def comment_on_constant(codec: Codec, value: Expression) -> str:
+def comment_on_constant(codec: Codec, expression: Expression) -> str:
     """Return a comment on the constant of a sum of widths, such as ``8 = crc (6) + warning (1) + error (1)``.
 
     It lists the fields of fixed width at the low end of the word. Empty if they do not add up to the constant.
     """
-    constant = value.constant
+    constant = expression.constant
     if constant <= 0:
         return ""
     fields_by_low = {field.low.constant: field for field in codec.layout.fields if field.is_fixed}

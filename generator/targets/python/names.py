@@ -314,7 +314,7 @@ class Context:
         names_in_frames: set[str] = set()
         for layout in self.coded_layouts():
             if alternative in self.device.alternatives_of(layout):
-                names_in_frames |= _names_in(layout)
+                names_in_frames |= _names_in_layout(layout)
         parameters = alternative.answers[0].sets
         return OpenQuestion(
             alternative=alternative,
@@ -366,7 +366,7 @@ class Context:
         return [crc for crc in self.device.crcs if len(carriers(self.device, crc)) > 1]
 
 
-def _names_in(layout: Layout) -> set[str]:
+def _names_in_layout(layout: Layout) -> set[str]:
     """Return the names of the fields, the runs of digits and the joins."""
     names = {field.name for field in layout.fields} | {join.name for join in layout.joins}
     for field in layout.fields:

@@ -25,10 +25,10 @@ from ...plan.steps import (
 from ...plan.values import DigitRuns, Raw, meaning_of
 from . import docstrings
 from .codec import Coder
-from .decode import digits
+from .decode import digit_values
 from .docstrings import Block
 from .limits import limit_expressions, limits_depend
-from .literals import Atom, Expr, moved
+from .literals import Atom, Expr, shift_value
 from .names import PROCEDURE_NAMES, Context, attribute, encoder_name, interface_name, meaning_limits
 
 
@@ -36,12 +36,12 @@ from .names import PROCEDURE_NAMES, Context, attribute, encoder_name, interface_
 class Segment:
     """Sequence of steps, and the arguments that are checked before it.
 
-    ``taught`` is the last step if its register determines the limits of later steps.
+    ``limiting_write`` is the last step if its register determines the limits of later steps.
     """
 
     arguments: Sequence[CheckedArgument]
     steps: Sequence[Operation]
-    taught: Writes | None
+    limiting_write: Writes | None
 
 
 class Steps:
@@ -73,7 +73,7 @@ class Steps:
         for step in self.steps:
             if isinstance(step, (Writes, Polls)) and step.field is not None and not step.field.is_fixed:
                 return True
-        return any(segment.taught for segment in self.segments)
+        return any(segment.limiting_write for segment in self.segments)
 
     def _depends_on_order_code(self, refusal: ArgumentRefusal) -> bool:
         """Return whether the check that refuses an argument needs the order code."""
@@ -91,10 +91,12 @@ class Steps:
 
         An argument belongs to the segment with the first step that writes it.
         """
-        segment_ends = [index + 1 for index, step in enumerate(self.steps) if isinstance(step, Writes) and step.teaches]
+        segment_ends = [
+            index + 1 for index, step in enumerate(self.steps) if isinstance(step, Writes) and step.determines_limits
+        ]
         for start, end in pairwise((0, *segment_ends, len(self.steps))):
             last_step = self.steps[end - 1]
-            changes_limits = isinstance(last_step, Writes) and last_step.teaches
+            changes_limits = isinstance(last_step, Writes) and last_step.determines_limits
             yield Segment(
                 arguments=[
                     checked_argument
@@ -102,7 +104,7 @@ class Steps:
                     if start <= self._first_write(checked_argument) < end
                 ],
                 steps=self.steps[start:end],
-                taught=last_step if isinstance(last_step, Writes) and changes_limits else None,
+                limiting_write=last_step if isinstance(last_step, Writes) and changes_limits else None,
             )
 
     def _first_write(self, parameter: CheckedArgument) -> int:
@@ -152,43 +154,43 @@ class Steps:
         """Return the mask of a field at its position in the register."""
         if field.is_fixed:
             return Atom(f"0x{field.mask_in_place:02X}")
-        return moved(self.scope.ones(field.width), "<<", self.scope.of(field.low))
+        return shift_value(self.scope.ones(field.width), "<<", self.scope.expression_of(field.low))
 
-    def verified(self, op: Verifies) -> Expr:
+    def verified_mask(self, op: Verifies) -> Expr:
         """Return the mask of the register bits that are read back.
 
         It is that of a field, or has two digits for each byte of the register.
         """
         if op.field is not None:
             return self.mask(op.field)
-        mask_of_pieces = sum(piece.mask << piece.left for piece in op.pieces)
+        mask_of_pieces = sum(piece.mask << piece.low_in_number for piece in op.pieces)
         number_of_digits = 2 * op.register.length
         return Atom(f"0x{mask_of_pieces:0{number_of_digits}X}")
 
-    def in_place(self, value: int | str, field: Field) -> Expr:
+    def shifted_to_field(self, value: int | str, field: Field) -> Expr:
         """Return a number or an argument, shifted to the position of the field."""
         if isinstance(value, int) and field.low.is_constant:
             return Atom(f"0x{value << field.low.constant:02X}")
-        return moved(Atom(str(value)), "<<", self.scope.of(field.low))
+        return shift_value(Atom(str(value)), "<<", self.scope.expression_of(field.low))
 
-    def members(self, value: AsMember, register: Register) -> list[tuple[str, Expr]]:
+    def members(self, member_value: AsMember, register: Register) -> list[tuple[str, Expr]]:
         """Return attributes and values of the register for an argument that sets a field or join of it.
 
         Only runs of decimal digits are several attributes.
         """
         attribute_of = self.coders[register.name].names.attribute
-        argument = Atom(self.argument(value.argument))
+        argument = Atom(self.argument(member_value.argument))
         # Empty if the argument sets a join.
-        fields_of_member = [field for field in register.layout.fields if field.name == value.member]
+        fields_of_member = [field for field in register.layout.fields if field.name == member_value.member]
         # A join of several fields is a number.
         match meaning_of(fields_of_member[0]) if fields_of_member else Raw():
             case DigitRuns(runs):
-                return [(attribute_of(run.name), value_of_run) for run, value_of_run in digits(argument, runs)]
+                return [(attribute_of(run.name), value_of_run) for run, value_of_run in digit_values(argument, runs)]
             case _:
-                return [(attribute_of(value.member), argument)]
+                return [(attribute_of(member_value.member), argument)]
 
-    def joins(self, value: AsMember, register: Register) -> bool:
-        return any(join.name == value.member for join in register.layout.joins)
+    def joins(self, member_value: AsMember, register: Register) -> bool:
+        return any(join.name == member_value.member for join in register.layout.joins)
 
     def limits(self, refusal: OutsideArgumentLimits) -> str:
         """Return the limits of an argument: a call such as ``Preset.limits(variant)``, or a tuple.

@@ -23,7 +23,7 @@ from ...model import (
 from ...model.order_codes import facts_for_code
 from ...model.record import dataclass
 from ...plan.values import (
-    counts,
+    count_factors,
     is_number,
     meaning_of,
 )
@@ -45,7 +45,7 @@ class ReadmeExample:
     ``has_verdict`` is True for a frame with a verdict. ``spoilt`` is the same frame with a position that is not usable,
     ``reported`` its report, and ``tried`` the printed lines for both and for an invalid one. ``kind`` is the class
     of the frame if the encoder sends several. ``bits`` and ``digits`` describe a frame that is a string of bits.
-    ``looked_up`` is True if the call needs the encoder. ``answers`` are the arguments for questions that the manual
+    ``needs_lookup`` is True if the call needs the encoder. ``answers`` are the arguments for questions that the manual
     leaves open, ``module`` is the module of their classes. ``interface`` is that of the order code, ``position`` the
     position in the frame, ``flag`` the flag of the spec that is active in ``spoilt``, and ``flag_attribute`` its name
     in the frame. ``order_code`` is that of a procedure. ``is_position_only`` is True for a frame that has only flags
@@ -63,7 +63,7 @@ class ReadmeExample:
     kind: str = ""
     bits: int = 0
     digits: str = ""
-    looked_up: bool = False
+    needs_lookup: bool = False
     answers: str = ""
     module: str = ""
     interface: str = ""
@@ -90,7 +90,7 @@ class ReadmeExample:
         return "if frame.verdict is not Verdict.NOT_USABLE:", f"    print({self.shown})"
 
 
-def start(readmes: Sequence[Readme]) -> ReadmeExample:
+def first_example(readmes: Sequence[Readme]) -> ReadmeExample:
     """Return the first example, or one with only an order code if no module has a frame.
 
     An example without open questions is preferred, then one that can report an error, then a frame of bits.
@@ -145,13 +145,13 @@ class Readme:
         """
         examples: list[ReadmeExample] = []
         for kind in self._kinds:
-            example = self._frame(kind.coder)
+            example = self._frame_example(kind.coder)
             if example is not None:
                 examples.append(replace(example, kind=kind.coder.name if kind.dispatch else ""))
         # Users copy the first example, so it shows a frame that can report an error, if there is one.
         return sorted(examples, key=lambda example: not example.spoilt)
 
-    def _frame(self, coder: Coder) -> ReadmeExample | None:
+    def _frame_example(self, coder: Coder) -> ReadmeExample | None:
         """Return an example of a frame, or None without a sample of it for a listed order code."""
         sample = self.device.sample_of(coder.layout)
         if sample is None:
@@ -169,19 +169,19 @@ class Readme:
         """
         layout = coder.layout
         placed_layout = layout.place(variant.parameters)
-        numbers = _numbers_of(coder, sample)
+        numbers = _numbers_by_name(coder, sample)
         return ReadmeExample(
             code=variant.code,
             text=_frame_literal(placed_layout, sample.frame),
             shown=", ".join(f"frame.{coder.names.attribute(name)}" for name in numbers),
             result=" ".join(map(str, numbers.values())),
-            has_verdict=coder.reports is not None and bool(coder.reports.otherwise),
+            has_verdict=coder.reports is not None and bool(coder.reports.default_verdict),
             bits=0 if layout.in_bytes else placed_layout.bits,
             digits="" if layout.in_bytes else f"{sample.frame:0{placed_layout.bits}b}",
             answers="".join(map(self._first_answer, coder.questions)),
             module=self.device.name if coder.questions else "",
             interface=variant.interface,
-            position=str(numbers.get(coder.measured, "")),
+            position=str(numbers.get(coder.position_attribute, "")),
             is_position_only=self._is_position_only(coder, variant.interface),
         )
 
@@ -202,10 +202,10 @@ class Readme:
             flag_attribute=coder.names.attribute(spoiling_flag.name),
         )
         crc_field = placed_layout.crc_field
-        numbers = _numbers_of(coder, sample)
-        if crc_field is None or coder.layout.in_bytes or coder.measured not in numbers:
+        numbers = _numbers_by_name(coder, sample)
+        if crc_field is None or coder.layout.in_bytes or coder.position_attribute not in numbers:
             return example
-        position = str(numbers[coder.measured])
+        position = str(numbers[coder.position_attribute])
         flag_meaning = meaning(spoiling_flag, alarm_of(self.device, spoiling_flag))
         invalid_frame = f"invalid frame of {variant.code}: {_damaged_crc(crc_field, sample.frame)}"
         return replace(example, tried=(position, flag_meaning, invalid_frame))
@@ -221,7 +221,7 @@ class Readme:
         first_answer = question.alternative.answers[0]
         return f", {question.name}={self.device.name}.{question.kind}.{first_answer.name.upper()}"
 
-    def _example_variant(self, kind: str) -> Variant | None:
+    def _example_variant(self, interface_name: str) -> Variant | None:
         """Return an order code with this interface, or None if none is listed.
 
         It is one of an example in the manual if possible, then the one with the highest sum of its parameters.
@@ -232,7 +232,7 @@ class Readme:
         def preference(variant: Variant) -> tuple[bool, int]:
             return variant.code in example_codes, sum(variant.parameters[name] for name in parameter_names)
 
-        return max(self.device.variants_over(kind), key=preference, default=None)
+        return max(self.device.variants_over(interface_name), key=preference, default=None)
 
     @property
     def registers(self) -> list[ReadmeExample]:
@@ -241,7 +241,7 @@ class Readme:
         for example in self.device.examples:
             if isinstance(example, RegisterExample) and example.values and example.register in self._coders:
                 coder = self._coders[example.register]
-                example_by_class.setdefault(coder.name, _register(example, coder))
+                example_by_class.setdefault(coder.name, _register_example(example, coder))
         return list(example_by_class.values())[:_REGISTERS]
 
     @property
@@ -251,7 +251,7 @@ class Readme:
         only_writing = [
             example for example in procedure_examples if self._only_writes_bytes(self._procedures[example.procedure])
         ]
-        return [self._procedure(example) for example in only_writing[:_PROCEDURES]]
+        return [self._procedure_example(example) for example in only_writing[:_PROCEDURES]]
 
     def _only_writes_bytes(self, steps: Steps) -> bool:
         """Return whether a procedure writes single bytes.
@@ -262,7 +262,7 @@ class Readme:
             return False
         return not any(self.device.register(name).is_accessed_whole for name in steps.procedure.registers)
 
-    def _procedure(self, example: ProcedureExample) -> ReadmeExample:
+    def _procedure_example(self, example: ProcedureExample) -> ReadmeExample:
         """Return the call of a procedure, and the bytes that it writes.
 
         The encoder is the first argument if the procedure needs it or has no others, and otherwise a keyword.
@@ -286,7 +286,7 @@ class Readme:
         )
 
     @property
-    def live(self) -> ReadmeExample | None:
+    def live_example(self) -> ReadmeExample | None:
         """Order code with RS-485, or None if none is listed.
 
         ``shown`` is the name of the procedure that clears most alarms, or empty.
@@ -352,7 +352,7 @@ class Readme:
         measurement = self.device.measurement_of(variant.interface)
         if measurement is None:
             return []
-        factors = [factor.value(variant.parameters) for factor in counts(measurement)]
+        factors = [factor.value(variant.parameters) for factor in count_factors(measurement)]
         modulus = prod(factors) if factors else 0
         # The example unwraps from modulus - 2 to 3, by 5 counts. In a small range, the way back is as short.
         if modulus <= 10:
@@ -385,7 +385,7 @@ class Readme:
         contents = []
         for example in register_examples.values():
             if example.order_code == order_codes[0]:
-                contents.append(f'"{example.register}": {_bytes(example.bytes)}')
+                contents.append(f'"{example.register}": {_bytes_literal(example.bytes)}')
         return [ReadmeExample(code=order_codes[0], text=", ".join(contents), shown="", result="True")]
 
 
@@ -404,7 +404,7 @@ def _damaged_crc(crc_field: PlacedField, number: int) -> str:
     return f"expected CRC {received ^ 1:#04x}, got {received:#04x}"
 
 
-def _numbers_of(coder: Coder, sample: Sample) -> dict[str, object]:
+def _numbers_by_name(coder: Coder, sample: Sample) -> dict[str, object]:
     """Return the numbers in a frame by the names of their fields, without the selector."""
     return {name: value for name, value in sample.values.items() if _is_number_of(coder, name)}
 
@@ -412,15 +412,15 @@ def _numbers_of(coder: Coder, sample: Sample) -> dict[str, object]:
 def _frame_literal(placed_layout: PlacedLayout, number: int) -> str:
     """Return a frame as a Python literal, such as ``0x1a2b`` or ``bytes.fromhex("1A 2B")``."""
     if placed_layout.layout.in_bytes:
-        return _bytes(number_to_bytes(placed_layout.layout, number, placed_layout.bits))
+        return _bytes_literal(number_to_bytes(placed_layout.layout, number, placed_layout.bits))
     return f"{number:#x}"
 
 
-def _bytes(data: bytes) -> str:
+def _bytes_literal(data: bytes) -> str:
     return f'bytes.fromhex("{data.hex(" ").upper()}")'
 
 
-def _register(example: RegisterExample, coder: Coder) -> ReadmeExample:
+def _register_example(example: RegisterExample, coder: Coder) -> ReadmeExample:
     """Return the call that decodes a register, and its attributes with their values as printed.
 
     A text as the value of an attribute of another type is the name of an Enum member, in lowercase.
@@ -437,14 +437,14 @@ def _register(example: RegisterExample, coder: Coder) -> ReadmeExample:
             expressions.append(f"register.{attribute}")
             printed_values.append(repr(value))
     return ReadmeExample(
-        code=f"{coder.name}.decode({_bytes(example.bytes)}{variant_argument})",
+        code=f"{coder.name}.decode({_bytes_literal(example.bytes)}{variant_argument})",
         text="",
-        shown=_tuple(expressions),
-        result=_tuple(printed_values),
-        looked_up=coder.takes_variant,
+        shown=_tuple_expression(expressions),
+        result=_tuple_expression(printed_values),
+        needs_lookup=coder.takes_variant,
     )
 
 
-def _tuple(expressions: Sequence[str]) -> str:
+def _tuple_expression(expressions: Sequence[str]) -> str:
     """Return expressions as a tuple, or the only one alone."""
     return f"({', '.join(expressions)})" if len(expressions) != 1 else expressions[0]

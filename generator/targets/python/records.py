@@ -63,20 +63,20 @@ def runtime_records() -> RuntimeRecords:
     members: dict[str, tuple[RecordMember, ...]] = {}
     enumerations = {"Interface"}
     for path in _SOURCES:
-        for class_def in _classes(path.read_text(encoding="utf-8")):
+        for class_def in _record_classes(path.read_text(encoding="utf-8")):
             base_names = {ast.unparse(base) for base in class_def.bases}
             if "NamedTuple" in base_names:
-                members[class_def.name] = tuple(_members(class_def))
+                members[class_def.name] = tuple(_record_members(class_def))
             if "Enum" in base_names:
                 enumerations.add(class_def.name)
     return RuntimeRecords(members, frozenset(enumerations))
 
 
-def _classes(source: str) -> list[ast.ClassDef]:
+def _record_classes(source: str) -> list[ast.ClassDef]:
     return [statement for statement in ast.parse(source).body if isinstance(statement, ast.ClassDef)]
 
 
-def _members(class_def: ast.ClassDef) -> Iterator[RecordMember]:
+def _record_members(class_def: ast.ClassDef) -> Iterator[RecordMember]:
     """Yield the members of a class, whose statements are like ``address: int`` or ``note: str = ""``."""
     for statement in class_def.body:
         if not isinstance(statement, ast.AnnAssign) or not isinstance(statement.target, ast.Name):
@@ -104,7 +104,7 @@ def record_of(class_name: str, model_part: object, **overrides: Literal) -> Call
     """
     arguments: list[tuple[str, Literal]] = []
     for member in _in_printed_order(class_name):
-        value = overrides[member.name] if member.name in overrides else _value(model_part, member)
+        value = overrides[member.name] if member.name in overrides else _member_literal(model_part, member)
         if member.is_required:
             is_positional = class_name in _POSITIONAL
             arguments.append(("" if is_positional else member.name, value))
@@ -126,7 +126,7 @@ def _in_printed_order(class_name: str) -> list[RecordMember]:
     return first + [member for member in members if member.name in names_at_end]
 
 
-def _value(model_part: object, member: RecordMember) -> Literal:
+def _member_literal(model_part: object, member: RecordMember) -> Literal:
     """Return a member of a part of the model as a literal, according to the type of the member in the record.
 
     A record or an enumeration in the type is used for the value, or for each value of a tuple. Sources are one text.

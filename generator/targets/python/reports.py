@@ -9,7 +9,7 @@ from ...model.expressions import Expression
 from ...plan.codec import Codec
 from ...plan.operations import Part, Reserved
 from ...plan.verdicts import Match, Only, ReportCause, Reporting, VerdictCause
-from .literals import Atom, Expr, Not, Operation, Scope, coded, joined, mask
+from .literals import Atom, Expr, Not, Operation, Scope, coded, join_operands, mask
 from .names import ClassNames
 
 
@@ -24,14 +24,14 @@ class FrameReports:
         self,
         reporting: Reporting | None,
         codec: Codec,
-        names: ClassNames,
+        class_names: ClassNames,
         parameters: Mapping[str, str],
         attribute_of: Callable[[str], str] = "self.{}".format,
     ) -> None:
         self._report_causes = reporting.causes if reporting is not None else ()
         self._judgement = reporting.judgement if reporting is not None else None
         self._reserved = codec.reserved
-        self._names = names
+        self._names = class_names
         self._variant = attribute_of("variant")
         self._variant_attributes = parameters
         self._attribute_of = attribute_of
@@ -42,7 +42,7 @@ class FrameReports:
         return self._judgement.worst_first if self._judgement is not None else ()
 
     @property
-    def depends(self) -> bool:
+    def depends_on_order_code(self) -> bool:
         """True if a condition, or the existence of bits that judge the position, depends on the order code."""
         if self._judgement is not None and self._judgement.may_be_unknown:
             return True
@@ -61,13 +61,13 @@ class FrameReports:
         """
         if self._judgement is None:
             return []
-        conditions = {verdict: self._conditions(causes) for verdict, causes in self._causes_by_verdict}
+        conditions = {verdict: self._conditions_of_causes(causes) for verdict, causes in self._causes_by_verdict}
         if self._judgement.may_be_unknown:
             conditions[Verdict.UNKNOWN] = [self._has_no_judging_bits(self._judgement.judging_bits)]
         return [(verdict.name, conditions[verdict]) for verdict in Verdict if verdict in conditions]
 
     @property
-    def reasons(self) -> dict[str, list[str]]:
+    def reasons_by_verdict(self) -> dict[str, list[str]]:
         """Meanings of the causes of each verdict, such as ``{"NOT_USABLE": ["error: data is invalid."]}``."""
         reasons_by_verdict: dict[str, list[str]] = {}
         for verdict, causes in self._causes_by_verdict:
@@ -76,15 +76,15 @@ class FrameReports:
         return reasons_by_verdict
 
     @property
-    def not_usable(self) -> list[str]:
+    def not_usable_conditions(self) -> list[str]:
         """Conditions, each of which makes the position not usable."""
         for verdict, causes in self._causes_by_verdict:
             if verdict is Verdict.NOT_USABLE:
-                return self._conditions(causes)
+                return self._conditions_of_causes(causes)
         return []
 
     @property
-    def otherwise(self) -> str:
+    def default_verdict(self) -> str:
         """Verdict if no condition applies. Empty if the frame has no position."""
         return self._judgement.otherwise.name if self._judgement is not None else ""
 
@@ -92,7 +92,7 @@ class FrameReports:
         """Return the condition that the frames of the encoder have no bits that judge the position."""
         attributes = self._variant_attributes.items()
         code_of_parameter = {parameter: f"{self._variant}.{attribute}" for parameter, attribute in attributes}
-        return f"{Scope(code_of_parameter).of(judging_bits).operand} == 0"
+        return f"{Scope(code_of_parameter).expression_of(judging_bits).operand} == 0"
 
     # -- reports
 
@@ -103,7 +103,7 @@ class FrameReports:
 
     # -- conditions
 
-    def _conditions(self, causes: Sequence[VerdictCause]) -> list[str]:
+    def _conditions_of_causes(self, causes: Sequence[VerdictCause]) -> list[str]:
         """Return a condition for each flag and each match of values, and one for all unused bits."""
         conditions = []
         reserved_causes = []
@@ -111,12 +111,12 @@ class FrameReports:
             if isinstance(cause.by, Reserved):
                 reserved_causes.append(cause.by)
             else:
-                conditions.append(self._condition(cause, cause.by))
+                conditions.append(self._condition_of_cause(cause, cause.by))
         if reserved_causes:
             conditions.append(str(self._differs_in(reserved_causes)))
         return conditions
 
-    def _condition(self, cause: VerdictCause, flag_or_match: Part | Match) -> str:
+    def _condition_of_cause(self, cause: VerdictCause, flag_or_match: Part | Match) -> str:
         """Return the condition for a cause, such as ``(self.error and not self.warning)``.
 
         A cause is ignored while one of the flags that it combines is active, and for other order codes.
@@ -131,8 +131,8 @@ class FrameReports:
             conditions.append(condition_on_parameter(only, parameter))
         if cause.unless:
             combined_flags = [self._read_attribute(flag) for flag in cause.unless]
-            conditions.append(Not(joined("or", combined_flags)))
-        return str(conditions[0]) if len(conditions) == 1 else f"({joined('and', conditions)})"
+            conditions.append(Not(join_operands("or", combined_flags)))
+        return str(conditions[0]) if len(conditions) == 1 else f"({join_operands('and', conditions)})"
 
     def _has_values(self, match: Match) -> list[Expr]:
         """Return a condition for each value of a match. The value of a flag is 1 while it is active."""
@@ -174,6 +174,6 @@ def _meaning_while_active(cause: VerdictCause) -> str:
     return f"{flag.name}: {meaning_on_one_line.rstrip('.')}."
 
 
-def condition_on_parameter(only: Only, parameter: str) -> Expr:
-    """Return the condition that an order code is among ``only``: ``parameter`` or ``not parameter``."""
-    return Atom(parameter) if only.holds else Not(Atom(parameter))
+def condition_on_parameter(parameter_condition: Only, parameter: str) -> Expr:
+    """Return the condition that an order code is among ``parameter_condition``: ``parameter`` or ``not parameter``."""
+    return Atom(parameter) if parameter_condition.holds else Not(Atom(parameter))

@@ -15,9 +15,9 @@ from ...plan.description import Answered, Column, Name, describe
 from ...plan.operations import FrameCrc
 from ...plan.values import is_named, meaning_of, position_ranges
 from ...plan.verdicts import Only, Reporting
-from .bits import others
+from .bits import mask_without_field
 from .codec import Coder
-from .literals import Call, Code, ConditionalItem, Hex, Literal, Member, joined, literal, literal_call, record
+from .literals import Call, Code, ConditionalItem, Hex, Literal, Member, join_operands, literal, literal_call, record
 from .names import byte_order
 from .reports import condition_on_parameter
 
@@ -26,15 +26,13 @@ _POSITIONAL_COUNTS = {"BitField": 1, "Column": 1, "Join": 1, "VerdictCause": 1, 
 #: Names of classes and members in the runtime, if they differ from those of the plan.
 _RUNTIME_NAMES: Mapping[str, str] = MappingProxyType(
     {
-        "Speaks": "VerdictCause",
-        "Tells": "ReportCause",
-        "speaks": "verdict_causes",
-        "tells": "report_causes",
+        "DescribedVerdictCause": "VerdictCause",
+        "DescribedReportCause": "ReportCause",
         "answered": "chosen_verdict",
     }
 )
 #: Members of the plan with several items, except the columns.
-_PLANNED_ROWS = ("joins", "unused", "checks", "parities", "speaks", "tells", "fields")
+_PLANNED_ROWS = ("joins", "unused", "checks", "parities", "verdict_causes", "report_causes", "fields")
 #: Members that say for which encoders a cause applies.
 _CONDITIONS = ("only", "chosen")
 
@@ -55,32 +53,34 @@ class Shape:
     @property
     def members(self) -> list[tuple[str, Literal]]:
         """Members that are not empty, by name, in the order in which they are printed."""
-        return [(name, value) for name, value in self._members() if value not in (None, 0, "", ())]
+        return [(name, value) for name, value in self._all_members() if value not in (None, 0, "", ())]
 
-    def _members(self) -> Iterator[tuple[str, Literal]]:
+    def _all_members(self) -> Iterator[tuple[str, Literal]]:
         """Yield all members of the shape by name, also empty ones."""
         description = self._description
         coder = self.coder
         yield "bits", self._literal_of(description.bits)
         yield "length", description.length
         yield "order", description.order
-        yield "columns", self._columns()
+        yield "columns", self._value_columns()
         yield from self._other_rows()
         yield "crc", self._crc_of_encoder(description.crcs)
-        yield from self._gray()
+        yield from self._gray_members()
         yield "fixed", self._constant_bits()
-        yield "position", coder.measured
+        yield "position", coder.position_attribute
         if self.plan.keeps_others:
-            yield "kept_mask", Code(str(others(coder.context.scope, self.plan)))
-        if coder.register is not None and coder.limited:
-            yield "limited", (coder.register.limits_of, coder.limited)
+            yield "kept_mask", Code(str(mask_without_field(coder.context.scope, self.plan)))
+        if coder.register is not None and coder.limited_attribute:
+            yield "limited", (coder.register.limits_of, coder.limited_attribute)
         yield "default_verdict", self._default_verdict()
         yield "frame", self._frame_with_special_range()
 
-    def _columns(self) -> tuple[Call, ...]:
+    def _value_columns(self) -> tuple[Call, ...]:
         """Return a column for each field with a value."""
         names_with_value = {part.field.name for part in self.plan.parts}
-        return tuple(self._column(column) for column in self._description.columns if column.name in names_with_value)
+        return tuple(
+            self._column_call(column) for column in self._description.columns if column.name in names_with_value
+        )
 
     def _other_rows(self) -> Iterator[tuple[str, Literal]]:
         """Yield the members with several items, except the columns, with their names in the runtime."""
@@ -90,7 +90,7 @@ class Shape:
             if not is_checked_by_class:
                 yield _RUNTIME_NAMES.get(name, name), self._literal_of(getattr(self._description, name))
 
-    def _gray(self) -> Iterator[tuple[str, Literal]]:
+    def _gray_members(self) -> Iterator[tuple[str, Literal]]:
         """Yield ``gray`` and ``excess``, if the encoder can send Gray code.
 
         ``gray`` is the lowest bit and the width of the bits in this code, such as ``(8, 22) if variant.gray else
@@ -130,14 +130,14 @@ class Shape:
         This is also so if the position never wraps around. Otherwise, return an empty string.
         """
         coder = self.coder
-        if coder.register is not None or not coder.measured:
+        if coder.register is not None or not coder.position_attribute:
             return ""
         interface = coder.context.device.interface(coder.layout_interface)
         ranges = position_ranges(coder.context.device, interface)
         is_special = len(ranges) > 1 or any(position_range.never_wraps for position_range in ranges)
         return coder.layout.name if is_special else ""
 
-    def _column(self, column: Column) -> Call:
+    def _column_call(self, column: Column) -> Call:
         """Return a column, with the name of the field in messages and the values that are valid.
 
         The name is given only if the attribute has another one. ``values`` are those of a selector, or the Enum of a
@@ -162,11 +162,11 @@ class Shape:
         if not crcs:
             return None
         if not crcs[0].is_optional:
-            return self._crc(crcs[0])
-        choices = tuple(ConditionalItem(self._crc(crc), str(self.coder.number(crc.field.width))) for crc in crcs)
+            return self._crc_call(crcs[0])
+        choices = tuple(ConditionalItem(self._crc_call(crc), str(self.coder.number(crc.field.width))) for crc in crcs)
         return literal_call("next", literal_call("iter", choices), Code("None"))
 
-    def _crc(self, frame_crc: FrameCrc) -> Call:
+    def _crc_call(self, frame_crc: FrameCrc) -> Call:
         """Return the CRC with the function that compares it, and the means to compute it for many frames."""
         crc = frame_crc.crc
         coder = self.coder
@@ -181,7 +181,7 @@ class Shape:
             place_arguments = f"covered={coder.number(frame_crc.covered)}, width={crc.width}{gap}"
             members["differs"] = Code(f"compare_bits({coder.crc_name(frame_crc)}, {place_arguments})")
             if frame_crc.steps:
-                members |= {"xorout": crc.xorout, "steps": _folds(frame_crc)}
+                members |= {"xorout": crc.xorout, "steps": _fold_steps(frame_crc)}
         return Call("CrcOf", tuple(members.items()))
 
     # -- any value of the description
@@ -218,7 +218,7 @@ class Shape:
             if only is not None:
                 conditions.append(condition_on_parameter(only, self._read_parameter(only.parameter)))
         call = self._call_of(description_part)
-        return ConditionalItem(call, str(joined("and", conditions))) if conditions else call
+        return ConditionalItem(call, str(join_operands("and", conditions))) if conditions else call
 
     def _read_parameter(self, parameter: str) -> str:
         return f"variant.{self.coder.context.parameters[parameter]}"
@@ -243,7 +243,7 @@ class Shape:
         return Call(class_name, tuple(arguments))
 
 
-def _folds(frame_crc: FrameCrc) -> tuple[Call, ...]:
+def _fold_steps(frame_crc: FrameCrc) -> tuple[Call, ...]:
     """Return the steps that compute a CRC without a table, such as ``Fold(shift=8, mask=0x3F, back=2)``."""
     steps = frame_crc.steps
     return tuple(record("Fold", {"shift": step.shift, "mask": Hex(step.mask), "back": step.back}) for step in steps)

@@ -15,7 +15,7 @@ from ...plan.values import (
     Cases,
     PositionRange,
     by_interface,
-    counts,
+    count_factors,
     meaning_of,
     parameters_in_measurement,
     position_ranges,
@@ -25,7 +25,7 @@ from . import docstrings
 from .channels import ChannelCode, channel_code
 from .codec import Coder
 from .frame_kinds import FrameKind
-from .literals import Atom, Call, Code, Expr, Literal, Operation, joined, number, of_number, record
+from .literals import Atom, Call, Code, Expr, Literal, Operation, join_operands, number, of_number, record
 from .names import (
     FUNCTIONS,
     ClassNames,
@@ -54,9 +54,9 @@ class Variants:
         self.context = context
         self.device = context.device
         self.frame_kinds = frame_kinds
-        self.sent = [coder for coder in coders if coder.layout.sender == "encoder"]
+        self.sent_frames = [coder for coder in coders if coder.layout.sender == "encoder"]
         #: True if any frame has a verdict.
-        self.has_verdict = any(coder.reports is not None and coder.reports.otherwise for coder in coders)
+        self.has_verdict = any(coder.reports is not None and coder.reports.default_verdict for coder in coders)
         self._scope = context.scope_of("self")
         self.rows = [self._build_row(variant) for variant in self.device.variants]
 
@@ -76,7 +76,7 @@ class Variants:
         return [self.context.parameters[parameter.name] for parameter in self.device.set_parameters]
 
     @property
-    def with_requests(self) -> list[str]:
+    def interfaces_with_requests(self) -> list[str]:
         """Names of the interfaces over which requests and replies form a pipeline of words."""
         spi_interfaces = (interface for interface in self.device.interfaces if isinstance(interface, Spi))
         return [interface.name for interface in spi_interfaces if interface.exchanges]
@@ -84,11 +84,11 @@ class Variants:
     def exchanged(self, interface: Interface) -> tuple[Exchanged, ...]:
         """Return the requests over an interface with their replies.
 
-        There are none if requests and replies form a pipeline of words, which ``with_requests`` lists.
+        There are none if requests and replies form a pipeline of words, which ``interfaces_with_requests`` lists.
         """
-        return () if interface.name in self.with_requests else exchanges(interface)
+        return () if interface.name in self.interfaces_with_requests else exchanges(interface)
 
-    def defaults(self, exchange: Exchanged) -> list[tuple[str, int]]:
+    def default_attributes(self, exchange: Exchanged) -> list[tuple[str, int]]:
         """Return attribute and factory default of each field in a request that has one: ``[("address", 1)]``."""
         names = ClassNames(exchange.request, None, ())
         return [(names.attribute(name), value) for name, value in exchange.defaults.items()]
@@ -117,7 +117,7 @@ class Variants:
         return docstrings.of_variant(self.device, self.context.parameters)
 
     @property
-    def derived(self) -> list[tuple[str, str, Expr]]:
+    def derived_parameters(self) -> list[tuple[str, str, Expr]]:
         """Name, meaning and value of each parameter that is derived from others.
 
         Those that always equal a quantity of the measurement are left out, since the class has that quantity.
@@ -127,50 +127,52 @@ class Variants:
         for parameter in self.device.parameters:
             if parameter.equals is not None and parameter.name not in names_in_measurement:
                 meaning = docstrings.of_parameter(self.device, parameter)
-                derived.append((self.context.parameters[parameter.name], meaning, self._scope.of(parameter.equals)))
+                derived.append(
+                    (self.context.parameters[parameter.name], meaning, self._scope.expression_of(parameter.equals))
+                )
         return derived
 
     # -- units of positions
 
     @cached_property
-    def measured(self) -> str:
+    def position_attribute(self) -> str:
         """Name of the position attribute that is converted to turns or lengths, or "" without a measurement."""
         for interface in self.device.interfaces:
-            measurement = self._measurement(interface)
+            measurement = self._measurement_of(interface)
             if measurement is not None:
                 return attribute(measurement.of, (*FUNCTIONS, "previous", "self", "unwrap"))
         return ""
 
-    def _measurement(self, interface: Interface) -> Measurement | None:
+    def _measurement_of(self, interface: Interface) -> Measurement | None:
         return self.device.measurement_of(interface.name)
 
     def _code_of(self, value: Expression | None) -> Expr | None:
         """Return a number of the encoder in Python, such as ``1 << self.bits``, or None if the spec has none."""
-        return self._scope.of(value) if value is not None else None
+        return self._scope.expression_of(value) if value is not None else None
 
-    def _cases(self, quantity_of: Callable[[Measurement], Expr | None]) -> Cases[Expr]:
+    def _cases_by_interface(self, quantity_of: Callable[[Measurement], Expr | None]) -> Cases[Expr]:
         """Return a quantity of the measurement by interface.
 
         ``quantity_of`` returns it for a measurement, or None if the measurement has none.
         """
 
         def quantity_over(interface: Interface) -> Expr | None:
-            measurement = self._measurement(interface)
+            measurement = self._measurement_of(interface)
             return quantity_of(measurement) if measurement is not None else None
 
         return by_interface(self.device, quantity_over)
 
     @cached_property
     def counts_per_turn(self) -> Cases[Expr]:
-        return self._cases(lambda measurement: self._code_of(measurement.counts_per_turn))
+        return self._cases_by_interface(lambda measurement: self._code_of(measurement.counts_per_turn))
 
     @cached_property
     def step_um(self) -> Cases[Expr]:
-        return self._cases(lambda measurement: self._code_of(measurement.step_um))
+        return self._cases_by_interface(lambda measurement: self._code_of(measurement.step_um))
 
     @cached_property
     def step_nm(self) -> Cases[Expr]:
-        return self._cases(lambda measurement: self._code_of(measurement.step_nm))
+        return self._cases_by_interface(lambda measurement: self._code_of(measurement.step_nm))
 
     @cached_property
     def per_counts(self) -> Cases[Expr]:
@@ -181,7 +183,7 @@ class Variants:
                 return None
             return self._code_of(measurement.per_counts or Expression(1))
 
-        cases = self._cases(counts_of)
+        cases = self._cases_by_interface(counts_of)
         is_one_everywhere = all(number_of_counts == number(1) for number_of_counts, _ in cases.cases)
         return replace(cases, cases=()) if is_one_everywhere else cases
 
@@ -190,9 +192,9 @@ class Variants:
         """Number of counts after which the position wraps around."""
         return by_interface(self.device, self.modulus_of)
 
-    def _modulus(self, measurement: Measurement) -> Expr | None:
-        factors = [*map(self._scope.of, counts(measurement))]
-        return joined("*", factors) if factors else None
+    def _modulus_expression(self, measurement: Measurement) -> Expr | None:
+        factors = [*map(self._scope.expression_of, count_factors(measurement))]
+        return join_operands("*", factors) if factors else None
 
     def _only_range(self, interface: Interface) -> PositionRange | None:
         """Return the range of the position that applies to all frames of an interface.
@@ -203,7 +205,7 @@ class Variants:
         return ranges[0] if len(ranges) == 1 and not ranges[0].never_wraps else None
 
     @cached_property
-    def by_frame(self) -> list[str]:
+    def interfaces_with_frame_ranges(self) -> list[str]:
         """Names of the interfaces over which frames have different ranges, or positions that never wrap around."""
         interface_names: list[str] = []
         for interface in self.device.interfaces:
@@ -213,15 +215,15 @@ class Variants:
         return interface_names
 
     @property
-    def no_range(self) -> str:
+    def reasons_without_range(self) -> str:
         """Reasons why an interface has no modulus that applies to all of its frames, or "" if all have one."""
         interfaces = self.device.interfaces
         without_modulus = {interface.name for interface in interfaces if self.modulus_of(interface) is None}
         reasons: list[str] = []
         # Over these interfaces, the frames do not differ.
-        if without_modulus.difference(self.by_frame):
+        if without_modulus.difference(self.interfaces_with_frame_ranges):
             reasons.append("the manual does not give it")
-        if self.by_frame:
+        if self.interfaces_with_frame_ranges:
             reasons.append("it depends on the frame, see range_of()")
         return ", or ".join(reasons)
 
@@ -231,14 +233,14 @@ class Variants:
         Return None if the spec does not give it or if it depends on the frame.
         """
         only_range = self._only_range(interface)
-        return self._modulus(only_range.measurement) if only_range is not None else None
+        return self._modulus_expression(only_range.measurement) if only_range is not None else None
 
     def ranges_over(self, interface: Interface) -> list[tuple[str, Sequence[Expr | None]]]:
         """Return each frame with its lowest and highest position and modulus, if the frames differ.
 
         Frames in which the distance between two positions is unknown are left out.
         """
-        if interface.name not in self.by_frame:
+        if interface.name not in self.interfaces_with_frame_ranges:
             return []
         ranges: list[tuple[str, Sequence[Expr | None]]] = []
         for position_range in position_ranges(self.device, interface):
@@ -255,12 +257,12 @@ class Variants:
         Without one, it can be any number that fits in its field.
         """
         measurement = position_range.measurement
-        modulus = self._modulus(measurement)
+        modulus = self._modulus_expression(measurement)
         if position_range.signed_field is None:
             highest = self._code_of(measurement.highest)
             if highest is None:
                 position_fields = [layout.field(name) for name in layout.names_in(measurement.of)]
-                number_of_values = self._power(sum((field.width for field in position_fields), Expression(0)))
+                number_of_values = self._power_of_two(sum((field.width for field in position_fields), Expression(0)))
                 highest = Operation(modulus if modulus is not None else number_of_values, "-", number(1))
             return number(0), highest, modulus
         highest = self._highest_signed(position_range)
@@ -273,11 +275,11 @@ class Variants:
         # The lowest number in two's complement is -highest - 1.
         return Operation(number(-1), "-", highest), highest, modulus
 
-    def _power(self, exponent: Expression) -> Expr:
+    def _power_of_two(self, exponent: Expression) -> Expr:
         """Return two to the power of ``exponent``."""
         if exponent.is_constant:
             return number(1 << exponent.constant)
-        return Operation(number(1), "<<", self._scope.of(exponent))
+        return Operation(number(1), "<<", self._scope.expression_of(exponent))
 
     def _highest_signed(self, position_range: PositionRange) -> Expr:
         """Return the highest signed position: that of the spec, or else the highest that fits in the field."""
@@ -285,10 +287,10 @@ class Variants:
         stated_highest = position_range.measurement.highest
         assert field is not None
         if stated_highest is not None:
-            return self._scope.of(stated_highest)
+            return self._scope.expression_of(stated_highest)
         if field.width.is_constant:
             return number((1 << (field.widest - 1)) - 1)
-        return Operation(self._power(field.width - Expression(1)), "-", number(1))
+        return Operation(self._power_of_two(field.width - Expression(1)), "-", number(1))
 
     @cached_property
     def lowest(self) -> Cases[Expr] | None:
@@ -302,7 +304,7 @@ class Variants:
                 return Atom("-self.highest - 1")
             return Atom("self.highest - self.modulus + 1")
 
-        return self._ends(lowest_of, number(0))
+        return self._ends_by_interface(lowest_of, number(0))
 
     @cached_property
     def highest(self) -> Cases[Expr] | None:
@@ -313,7 +315,7 @@ class Variants:
                 return self._highest_signed(position_range)
             return self._code_of(position_range.measurement.highest)
 
-        return self._ends(highest_of, Operation(Atom("self.modulus"), "-", number(1)))
+        return self._ends_by_interface(highest_of, Operation(Atom("self.modulus"), "-", number(1)))
 
     @property
     def is_shifted(self) -> bool:
@@ -328,7 +330,7 @@ class Variants:
                 return True
         return False
 
-    def _ends(self, end_of: Callable[[PositionRange], Expr | None], usual: Expr) -> Cases[Expr] | None:
+    def _ends_by_interface(self, end_of: Callable[[PositionRange], Expr | None], usual: Expr) -> Cases[Expr] | None:
         """Return the lowest or the highest position by interface.
 
         ``end_of`` returns it for a range, or None where it is ``usual``. The result is None if it is ``usual`` over all
@@ -342,7 +344,7 @@ class Variants:
             return end_of(only_range) or usual
 
         ends = by_interface(self.device, end_over)
-        is_usual = not self.by_frame and all(position == usual for position, _ in ends.cases)
+        is_usual = not self.interfaces_with_frame_ranges and all(position == usual for position, _ in ends.cases)
         return None if is_usual else ends
 
     @property
@@ -352,7 +354,7 @@ class Variants:
             "Rotary": bool(self.counts_per_turn.cases),
             "Linear": bool(self.step_um.cases),
             "FineLinear": bool(self.step_nm.cases),
-            "Wrapping": bool(self.modulus.cases or self.by_frame),
+            "Wrapping": bool(self.modulus.cases or self.interfaces_with_frame_ranges),
         }
         return [name for name, applies in applies_by_class.items() if applies] or ["Encoder"]
 
@@ -374,7 +376,7 @@ class Variants:
         return [self.context.questions[alternative.name] for alternative in optional]
 
     @property
-    def some_code(self) -> str:
+    def example_code(self) -> str:
         """Last order code over an interface with a frame whose verdict depends on an answer of ``answers``.
 
         Raises an error if there is none.
@@ -386,7 +388,7 @@ class Variants:
         variants = (variant for variant in reversed(self.device.variants) if variant.interface in interface_names)
         return first_of(variants, "order code with a frame whose verdict an answer decides").code
 
-    def answered(self, question: OpenQuestion) -> list[tuple[str, str]]:
+    def answered_parameters(self, question: OpenQuestion) -> list[tuple[str, str]]:
         """Return the parameters that an answer sets, each with its attribute in the Enum of the answers."""
         return [(self.context.parameters[name], member) for name, member in question.members]
 
@@ -403,12 +405,12 @@ class Variants:
         return records
 
     @property
-    def initial(self) -> str:
+    def initial_values(self) -> str:
         """Kind of the values that these parameters have until they are read, such as ``factory defaults``."""
         return initial(self.device)
 
     @property
-    def holding(self) -> str:
+    def holding_registers(self) -> str:
         """Registers that hold these parameters, such as ``resolution at 5Ah, mode at 5Bh``."""
         registers = (group.register for group in held_parameters(self.device))
         return ", ".join(f"{register.name} at {register.address:02X}h" for register in registers)
