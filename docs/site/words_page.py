@@ -1,4 +1,4 @@
-"""The page of words: words that the spec language got after its first encoders, who uses them, and what they cost.
+"""The page of words: later words of the spec language, with their encoders and their cost.
 
 ``make words-page`` writes the page. It counts encoders in ``specs/`` and files in the history of the repository.
 """
@@ -25,7 +25,7 @@ _MOST_NAMED = 4
 _INTRODUCTION = """\
 <!-- Generated from the specs and the history of the repository by: make words-page -->
 
-# Words of the spec language, and what they cost
+# Words of the spec language and their cost
 
 Words that were added after the first encoders. The last column counts the files in `generator/`, `templates/` and
 `runtime/`, without schemas, in the commits that added the word. Compare a new word with a similar one, and with the

@@ -10,7 +10,7 @@ from codewheel.targets import Library
 from codewheel.targets.browser.files import family_data
 from codewheel.targets.docs.files import generate
 
-UNCORROBORATED = {"as38", "bml_s1g", "dl100", "dl1000", "kcd", "la11", "msa213c", "wdga"}
+UNCORROBORATED = {"as38", "bml_s1g", "dl100", "dl1000", "icmr", "kcd", "la11", "msa213c", "wdga"}
 SAID = "Made-up order code: The label of the chip has only its name."
 
 
