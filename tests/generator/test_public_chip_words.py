@@ -1,11 +1,12 @@
-"""Frames of the MA600 and the iC-MR, against the library of a manufacturer and the tables of a data sheet.
+"""Frames of the MA600, the iC-MR and the C58, against the library of a manufacturer and tables of manuals.
 
 MA600: monolithicpower/MagAlpha-Arduino-Library at commit 53f20df, src/MagAlphaGen6.cpp. ``readAngleRaw`` counts the
 ones of the angle and compares their number with the bit of the 17th clock, ``readTurn`` takes the second half of 32
 bits in two's complement, and ``readRegister`` takes the low byte.
 
-iC-MR: tables 52 to 57 of the data sheet, revision A1. No implementation is public, so the decoder is written from the
-tables, with arithmetic on whole numbers. Of the frames, one in three has up to three bits changed.
+iC-MR: tables 52 to 57 of the data sheet, revision A1. C58: pages 100 to 103 of the manual of TR-Electronic. No
+implementation is public, so the decoders are written from these pages, with arithmetic on whole numbers. Of the frames,
+one in three has up to three bits changed.
 """
 
 from __future__ import annotations
@@ -168,3 +169,47 @@ def test_frames_of_the_icmr(import_generated: Importer) -> None:
                 assert decoded.of(icmr.Tmp).temperature == temperature_data
     # A CRC detects up to two changed bits of these frames, and nearly all cases of three.
     assert 0.3 * FRAMES < rejected < 0.34 * FRAMES
+
+
+def expected_c58(order_code: str, word: int) -> int | None:
+    """Return the position of a word of the C58, or None if its parity or its zeros are wrong."""
+    _, data, special = order_code.split("-")
+    data_bits, code = int(data[:-1]), data[-1]
+    if special == "C":
+        # 28 data bits, filled up with zeros, and 15 bits of the check sum.
+        number, zeros = divmod(word >> 15, 1 << (28 - data_bits))
+        return None if zeros else number
+    if special[-1] in "EO" and word.bit_count() % 2 != (special[-1] == "O"):
+        return None
+    number = word >> len(special.replace("N", ""))
+    if code == "G":
+        for shift in (16, 8, 4, 2, 1):
+            number ^= number >> shift
+    return number
+
+
+def test_words_of_the_c58(import_generated: Importer) -> None:
+    package = package_of(import_generated, "trelectronic", "c58")
+    options = {"B": ("N", "E", "O", "T", "TE", "TO", "C"), "G": ("N", "E", "O", "T", "TE", "TO")}
+    order_codes = [
+        f"C58-{bits}{code}-{special}" for bits in range(25, 29) for code in "BG" for special in options[code]
+    ]
+    rejected = 0
+    for order_code in order_codes:
+        encoder = package.lookup(order_code)
+        generator = random.Random(order_code)
+        for number in range(FRAMES // len(order_codes)):
+            word = generator.getrandbits(encoder.frame_bits)
+            if number % 3 and expected_c58(order_code, word) is None:
+                word ^= 1
+            expected = expected_c58(order_code, word)
+            if expected is None:
+                rejected += 1
+                with pytest.raises(package.ConstantError):
+                    encoder.decode(word)
+                continue
+            frame = encoder.decode(word)
+            assert (frame.position, frame.verdict.value) == (expected, "unknown")
+        with pytest.raises(package.LengthError):
+            encoder.decode(0, bits=encoder.frame_bits + 1)
+    assert rejected > FRAMES // 20
