@@ -12,7 +12,7 @@ endif
 AXE = axe-playwright-python==0.1.8
 export CC CXX
 
-.PHONY: generate lint quick quick-outputs quick-tests-1 quick-tests-2 test verify bench bench-python bench-tool mutants check schema spec-page rules-page site release clean
+.PHONY: generate lint quick quick-outputs quick-tests-1 quick-tests-2 test verify bench bench-python bench-tool mutants check schema spec-page rules-page words-page site release clean
 
 generate: .venv/.installed
 	@$(PY) -m codewheel generate
@@ -112,6 +112,10 @@ schema: .venv/.installed
 
 spec-page: schema
 	@$(PY) -m codewheel.language.language_page docs/transcribe/spec-language.md
+
+# The words that were added to the language, from the specs and the history.
+words-page: .venv/.installed
+	@$(PY) docs/site/words_page.py
 
 # CI sets CODEWHEEL_LOCKED. Then the packages of .ci/requirements.txt are present, and no others are installed.
 .PHONY: bench-packages

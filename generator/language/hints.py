@@ -30,6 +30,11 @@ _FORMS = {"gray": "{of: position}"}
 _INSTEAD = {
     "step_nm": ": write the length of several counts, and their number in 'per_counts'",
 }
+#: Hints for a list under a key that takes a single map.
+_INSTEAD_OF_LIST = {
+    "gray": "; a layout has one number in Gray code: join numbers that are converted together, or convert the others in"
+    " your program",
+}
 _WORDS = {"hz": "Hz", "khz": "kHz", "mhz": "MHz", "ghz": "GHz", "us": "µs", "um": "µm", "mv": "mV", "v": "V"}
 
 _HEX = re.compile(r"(?P<negative>-?)(?:(?P<suffixed>[0-9A-Fa-f]+)[hH]|(?:0X|\$|#|&[hH])(?P<prefixed>[0-9A-Fa-f]+))")
@@ -55,6 +60,20 @@ _ELSEWHERE = {
     "reset": ("default",), "reset_value": ("default",), "enum": ("values",), "enums": ("values",),
     "permission": ("access",), "mode": ("access",),
 }  # fmt: skip
+#: Features that the language does not have, by the words that people try, each with the way round.
+_NO_BCD = "; the language has no BCD code: write a number of plain bits, and convert it in your program"
+_NO_REPETITION = (
+    "; the language has no repeated words: write the second word as fields with names of their own, and compare them in"
+    " your program"
+)
+_NO_SUM = "; the language has only parity bits, CRCs and XOR: write a number, and compare it in your program"
+_NO_REVERSAL = "; the language has no words with the least significant bit first: reverse the bits before you decode"
+_UNSUPPORTED = {
+    **dict.fromkeys(("bcd", "excess_3", "decimal"), _NO_BCD),
+    **dict.fromkeys(("repeat", "repeats", "repeated", "repetitions"), _NO_REPETITION),
+    **dict.fromkeys(("sum_of", "checksum", "checksum_of", "complement_of"), _NO_SUM),
+    **dict.fromkeys(("bit_order", "lsb_first"), _NO_REVERSAL),
+}
 #: Values of keys that other tools write in words.
 _VALUES = {
     "byte_order": {
@@ -165,6 +184,8 @@ def value_hint(key: str, wrong_value: Any, schema: Mapping[str, Any]) -> str:
     """
     required_type = schema.get("type")
     required_keys = schema.get("required", ())
+    if isinstance(wrong_value, list) and required_type == "object":
+        return _INSTEAD_OF_LIST.get(key, "")
     if required_type == "boolean":
         text = str(wrong_value).lower()
         return f"; write {_YES_OR_NO[text]}" if text in _YES_OR_NO else ""
@@ -181,6 +202,14 @@ def word_hint(key: str, wrong_word: Any) -> str:
     """Return what to write instead of ``rw`` or ``big`` under a key that takes one of our words. Empty if unclear."""
     word = _VALUES.get(key, {}).get(str(wrong_word).lower(), "")
     return f"; write '{word}'" if word else ""
+
+
+def unsupported_hint(word: Any) -> str:
+    """Return the way round a feature that the language does not have, for a key or value such as ``bcd``, or nothing.
+
+    The page on encoders lists all limits of the language.
+    """
+    return _UNSUPPORTED.get(str(word).lower().replace("-", "_"), "")
 
 
 def foreign_key_hint(

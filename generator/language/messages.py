@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from .hints import TO_ADD, foreign_key_hint, key_hint, number_hint, value_hint, word_hint
+from .hints import TO_ADD, foreign_key_hint, key_hint, number_hint, unsupported_hint, value_hint, word_hint
 from .problems import WORDS_ONLY, Path, listed, missing, nearest_choice, quoted, suggestion
 from .schema_files import is_only_in_device_files
 
@@ -176,7 +176,7 @@ def _unknown_keys(error: Any, path: Path, file_kind: str) -> Iterator[Finding]:
 def _key_hint(error: Any, path: Path, key: str) -> str:
     """Return the hint after an unknown key, or an empty string if none of the hints fits.
 
-    The key may be a former name, a key of other tools, a typo, an unsupported feature, a key of a field, a part of a
+    The key may be a former name, a key of other tools, an unsupported feature, a typo, a key of a field, a part of a
     text without quotes, or have another unit. The first of these that applies is used.
     """
     known_keys = error.schema["properties"]
@@ -184,6 +184,8 @@ def _key_hint(error: Any, path: Path, key: str) -> str:
         return f"; it is now called '{RENAMED[key]}' (codewheel migrate renames it)"
     if foreign_hint := foreign_key_hint(key, error.instance[key], known_keys, error.instance):
         return foreign_hint
+    if missing_feature_hint := unsupported_hint(key):
+        return missing_feature_hint
     nearest_key = nearest_choice(key, list(known_keys))
     if nearest_key:
         return f"; did you mean '{nearest_key}'?"
@@ -310,7 +312,7 @@ def _text_hint(error: Any) -> str:
 
 def _explain_enum(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a value that is not one of the allowed ones, with the likely or all allowed ones."""
-    hint = word_hint(str(error.absolute_path[-1]), error.instance)
+    hint = word_hint(str(error.absolute_path[-1]), error.instance) or unsupported_hint(error.instance)
     if not hint and not isinstance(error.instance, (dict, list)):
         hint = suggestion(str(error.instance), map(str, error.validator_value), "use one of")
     if not hint:

@@ -161,8 +161,8 @@ class WrittenField(WrittenPart):
         default=(),
     )
     parity_of: NameOrNames = key(
-        "The field, list of fields or join that this parity bit covers. Over SPI without a CRC, it "
-        "covers all other fields of the word, unless a 'note' here says otherwise.",
+        "The field, list of fields or join that this parity bit covers. In a word of bits without a CRC, it "
+        "covers all other fields, unless a 'note' here names those that the manual leaves out.",
         default=(),
     )
     parity: Literal["", "even", "odd"] = key(

@@ -10,8 +10,8 @@ from .part import ClocksInUse, Count, Phrase, key, only_key, part, source_key
 
 @part(
     "Clock frequencies: the limits of the encoder, and clocks that are known to have been used. "
-    "One of the two is required, unless the source is still TODO. The outputs then say that the "
-    "clock is not known.",
+    "One of the two is required, unless the source is still TODO or the grade is uncorroborated. The "
+    "outputs then say that the clock is not known.",
     data="Clock frequencies. A limit is null if it is not known.",
 )
 class Clock:
@@ -32,7 +32,7 @@ class Clock:
         read="clock",
     )
     max_hz: int | None = key(
-        "Highest clock frequency in hertz. Required, unless 'used_hz' is given.",
+        "Highest clock frequency in hertz. Required, unless 'used_hz' is given or no clock is known.",
         data="Highest frequency in hertz.",
         minimum=1,
         maximum=1000000000,

@@ -32,10 +32,10 @@ RULES_WITH_BROKEN_SPECS = """
     missing-key missing-signal misspelt-name monoflop network-mismatch not-a-map not-allowed
     not-opened not-summed not-text number-base number-too-long open-quotation
     order-code-ambiguous order-code-pattern out-of-range output-code pair-order parameter-cycle
-    parameter-interface parameter-origin plain-bit port-mismatch printed-number procedure-name
+    parameter-interface parameter-origin parity-coverage plain-bit port-mismatch printed-number procedure-name
     quantity-repeated quantity-text register-range repeated-item repeated-text request-purpose
     revision-not-in-history rs485-exchange same-answers saved-too-early sender several-documents signal-twice
-    spi-exchange spi-parity step-shape summed-twice summed-verdict supply-range table-arithmetic table-shape tag
+    spi-exchange step-shape summed-twice summed-verdict supply-range table-arithmetic table-shape tag
     time-repeated timeout-mismatch timing-order timing-without-bound too-deep too-large too-long
     too-short typographic-quotes undefined-reference unit-mismatch unknown-key unknown-standard
     unused-bits unused-crc value-clash value-too-wide value-verdict verdict-choice wait-mismatch

@@ -10,7 +10,7 @@ from codewheel.targets import Library
 from codewheel.targets.browser.files import family_data
 from codewheel.targets.docs.files import generate
 
-UNCORROBORATED = {"as38", "bml_s1g", "dl100", "dl1000", "kcd", "la11", "msa213c", "wdga"}
+UNCORROBORATED = {"as38", "bml_s1g", "c58", "dl100", "dl1000", "icmr", "kcd", "la11", "msa213c", "wdga"}
 SAID = "Made-up order code: The label of the chip has only its name."
 
 
@@ -38,7 +38,7 @@ def test_pages_say_it(every_encoder: Library) -> None:
 def test_every_code_with_a_width_of_our_own_says_it(every_encoder: Library) -> None:
     """The families whose sources name no labels. Those of the others are in their sources."""
     made_up = {device.name for device in every_encoder.devices if device.order_code.not_on_label}
-    settings = {"bml_s1g", "dl100", "dl1000"}
+    settings = {"bml_s1g", "c58", "dl100", "dl1000", "icmr"}
     assert made_up == {"aksim2", "amt22", "icmu", "orbis", "orbis_serial", "resolute", "resolute_linear"} | settings
 
 

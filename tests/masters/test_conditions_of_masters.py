@@ -342,7 +342,7 @@ def test_parity_of_delta(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> 
     "parity",
     [
         "{name: parity, parity_of: [position], over: odd_bits}",
-        "{name: parity, parity_of: [singleturn]}",
+        "{name: parity, parity_of: [singleturn], note: It leaves multiturn out}",
     ],
 )
 def test_parity_over_a_part_of_the_frame(tmp_path: Path, capsys: pytest.CaptureFixture[str], parity: str) -> None:

@@ -199,6 +199,7 @@ RULES: tuple[Rule, ...] = (
     stale_texts.check_labels_in_errata,
     stale_texts.check_alarm_names,
     frames.check_layouts_without_requests,
+    frames.check_parities,
     frames.check_slaves,
     frames.check_layouts_by_data_id,
     frames.check_purposes,

@@ -1,12 +1,14 @@
-"""Rules for frames that must agree with each other: senders, requests by data ID, memory accesses."""
+"""Rules for frames: senders, coverage by parity bits, requests by data ID, memory accesses."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 
-from ...model import Biss, Ssi
+from ...model import Biss, Rs485, Ssi
 from ...model.interfaces import DataId
-from ..problems import DocumentReport, quoted
+from ..problems import DocumentReport, listed, quoted
+from ..schema_files import is_second
 from ..written import Located
 from ..written_interfaces import WrittenRs485
 from ..written_layouts import WrittenField, WrittenLayout
@@ -27,6 +29,67 @@ def check_layouts_without_requests(spec: WrittenSpec, as_read: WrittenSpec, repo
         if layout is not None and frame.interface in _WITHOUT_REQUESTS and layout.from_ == "master":
             message = f"a master sends no frame over {frame.interface}; write 'from: encoder'"
             report.add("sender", layout.place_of("from"), message)
+
+
+def check_parities(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the parity bits of a word of bits cover its other fields, unless a note names those left out.
+
+    A word that always has a CRC is checked as a whole. A CRC whose width depends on the order code may be missing, so
+    it does not count.
+    """
+    if is_second(report.document.file):  # It repeats printed facts, without the notes that name the fields.
+        return
+    for frame in layouts(spec):
+        layout = frame.layout
+        if layout is None or frame.interface == Rs485.name:
+            continue
+        always_has_crc = any(field.crc and not isinstance(field.bits, str) for field in layout.fields)
+        if not always_has_crc:
+            for parity_fields in _parities_sent_together(layout):
+                _report_uncovered_fields(layout, parity_fields, report)
+
+
+def _parities_sent_together(layout: WrittenLayout) -> Iterator[list[WrittenField]]:
+    """Yield the parity bits that every word has, and then each one that only some order codes have."""
+    parity_fields = [field for field in layout.fields if field.parity_of]
+    permanent_fields = [field for field in parity_fields if not isinstance(field.bits, str)]
+    if permanent_fields:
+        yield permanent_fields
+    for field in parity_fields:
+        if field not in permanent_fields:
+            yield [field]
+
+
+def _report_uncovered_fields(
+    layout: WrittenLayout, parity_fields: Sequence[WrittenField], report: DocumentReport
+) -> None:
+    """Report the fields of a word that none of its parity bits covers and no note names."""
+    explained_names: set[str] = set()
+    for parity_field in parity_fields:
+        explained_names.update(_covered_fields(layout, parity_field.parity_of))
+        explained_names.update(re.findall(r"\w+", parity_field.note))
+    names = [field.name for field in layout.fields if _can_change_parity(field)]
+    left_out = [name for name in names if name not in explained_names]
+    if left_out:
+        parity_field = parity_fields[0]
+        pronoun = "it" if len(left_out) == 1 else "them"
+        message = (
+            f"{quoted(parity_field.name)} leaves out {listed(map(quoted, left_out))}; add {pronoun} to 'parity_of', or "
+            f"name {pronoun} in a 'note' if the manual leaves {pronoun} out"
+        )
+        report.add("parity-coverage", parity_field.place_of("parity_of"), message)
+
+
+def _can_change_parity(field: WrittenField) -> bool:
+    """Return True for a field that changes the number of ones. Zeros do not, and the check bits are the result."""
+    is_check = bool(field.crc or field.parity_of)
+    return bool(field.name) and not is_check and field.constant != 0
+
+
+def _covered_fields(layout: WrittenLayout, parity_of: Sequence[str]) -> Iterator[str]:
+    """Yield the fields that a parity bit covers. A joined number stands for its fields."""
+    for name in parity_of:
+        yield from layout.join.get(name, [name])
 
 
 def check_slaves(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 
 from ...model import Spi
@@ -143,7 +142,6 @@ def check_spi_exchanges(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
     _check_registers(spec, as_read, report)
     _check_lengths(interface, report)
     _check_frames(interface, report)
-    _check_parities(interface, report)
     _check_accesses(interface, raw_interface, as_read, report)
 
 
@@ -213,38 +211,6 @@ def _check_frames(interface: WrittenSpi, report: DocumentReport) -> None:
         if layout.carried_as == "bytes":
             message = f"{quoted(layout.name)} is an SPI word, which is always carried as bits; remove 'carried_as'"
             report.add("spi-exchange", layout.place_of("carried_as"), message)
-
-
-def _check_parities(interface: WrittenSpi, report: DocumentReport) -> None:
-    """Check that the parity bits of a word without a CRC cover the other fields, unless a note names those left out.
-
-    A CRC whose width depends on the order code may be missing, so it does not count.
-    """
-    for layout in interface.layouts:
-        parity_fields = [field for field in layout.fields if field.parity_of]
-        always_has_crc = any(field.crc and not isinstance(field.bits, str) for field in layout.fields)
-        if not parity_fields or always_has_crc:
-            continue
-        covered_names: set[str] = set()
-        words_in_notes: set[str] = set()
-        for parity_field in parity_fields:
-            covered_names.update(_covered_fields(layout, parity_field.parity_of))
-            words_in_notes.update(re.findall(r"\w+", parity_field.note))
-        other_names = [field.name for field in layout.fields if not field.parity_of and not field.crc and field.name]
-        left_out = [name for name in other_names if name not in covered_names and name not in words_in_notes]
-        if left_out:
-            parity_field = parity_fields[0]
-            message = (
-                f"{quoted(parity_field.name)} leaves out {quoted(left_out[0])}; "
-                f"add it to 'parity_of', or add a 'note' that the manual leaves out {left_out[0]}"
-            )
-            report.add("spi-parity", parity_field.place_of("parity_of"), message)
-
-
-def _covered_fields(layout: WrittenLayout, parity_of: Sequence[str]) -> Iterator[str]:
-    """Yield the fields that a parity bit covers. A joined number stands for its fields."""
-    for name in parity_of:
-        yield from layout.join.get(name, [name])
 
 
 def _free_fields(layout: WrittenLayout | None) -> Iterator[str]:

@@ -138,20 +138,20 @@ def check_timing_bounds(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
 
 def check_clock_range(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a clock has a highest limit or clocks in use, in ascending order and within the limits."""
+    # No document may give a clock. Then the outputs say that it is not known.
+    may_be_unknown = spec.evidence.part.grade == "uncorroborated"
     raw_clocks = {name: clocks_of(interface) for name, interface in interfaces(as_read)}
     for name, interface in interfaces(spec):
         raw_clocks_by_path = {clock.path: clock for clock in raw_clocks[name]}
         for clock in clocks_of(interface):
             if clock.data:
-                _check_clock(clock, raw_clocks_by_path.get(clock.path), report)
+                _check_clock(clock, report)
+                if not may_be_unknown:
+                    _report_missing_limit(clock, raw_clocks_by_path.get(clock.path), report)
 
 
-def _check_clock(clock: Located[Clock], raw_clock: Located[Clock] | None, report: DocumentReport) -> None:
-    """Check the limits of a clock and the clocks in use. ``raw_clock`` is the clock as read."""
-    # A key rejected by the schema was removed. It must not be reported as missing, too.
-    is_complete = raw_clock is not None and clock.data.keys() == raw_clock.data.keys()
-    if not clock.part.used_hz and is_complete:
-        _report_missing_limit(clock, report)
+def _check_clock(clock: Located[Clock], report: DocumentReport) -> None:
+    """Check the limits of a clock and the clocks in use."""
     used_clocks = [*clock.part.used_hz]
     if used_clocks != sorted(set(used_clocks)):
         message = "list the clocks of 'used_hz' once each, in ascending order"
@@ -168,10 +168,16 @@ def _check_clock(clock: Located[Clock], raw_clock: Located[Clock] | None, report
             report.add("clock-range", (*clock.path, low_key), problem)
 
 
-def _report_missing_limit(clock: Located[Clock], report: DocumentReport) -> None:
-    """Report that a clock has no highest frequency, which a clock without frequencies in use needs."""
+def _report_missing_limit(clock: Located[Clock], raw_clock: Located[Clock] | None, report: DocumentReport) -> None:
+    """Report that a clock has no highest frequency, which a clock without frequencies in use needs.
+
+    ``raw_clock`` is the clock as read. A key rejected by the schema was removed. It must not be reported as missing,
+    too.
+    """
+    is_complete = raw_clock is not None and clock.data.keys() == raw_clock.data.keys()
+    is_known = clock.part.max_hz is not None or bool(clock.part.used_hz)
     # A source that is still a placeholder marks a clock whose limits are still to be transcribed.
-    if clock.part.max_hz is None and not is_placeholder(clock.source):
+    if is_complete and not is_known and not is_placeholder(clock.source):
         remedy = "if no document of the manufacturer gives the limits, write 'used_hz'"
         report.add("missing-key", clock.path, f"{missing(['max_hz'], 'a clock')}; {remedy}", at_key=True)
 
