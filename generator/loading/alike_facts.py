@@ -38,7 +38,8 @@ def compare_facts(places: Sequence[str], documents: Sequence[Document], report: 
             continue
         common = max(with_interface, key=lambda document: counts[frozenset(facts_by_file[document.file].items())])
         for document in with_interface:
-            if not explained(document, *steps) and not explained(common, *steps):
+            # Errata of both devices are about the text that their manuals have in common.
+            if explained(document, *steps) is explained(common, *steps):
                 _report_difference(document, common, facts_by_file, tuple(steps), report)
 
 
@@ -72,7 +73,7 @@ def _report_difference(
         message = (
             f"this is {value}, but {common_value} in {PurePath(common.file).name}:{line}; according to the"
             f" manufacturer's file, {quoted('.'.join(map(str, place)))} is the same in all devices. If it is not, add"
-            " an erratum that affects it"
+            " an erratum that affects it, or remove it from that file"
         )
         report.add("not-alike", document, (*place, *path), message)
         return

@@ -16,7 +16,7 @@ _TEXTS = (Sort.TEXT, Sort.SECTION)
 #: Classes of facts whose values are places or words, with numbers that mean nothing elsewhere.
 _SORTS_WITH_OWN_NUMBERS = (Sort.SECTION, Sort.CONTENTS, Sort.PRINTED, Sort.ADDRESS, Sort.POSITION)
 #: Classes of facts that can follow from the parameters of an order code.
-_SORTS_FROM_PARAMETERS = (Sort.POSITION, Sort.LIMIT, Sort.MEASUREMENT, Sort.ORDER_CODE, Sort.DEFAULT)
+_SORTS_FROM_PARAMETERS = frozenset((Sort.POSITION, Sort.LIMIT, Sort.MEASUREMENT, Sort.ORDER_CODE, Sort.DEFAULT))
 #: A number in decimal, or in hexadecimal with its mark.
 _NUMBER = re.compile(r"0x[0-9A-Fa-f]+|\d[0-9A-F]*h\b|\d+(?:\.\d+)?")
 
@@ -131,7 +131,7 @@ def _changed_values(disagreement: Disagreement) -> object:
 
 
 def _changed_parameters(disagreement: Disagreement, all_disagreements: Sequence[Disagreement]) -> object:
-    """Return the order codes with other parameters, which explain other lengths, limits and bits of these codes, or None.
+    """Return the order codes whose other parameters explain other lengths, limits and bits of these codes, or None.
 
     For example, one wider field changes the length of a frame, the highest position and the limit of an offset.
     """

@@ -112,8 +112,10 @@ def check_order_codes_in_tables(spec: WrittenSpec, raw: WrittenSpec, report: Doc
         for index, row in enumerate(table.part.rows):
             codes = re.findall(r"\S+-\.\.\.", row[column]) if column < len(row) else []
             problem = next(filter(None, (_wrong_code(code, start, spec) for code in codes)), "")
-            if problem:
-                report.add("table-arithmetic", (*table.path, "rows", index, column), f"{problem}; correct it")
+            path = (*table.path, "rows", index, column)
+            is_reported = path in report.faults()  # As an order code in a text.
+            if problem and not is_reported:
+                report.add("table-arithmetic", path, f"{problem}; correct it")
 
 
 def _wrong_code(code: str, start: str, spec: WrittenSpec) -> str:
