@@ -1,4 +1,4 @@
-"""Check that the lengths of a frame in its texts are those that its fields add up to."""
+"""Check that texts about numbers of bits agree with the fields of a frame, and with the order codes."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ _STATED = re.compile(
 )
 #: The lengths of a word without other bits: ``The word has as many bits as the position, 17 to 39``.
 _RANGE = re.compile(r"\bThe (?:frame|word) has as many bits as the position, (?P<least>\d+) to (?P<most>\d+)\b")
+#: Numbers of bits that a parameter can have, at the end of its meaning: ``Width of the field, 24 or 25 bits``.
+_OF_PARAMETER = re.compile(r", (?P<numbers>\d+(?:, \d+)* or \d+) bits$")
 _NUMBER = re.compile(r"\d+")
 
 
@@ -37,6 +39,23 @@ def check_stated_lengths(device: Device, report: DocumentReport) -> None:
             for erratum in device.errata:
                 if affected in erratum.affects:
                     _check_text(("errata", erratum.name, "used"), erratum.used, lengths, report)
+
+
+def check_stated_bits(device: Device, report: DocumentReport) -> None:
+    """Report a parameter whose meaning ends with other numbers of bits than it has for the order codes."""
+    if report.document.family or report.document.other_files:
+        return
+    for parameter in device.parameters:
+        match = _OF_PARAMETER.search(parameter.meaning)
+        numbers = {
+            variant.parameters[parameter.name] for variant in device.variants if parameter.name in variant.parameters
+        }
+        if match is not None and numbers and not parameter.read_from and {*_numbers(match)} != numbers:
+            numbers_text = listed(map(str, sorted(numbers)), "or")
+            message = (
+                f"the text says {quoted(match[0][2:])}, but the order codes have {numbers_text}; correct one of the two"
+            )
+            report.add("left-behind", ("parameters", parameter.name, "meaning"), message)
 
 
 def _check_text(path: tuple[str, ...], text: str, lengths: Sequence[int], report: DocumentReport) -> None:
