@@ -65,14 +65,15 @@ def related(disagreements: Sequence[Disagreement]) -> list[Related]:
     return [Related(first_disagreement=group[0], others=tuple(group[1:])) for group in groups]
 
 
-def _sort_key(disagreement: Disagreement) -> tuple[bool, bool, bool]:
+def _sort_key(disagreement: Disagreement) -> tuple[bool, bool, bool, bool]:
     """Return a key that puts names first, since other disagreements are recognised by their causes.
 
-    Disagreements that depend on others are last: open values of order codes, and times that the spec lacks.
+    Disagreements that depend on others are last: numbers in texts, open values of order codes, and times that the spec
+    lacks.
     """
     is_open_value = disagreement.second_place[-1:] == ("open",)
     is_time_without_spec = disagreement.sort is Sort.TIME and disagreement.spec_value == NOTHING
-    return not disagreement.is_name, is_open_value, is_time_without_spec
+    return not disagreement.is_name, disagreement.sort in _TEXTS, is_open_value, is_time_without_spec
 
 
 def _is_in_frame(disagreement: Disagreement, frames: Sequence[str]) -> bool:
