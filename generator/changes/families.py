@@ -158,17 +158,45 @@ def _compare_parameter(
 
     ``variant_pairs`` are the old and new variants of the common order codes.
     """
-    codes_by_numbers: dict[tuple[int, int], list[str]] = {}
+    pairs_by_numbers: dict[tuple[int, int], list[tuple[Variant, Variant]]] = {}
     for old_variant, new_variant in variant_pairs:
         old_number, new_number = old_variant.parameters[old_name], new_variant.parameters[new_name]
         if old_number != new_number:
-            codes_by_numbers.setdefault((old_number, new_number), []).append(new_variant.code)
+            pairs_by_numbers.setdefault((old_number, new_number), []).append((old_variant, new_variant))
     subject = Subject(path=f"order_codes.parameters.{new_name}", label=new_name)
-    for (old_number, new_number), codes in codes_by_numbers.items():
-        description = f" {old_to_new(old_number, new_number)}"
+    for (old_number, new_number), pairs in pairs_by_numbers.items():
+        codes = [new_variant.code for _, new_variant in pairs]
+        description = f" {old_to_new(old_number, new_number)}{_lengths_text(family_pair, pairs)}"
         yield family_pair.change(
             "parameter-of-code", subject, description=description, old=old_number, new=new_number, codes=codes
         )
+
+
+def _lengths_text(family_pair: FamilyPair, variant_pairs: Sequence[tuple[Variant, Variant]]) -> str:
+    """Return the frames that order codes with another parameter resize: ``: frame single_cycle_data 33 → 34 bits``.
+
+    The text is empty if there are none. A frame with several lengths is shown for the first order code.
+    """
+    text_by_frame: dict[str, str] = {}
+    for old_variant, new_variant in variant_pairs:
+        old_lengths = _lengths_of_frames(family_pair.old, old_variant)
+        for name, new_bits in _lengths_of_frames(family_pair.new, new_variant).items():
+            old_bits = old_lengths.get(name, new_bits)
+            if old_bits != new_bits:
+                text_by_frame.setdefault(name, f"{name} {old_to_new(old_bits, new_bits)} bits")
+    if not text_by_frame:
+        return ""
+    noun = "frames" if len(text_by_frame) > 1 else "frame"
+    return f": {noun} {', '.join(text_by_frame.values())}"
+
+
+def _lengths_of_frames(device: Device, variant: Variant) -> Mapping[str, int]:
+    """Return the number of bits of each frame of an order code, by the name of the frame."""
+    lengths: dict[str, int] = {}
+    for interface in device.interfaces:
+        if interface.name == variant.interface:
+            lengths |= {layout.name: layout.place(variant.parameters).bits for layout in interface.layouts}
+    return lengths
 
 
 def _is_set_by_order_code(parameter: Parameter) -> bool:

@@ -167,8 +167,16 @@ def _print_comparison(comparison: DiffResult, old_side: _Side, new_side: _Side, 
 
 
 def _changed_files(olds: Sequence[Device], news: Sequence[Device], cache: Cache) -> Files | None:
-    """Return the generated files that differ, or None if nothing can be generated."""
-    files: Files | None = import_module(f"{__package__}.generate.files").changed_files(olds, news, cache)
+    """Return the generated files that differ, or None if nothing can be generated.
+
+    They are those of the families that the settings accept for each output.
+    """
+    from ..loading.configuration import NO_FILTERS
+    from .read_specs import find_settings
+
+    settings = find_settings()
+    filters = settings.only if settings is not None else NO_FILTERS
+    files: Files | None = import_module(f"{__package__}.generate.files").changed_files(olds, news, cache, filters)
     return files
 
 

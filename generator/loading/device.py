@@ -65,6 +65,7 @@ from .parameters import check_named_widths, check_reach, coded_values, held_in_r
 from .position_rules import check_measurements, check_position_widths
 from .repeated_facts import check_agreement
 from .request_rules import check_control_bytes, check_requests
+from .stated_lengths import check_stated_bits, check_stated_lengths
 from .unused_parameters import check_unused_parameters
 
 
@@ -100,6 +101,8 @@ def build_device(raw_spec: Raw, manufacturer: Manufacturer, report: DocumentRepo
     device = replace(device, editions=editions(raw_spec), content_hash=_content_hash(raw_spec))
     device = with_placeholders(raw_spec, device, report)
     check_agreement(raw_spec, device, report)
+    check_stated_lengths(device, report)
+    check_stated_bits(device, report)
     check_errata(device, report)
     check_examples(device, report)
     return replace(device, samples=sample_frames(device)) if variants and not report.faults() else device

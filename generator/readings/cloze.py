@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from itertools import chain
 from pathlib import Path as File
 from typing import Any, NamedTuple
 
@@ -40,7 +41,7 @@ def clozes(spec: Document) -> dict[str, _SpecText]:
     """
     vocabulary = vocabulary_of(spec)
     spec_texts: dict[str, _SpecText] = {}
-    for place, text in prose_texts((), spec.data):
+    for place, text in chain(prose_texts((), spec.data), _led_states(spec)):
         if place[0] in _LEFT_OUT or is_source(place[-1]):
             continue
         cloze = vocabulary.cloze(text)
@@ -52,6 +53,13 @@ def clozes(spec: Document) -> dict[str, _SpecText]:
                 path = f"{dotted_path(place)} {repetition}"
             spec_texts[path] = _SpecText(place, cloze)
     return spec_texts
+
+
+def _led_states(spec: Document) -> Iterator[tuple[Path, str]]:
+    """Yield the words of each state of the LEDs, which a second reading repeats in the words of the spec."""
+    for led in spec.data.get("leds", ()):
+        for index, led_state in enumerate(led["states"]):
+            yield ("leds", led["name"], "states", index, "state"), str(led_state["state"])
 
 
 def vocabulary_of(spec: Document) -> Vocabulary:

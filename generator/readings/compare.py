@@ -16,6 +16,7 @@ from .compare_words import compare_word
 from .comparison import Comparison, Disagreement, Read
 from .connector_order import with_order_of
 from .reading import NOTHING, Fact, Facts, Key, Sort, use_same_names
+from .table_order import with_rows_of
 from .texts import NUMBERS, dotted_path
 
 #: Classes of facts in texts, which a second reading can also give by their paths.
@@ -28,7 +29,7 @@ def compare(spec: Facts, second: Facts) -> Comparison:
     Facts are compared by their keys, and frames and registers bit by bit. Facts that the second reading gives only by a
     path or that no manual prints are counted as such at the end.
     """
-    spec = with_order_of(spec, second)
+    spec = with_rows_of(with_order_of(spec, second), second)
     comparison = Comparison(has_names_of_spec=use_same_names(spec, second))
     place_in_spec = partial(_nearest_place, comparison, spec, second)
     second_facts = second.facts | dict(_facts_by_path(spec, second))

@@ -121,7 +121,10 @@ def _compare_cases(
     if differing_cases:
         first_case = differing_cases[0]
         described_fact = replace(spec_fact, description=spec_fact.description + cases_text(differing_cases))
-        yield _different_values(described_fact, spec_values[first_case], second_fact, second_values[first_case])
+        disagreement = _different_values(
+            described_fact, spec_values[first_case], second_fact, second_values[first_case]
+        )
+        yield replace(disagreement, order_codes=frozenset(case.code for case in differing_cases))
     missing_cases = [case for case in spec_values if case not in second_values]
     is_incomplete = any(not _is_as_by_default(spec_values, case) for case in missing_cases)
     comparison.count_fact(spec_fact.sort, spec_fact.place, Read.ONCE if is_incomplete else Read.TWICE)

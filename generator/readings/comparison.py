@@ -25,7 +25,7 @@ class Disagreement:
 
     A place is empty if a reading lacks the fact. ``nearest_place`` is then the place in the spec where it would be.
     ``is_name`` is set if the values are names of the same thing, and ``resized_frame`` contains the words for a frame
-    with another length.
+    with another length. ``order_codes`` contains those with different values, or none if the values hold for all.
     """
 
     sort: Sort
@@ -37,6 +37,7 @@ class Disagreement:
     nearest_place: Path = ()
     is_name: bool = False
     resized_frame: str = ""
+    order_codes: frozenset[str] = frozenset()
 
     @property
     def spec_place_or_nearest(self) -> Path:

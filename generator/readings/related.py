@@ -15,6 +15,8 @@ _TEXTS = (Sort.TEXT, Sort.SECTION)
 
 #: Classes of facts whose values are places or words, with numbers that mean nothing elsewhere.
 _SORTS_WITH_OWN_NUMBERS = (Sort.SECTION, Sort.CONTENTS, Sort.PRINTED, Sort.ADDRESS, Sort.POSITION)
+#: Classes of facts that can follow from the parameters of an order code.
+_SORTS_FROM_PARAMETERS = frozenset((Sort.POSITION, Sort.LIMIT, Sort.MEASUREMENT, Sort.ORDER_CODE, Sort.DEFAULT))
 #: A number in decimal, or in hexadecimal with its mark.
 _NUMBER = re.compile(r"0x[0-9A-Fa-f]+|\d[0-9A-F]*h\b|\d+(?:\.\d+)?")
 
@@ -53,6 +55,7 @@ def group_by_cause(disagreements: Sequence[Disagreement]) -> list[Related]:
             _known_renaming_of_entry(disagreement, known_causes)
             or _known_renaming_of_place(disagreement, known_causes)
             or _known_change_of_time(disagreement, known_causes)
+            or _changed_parameters(disagreement, reported_disagreements)
             or _own_cause(disagreement)
             # A number of its own, so that the disagreement is alone.
             or index
@@ -62,14 +65,15 @@ def group_by_cause(disagreements: Sequence[Disagreement]) -> list[Related]:
     return [Related(first_disagreement=group[0], others=tuple(group[1:])) for group in groups]
 
 
-def _sort_key(disagreement: Disagreement) -> tuple[bool, bool, bool]:
+def _sort_key(disagreement: Disagreement) -> tuple[bool, bool, bool, bool]:
     """Return a key that puts names first, since other disagreements are recognised by their causes.
 
-    Disagreements that depend on others are last: open values of order codes, and times that the spec lacks.
+    Disagreements that depend on others are last: numbers in texts, open values of order codes, and times that the spec
+    lacks.
     """
     is_open_value = disagreement.second_place[-1:] == ("open",)
     is_time_without_spec = disagreement.sort is Sort.TIME and disagreement.spec_value == NOTHING
-    return not disagreement.is_name, is_open_value, is_time_without_spec
+    return not disagreement.is_name, disagreement.sort in _TEXTS, is_open_value, is_time_without_spec
 
 
 def _is_in_frame(disagreement: Disagreement, frames: Sequence[str]) -> bool:
@@ -94,7 +98,7 @@ def _own_cause(disagreement: Disagreement) -> object:
     """Return what a disagreement has in common with others of the same cause, or None if it stands alone.
 
     This is the pair of names of a renamed item, a fixed text for missing texts or order codes, the edition of a
-    revision, or else the values in which the readings differ.
+    revision, the table that lacks rows, or else the values in which the readings differ.
     """
     if disagreement.sort in _TEXTS and disagreement.spec_value == NOTHING:
         return "text that only the second reading has"
@@ -105,6 +109,9 @@ def _own_cause(disagreement: Disagreement) -> object:
     if disagreement.sort is Sort.HISTORY:
         edition = _EDITION.search(disagreement.description)
         return edition[0] if edition is not None else None
+    is_table = len(disagreement.spec_place) == 2
+    if disagreement.sort is Sort.TABLE and (is_table or disagreement.spec_value == NOTHING):
+        return "rows of a table", disagreement.second_place[1]
     return _changed_values(disagreement)
 
 
@@ -121,6 +128,20 @@ def _changed_values(disagreement: Disagreement) -> object:
         return "numbers", frozenset(only_in_spec), frozenset(only_in_second)
     if disagreement.sort is Sort.PIN:
         return "signals", frozenset((disagreement.spec_value, disagreement.second_value))
+    return None
+
+
+def _changed_parameters(disagreement: Disagreement, all_disagreements: Sequence[Disagreement]) -> object:
+    """Return the order codes whose other parameters explain other lengths, limits and bits of these codes, or None.
+
+    For example, one wider field changes the length of a frame, the highest position and the limit of an offset.
+    """
+    if disagreement.sort not in _SORTS_FROM_PARAMETERS or not disagreement.order_codes:
+        return None
+    for other_disagreement in all_disagreements:
+        is_parameter = other_disagreement.spec_place[:1] == ("parameters",)
+        if is_parameter and disagreement.order_codes <= other_disagreement.order_codes:
+            return "parameters", other_disagreement.order_codes
     return None
 
 

@@ -11,7 +11,7 @@ from codewheel.cache import NO_CACHE, Cache
 from codewheel.commands.generate.files import changed_files, unchanged_families
 from codewheel.family_parts import FamilyParts
 from codewheel.loading import library
-from codewheel.loading.configuration import BUILT_IN
+from codewheel.loading.configuration import BUILT_IN, FamilyFilter
 from codewheel.loading.library import load_families
 from codewheel.model import Device
 from codewheel.render import Templates
@@ -102,6 +102,16 @@ def test_changes_and_count_are_those_of_complete_files(sides: tuple[Path, Path])
     assert found is not None
     assert found.count == len(before | after)
     assert list(found.changed) == [name for name in sorted(before | after) if before.get(name) != after.get(name)]
+
+
+def test_outputs_that_the_settings_leave_out_are_not_compared(sides: tuple[Path, Path]) -> None:
+    old, new = devices_of(sides)
+    changed_names = {device.name for device in new}
+    filters = {"masters": FamilyFilter(families=("asc85",))}
+    found = changed_files(old, new, NO_CACHE, filters)
+    assert changed_names > {"asc85"}
+    assert found is not None
+    assert not [name for name in found.changed if name.startswith("masters/")]
 
 
 @pytest.mark.slow

@@ -88,9 +88,11 @@ def test_a_limit_is_held_against_the_old_one_at_the_new_numbers() -> None:
     words = [(f"meaning: {bits} bits", f"meaning: Size {bits}") for bits in (13, 17)]
     assert diff_text(devices(words), devices([*words, *more, less])) == (
         "demo\n"
-        "  behaviour      singleturn_bits 13 → 14\n"
+        "  behaviour      singleturn_bits 13 → 14: frames ssi_word 13 → 14 bits,\n"
+        "                 single_cycle_data 21 → 22 bits\n"
         "                 DEMO13…; C, Python, XML [parameter-of-code]\n"
-        "  behaviour      singleturn_bits 17 → 18\n"
+        "  behaviour      singleturn_bits 17 → 18: frames ssi_word 17 → 18 bits,\n"
+        "                 single_cycle_data 25 → 26 bits\n"
         "                 DEMO17…; C, Python, XML [parameter-of-code]\n"
         "  behaviour      registers 50h to 53h preset: maximum 2^position_bits - 1 →\n"
         "                 2^position_bits - 2\n"

@@ -1,4 +1,4 @@
-"""Ports and connectors that the file of a manufacturer lists as alike are compared, even if both readings are wrong."""
+"""Facts that the file of a manufacturer lists as alike are compared, even if both readings are wrong."""
 
 from __future__ import annotations
 
@@ -20,6 +20,9 @@ EXCHANGED = [
     ("asc85", "{contact: Grey,", "{contact: Violet,", "only one of this cable and that in am36"),
     # AMM5 7.1: 2.5 Mbaud
     ("sma21", "baud: 2500000", "baud: 250000", "this is 250000, but 2500000 in amm5.yaml:"),
+    # AMM5 5.3, AM36 5.3, ASC85 5.3, SMA21 5.3: the same lengths. AMM5 6.5, AM36 6.6, ASC85 6.5, SMA21 6.5: 10 MHz
+    ("am36", "shorter_than_m: 100,", "shorter_than_m: 10,", "this is 10, but 100 in amm5.yaml:"),
+    ("asc85", "max_hz: 10000000", "max_hz: 1000000", "this is 1000000, but 10000000 in am36.yaml:"),
 ]
 
 
@@ -45,6 +48,51 @@ def test_a_mistake_in_both_readings_is_reported(
         (folder / name).write_text(exchanged(text, first, second), encoding="utf-8")
     problems = unlike_parts(folder)
     assert [problem for problem in problems if message in problem.message]
+
+
+@pytest.mark.one_in(3, "slow")
+@pytest.mark.parametrize(
+    ("family", "old", "new", "message"),
+    [
+        (
+            "asc85",
+            "    network: {topology: point_to_point, multiple_slaves: false, source: 6 p.19}\n",
+            "",
+            "this is nothing, but point_to_point in am36.yaml:",
+        ),
+        (
+            "am36",
+            '      - {shorter_than_m: 200, below_hz: 200000, source: "5.3"}\n',
+            "",
+            "this is 400, but 200 in amm5.yaml:",
+        ),
+        ("sma21", "typical_us: 12\n", "typical_us: 11\n", "this is 11, but 12 in am36.yaml:"),
+    ],
+)
+def test_a_fact_that_differs_or_is_missing_in_one_device_is_reported(
+    tmp_path: Path, family: str, old: str, new: str, message: str
+) -> None:
+    folder = tmp_path / "lika"
+    shutil.copytree(LIKA, folder, ignore=shutil.ignore_patterns("*.words.yaml", "*.second.yaml", "*.coverage.json"))
+    spec = folder / f"{family}.yaml"
+    text = spec.read_text(encoding="utf-8")
+    assert text.count(old) == 1
+    spec.write_text(text.replace(old, new), encoding="utf-8")
+    (problem,) = unlike_parts(folder)
+    assert problem.message.startswith(message)
+
+
+def test_an_erratum_explains_a_clock_that_differs(tmp_path: Path) -> None:
+    folder = tmp_path / "lika"
+    shutil.copytree(LIKA, folder, ignore=shutil.ignore_patterns("*.words.yaml", "*.second.yaml", "*.coverage.json"))
+    spec = folder / "sma21.yaml"
+    text = spec.read_text(encoding="utf-8").replace("max_hz: 10000000", "max_hz: 5000000")
+    spec.write_text(text, encoding="utf-8")
+    assert len(unlike_parts(folder)) == 1
+    affects = "affects: [interfaces.biss.clock.max_hz, interfaces.biss.single_cycle_data]"
+    text = text.replace("affects: [interfaces.biss.single_cycle_data]", affects, 1)
+    spec.write_text(text, encoding="utf-8")
+    assert unlike_parts(folder) == []
 
 
 @pytest.mark.slow

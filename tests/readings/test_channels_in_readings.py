@@ -47,7 +47,7 @@ def test_readings_with_other_names_agree(tmp_path: Path) -> None:
     ("old", "new", "fact"),
     [
         ("channel: 2", "channel: 3", "order of the data channels in a frame"),
-        ("accurate_bits: 13", "accurate_bits: 12", "compared bits of data channel 1"),
+        ("accurate_bits: 13", "accurate_bits: 12", "the parameter 'accurate_bits'"),
         ("tolerance: 1", "tolerance: 2", "tolerance"),
     ],
 )

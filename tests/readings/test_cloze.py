@@ -180,3 +180,18 @@ def test_opposites_that_are_planted() -> None:
         "Do not use it after a reset",
     ]
     assert list(opposites("It must be read")) == ["It may be read", "It must be written", "It must not be read"]
+
+
+def test_two_states_of_an_led_that_are_exchanged_are_reported(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """SMA21 9.1: the LED is off if the sensor works properly, and red if there is an error."""
+    for name in ("manufacturer.yaml", "sma21.yaml", "sma21.words.yaml"):
+        shutil.copy(LIKA / name, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    assert problem_lines() == []
+    replace_in_file(tmp_path / "sma21.yaml", '- {state: "off",', "- {state: red,")
+    replace_in_file(tmp_path / "sma21.yaml", "- state: red\n", '- state: "off"\n')
+    lines = problem_lines()
+    assert len(lines) == 2
+    assert all("words-outdated: this text has changed since sma21.words.yaml:" in line for line in lines)

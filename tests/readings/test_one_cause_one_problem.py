@@ -140,3 +140,37 @@ def test_one_change_of_a_manual_is_one_disagreement(
     about_change = [text for text in texts if not text.startswith("numbers in errata.")]
     assert len(about_change) == 1, texts
     assert about_change[0].startswith(start)
+
+
+def test_a_row_that_a_table_no_longer_has_is_one_problem(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """SMA21 4.10 and 8: without the resolution of 10 µm, the later rows of both tables move up."""
+    lines = (folder / "sma21.yaml").read_text(encoding="utf-8").splitlines(keepends=True)
+    rows = [line for line in lines if line.lstrip().startswith("- [SMA21") and "-0010-" in line]
+    assert len(rows) == 2
+    edit(folder / "sma21.yaml", *((row, "") for row in rows))
+    found = disagreements(capsys)
+    assert len(found) == 2
+    assert found[0].startswith("the table 'speeds': 4 rows here, 5 rows in sma21.second.yaml:")
+    assert found[1].startswith("the table 'ab_signals': 4 rows here, 5 rows in sma21.second.yaml:")
+    assert all("more with the same cause" in problem for problem in found)
+
+
+def test_a_wrong_cell_next_to_a_missing_row_stays(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    lines = (folder / "sma21.yaml").read_text(encoding="utf-8").splitlines(keepends=True)
+    (row,) = [line for line in lines if line.lstrip().startswith("- [SMA21-xxx-0010-")]
+    edit(folder / "sma21.yaml", (row, ""), ('- [SMA21-xxx-0002-..., 2, "4.7"', '- [SMA21-xxx-0002-..., 2, "4.8"'))
+    found = disagreements(capsys)
+    assert len(found) == 2
+    assert "column 3 of the table 'speeds': 4.8 here, 4.7 in sma21.second.yaml:" in found[1]
+
+
+def test_a_wider_position_of_one_model_is_one_problem(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """SMA21 6.2: at 1 µm, the position has 25 bits in a field of 25. With another bit, frame and limits change."""
+    edit(
+        folder / "sma21.yaml",
+        ("position_bits: 25, scd_padding_bits: 0", "position_bits: 25, scd_padding_bits: 1"),
+        ("33 bits at 1 µm", "34 bits at 1 µm"),
+    )
+    found = [problem for problem in disagreements(capsys) if not problem.startswith("numbers in")]
+    assert len(found) == 1
+    assert "and 6 more with the same cause" in found[0]

@@ -17,7 +17,7 @@ from ...changes.names import name_changes
 from ...changes.report import Files as FileCounts
 from ...family_parts import FamilyParts
 from ...language.problems import TemplateFault
-from ...loading.configuration import BUILT_IN
+from ...loading.configuration import BUILT_IN, NO_FILTERS, FamilyFilters
 from ...loading.stored import digest_of as model_digest_of
 from ...model import Device
 from ...output_folder import WriteError
@@ -26,6 +26,7 @@ from ...say.plain_text import counted
 from ...targets import Library, TargetError
 from ...targets.registry import load_target
 from ...write import Change, changes, digest_of, digest_on_disk, left_stages, write
+from ..outputs import accepted_devices
 from ..terminal import Stop
 
 #: The files of each target, as texts by path.
@@ -174,14 +175,18 @@ def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
         print(f"valid against {dtd}: {path_by_name[name]}")
 
 
-def changed_files(old_devices: Sequence[Device], new_devices: Sequence[Device], cache: Cache) -> FileCounts | None:
+def changed_files(
+    old_devices: Sequence[Device], new_devices: Sequence[Device], cache: Cache, filters: FamilyFilters = NO_FILTERS
+) -> FileCounts | None:
     """Return the paths that our targets add, remove or change, their total, and changed names in the files.
 
-    It is None if a target cannot express a family or a template fails.
+    ``filters`` are the conditions for the families of each target. The result is None if a target cannot express a
+    family or a template fails.
     """
     family_parts = FamilyParts(cache, only_paths=unchanged_families(old_devices, new_devices))
     try:
-        old_files, new_files = _rendered_files(old_devices, family_parts), _rendered_files(new_devices, family_parts)
+        old_files = _rendered_files(old_devices, family_parts, filters)
+        new_files = _rendered_files(new_devices, family_parts, filters)
     except (TargetError, TemplateFault):
         return None
     paths = sorted({*old_files, *new_files})
@@ -209,11 +214,12 @@ def _have_same_model(device: Device, other_device: Device) -> bool:
     return device is other_device or digest == model_digest_of(other_device)
 
 
-def _rendered_files(devices: Sequence[Device], parts: FamilyParts) -> Mapping[str, str]:
-    """Return the files of all built-in targets, as texts by path."""
-    library = Library(tuple(devices))
+def _rendered_files(devices: Sequence[Device], parts: FamilyParts, filters: FamilyFilters) -> Mapping[str, str]:
+    """Return the files of all built-in targets, as texts by path, without families that a filter does not accept."""
     files: dict[str, str] = {}
     for name in BUILT_IN:
+        accepted = accepted_devices(name, devices, filters)
         target = load_target(name)
-        files |= parts.files_of(target, library, target.defaults)
+        if accepted:
+            files |= parts.files_of(target, Library(accepted), target.defaults)
     return files

@@ -198,6 +198,7 @@ RULES: tuple[Rule, ...] = (
     stale_texts.check_quoted_names,
     stale_texts.check_labels_in_errata,
     stale_texts.check_alarm_names,
+    stale_texts.check_led_states,
     frames.check_layouts_without_requests,
     frames.check_parities,
     frames.check_slaves,

@@ -237,3 +237,28 @@ def check_alarm_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
                     f"no alarm here is called {quoted(match[0])}{suggestion(match[0], sorted(names))}; correct the text"
                 )
                 report.add("left-behind", path, message, cause=match[0])
+
+
+#: A state of an LED in a text, such as "The LED is off".
+_LED_IS = re.compile(
+    r"\bLED (?:is|goes|turns|stays|lights up) (?P<state>off|red|green|yellow|orange|amber|blue|white)\b", re.IGNORECASE
+)
+_TEXTS_ON_LEDS = frozenset(("meaning", "when_active", "when_inactive", "low", "high"))
+
+
+def check_led_states(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a state in the text of a flag or an LED, such as ``the LED is off``, is among those of the LEDs.
+
+    A spec without LEDs is not checked.
+    """
+    states = [str(state.get("state", "")).casefold() for led in spec.data.get("leds", ()) for state in led["states"]]
+    words_of_states = {word for state in states for word in re.findall(r"\w+", state)}
+    if not states or report.document.family or report.document.other_files:
+        return
+    for path, text in leaves_of(spec.data, report):
+        if not isinstance(text, str) or path[0] in _ELSEWHERE or path[-1] not in _TEXTS_ON_LEDS:
+            continue
+        for match in _LED_IS.finditer(text):
+            if match["state"].casefold() not in words_of_states:
+                message = f"the text says {quoted(match[0])}, but no state of an LED is {quoted(match['state'])}"
+                report.add("left-behind", path, f"{message}; correct one of the two", cause=match["state"])

@@ -113,8 +113,10 @@ def check_order_codes_in_tables(spec: WrittenSpec, as_read: WrittenSpec, report:
         for index, row in enumerate(table.part.rows):
             codes = re.findall(r"\S+-\.\.\.", row[column]) if column < len(row) else []
             problems = [problem for code in codes if (problem := _wrong_code(code, start, spec))]
-            if problems:
-                report.add("table-arithmetic", (*table.path, "rows", index, column), f"{problems[0]}; correct it")
+            path = (*table.path, "rows", index, column)
+            is_reported = path in report.faults()  # As an order code in a text.
+            if problems and not is_reported:
+                report.add("table-arithmetic", path, f"{problems[0]}; correct it")
 
 
 def _wrong_code(code: str, start: str, spec: WrittenSpec) -> str:

@@ -1,0 +1,82 @@
+"""Check that texts about numbers of bits agree with the fields of a frame, and with the order codes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from itertools import chain
+
+from ..language.problems import DocumentReport, listed, quoted
+from ..model import Device
+
+_NUMBERS = r"\d+(?:, \d+)*(?: (?:or|and) \d+)?"
+#: Lengths in a text: ``The frame has 32 bits at 50 µm and 33 bits at 1 µm``, or ``The word has 21, 23 or 26 bits``.
+_STATED = re.compile(
+    rf"\bThe (?:frame|word) has (?P<numbers>{_NUMBERS}) bits(?: at [^.,;]*? and (?P<others>\d+) bits)?(?= at\b|[.,;]|$)"
+)
+#: The lengths of a word without other bits: ``The word has as many bits as the position, 17 to 39``.
+_RANGE = re.compile(r"\bThe (?:frame|word) has as many bits as the position, (?P<least>\d+) to (?P<most>\d+)\b")
+#: Numbers of bits that a parameter can have, at the end of its meaning: ``Width of the field, 24 or 25 bits``.
+_OF_PARAMETER = re.compile(r", (?P<numbers>\d+(?:, \d+)* or \d+) bits$")
+_NUMBER = re.compile(r"\d+")
+
+
+def check_stated_lengths(device: Device, report: DocumentReport) -> None:
+    """Report a layout whose note, or an erratum about it, states a length that the frame has for no order code."""
+    if report.document.family or report.document.other_files:
+        return
+    for interface in device.interfaces:
+        for layout in interface.layouts:
+            lengths = sorted(
+                {layout.place(variant.parameters).bits for variant in device.variants_over(interface.name)}
+            )
+            if not lengths:
+                continue
+            note_path = ("interfaces", interface.name, "layouts", layout.name, "note")
+            _check_text(note_path, layout.note, lengths, report)
+            # Paths of errata leave out the list of layouts.
+            affected = f"interfaces.{interface.name}.{layout.name}"
+            for erratum in device.errata:
+                if affected in erratum.affects:
+                    _check_text(("errata", erratum.name, "used"), erratum.used, lengths, report)
+
+
+def check_stated_bits(device: Device, report: DocumentReport) -> None:
+    """Report a parameter whose meaning ends with other numbers of bits than it has for the order codes."""
+    if report.document.family or report.document.other_files:
+        return
+    for parameter in device.parameters:
+        match = _OF_PARAMETER.search(parameter.meaning)
+        numbers = {
+            variant.parameters[parameter.name] for variant in device.variants if parameter.name in variant.parameters
+        }
+        if match is not None and numbers and not parameter.read_from and {*_numbers(match)} != numbers:
+            numbers_text = listed(map(str, sorted(numbers)), "or")
+            message = (
+                f"the text says {quoted(match[0][2:])}, but the order codes have {numbers_text}; correct one of the two"
+            )
+            report.add("left-behind", ("parameters", parameter.name, "meaning"), message)
+
+
+def _check_text(path: tuple[str, ...], text: str, lengths: Sequence[int], report: DocumentReport) -> None:
+    """Report the first statement of a text about the length of a frame that does not fit its possible lengths."""
+    lengths_of_range = (lengths[0], lengths[-1])
+    for match in chain(_STATED.finditer(text), _RANGE.finditer(text)):
+        is_range = match.re is _RANGE
+        fits = _numbers(match) == lengths_of_range if is_range else _fits(match, lengths)
+        if not fits:
+            lengths_text = listed(map(str, lengths), "or")
+            message = f"the text says {quoted(match[0])}, but the frame has {lengths_text} bits; correct one of the two"
+            report.add("left-behind", path, message)
+            return
+
+
+def _numbers(match: re.Match[str]) -> tuple[int, ...]:
+    return tuple(int(number) for group in match.groups() if group for number in _NUMBER.findall(group))
+
+
+def _fits(match: re.Match[str], lengths: Sequence[int]) -> bool:
+    """Return whether stated lengths are possible. A list such as ``21, 23 or 26`` must have all lengths."""
+    numbers = _numbers(match)
+    is_list = len(_NUMBER.findall(match["numbers"])) > 1
+    return {*numbers} == {*lengths} if is_list else {*numbers} <= {*lengths}

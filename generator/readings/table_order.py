@@ -1,0 +1,74 @@
+"""Pair the rows of the tables of two readings by their cells, so that a missing row does not move the others."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from difflib import SequenceMatcher
+
+from .reading import Facts, Key, Value
+
+#: Cells with numbers of a row, by column.
+_Row = tuple[tuple[int, Value], ...]
+
+
+def with_rows_of(spec: Facts, second: Facts) -> Facts:
+    """Return the facts of a spec, in which a table has the rows numbered as in the second reading.
+
+    This concerns tables with another number of rows than in the second reading. Rows that only the spec has come last.
+    """
+    new_keys: dict[Key, Key] = {}
+    for table_key in [key for key in spec.facts if key[0] == "table" and len(key) == 2]:
+        spec_rows, second_rows = _rows_of(spec, table_key), _rows_of(second, table_key)
+        if len(spec_rows) == len(second_rows) or not second_rows:
+            continue
+        new_numbers = _paired_numbers(spec_rows, second_rows)
+        for number, row in spec_rows.items():
+            for column, _ in row:
+                new_keys[_cell_key(table_key, number, column)] = _cell_key(table_key, new_numbers[number], column)
+    if not new_keys:
+        return spec
+    facts = {}
+    for key, fact in spec.facts.items():
+        new_key = new_keys.get(key, key)
+        facts[new_key] = replace(fact, key=new_key)
+    return replace(spec, facts=facts)
+
+
+def _cell_key(table_key: Key, row_number: int, column: int) -> Key:
+    return (*table_key, f"{row_number} {column}")
+
+
+def _rows_of(facts: Facts, table_key: Key) -> Mapping[int, _Row]:
+    """Return the rows of a table that have numbers, by their number in the file."""
+    cells_by_row: dict[int, list[tuple[int, Value]]] = defaultdict(list)
+    for key, fact in facts.facts.items():
+        is_cell = key[:2] == table_key and len(key) == 3 and " " in str(key[2])
+        if is_cell:
+            row_number, column = map(int, str(key[2]).split())
+            cells_by_row[row_number].append((column, fact.value))
+    return {row_number: tuple(cells) for row_number, cells in cells_by_row.items()}
+
+
+def _paired_numbers(spec_rows: Mapping[int, _Row], second_rows: Mapping[int, _Row]) -> Mapping[int, int]:
+    """Return the number in the second reading for each row of the spec, or a number after its last row."""
+    spec_numbers, second_numbers = list(spec_rows), list(second_rows)
+    new_numbers = {
+        spec_numbers[spec_index]: second_numbers[second_index]
+        for spec_index, second_index in _pairs(list(spec_rows.values()), list(second_rows.values()))
+    }
+    number_after_last = max(second_numbers) + 1
+    for spec_number in spec_numbers:
+        if spec_number not in new_numbers:
+            new_numbers[spec_number] = number_after_last
+            number_after_last += 1
+    return new_numbers
+
+
+def _pairs(spec_rows: Sequence[_Row], second_rows: Sequence[_Row]) -> Iterator[tuple[int, int]]:
+    """Yield the indices of equal rows in their order, and of the rows between them as far as both readings have one."""
+    for _, spec_start, spec_end, second_start, second_end in SequenceMatcher(
+        a=spec_rows, b=second_rows, autojunk=False
+    ).get_opcodes():
+        yield from zip(range(spec_start, spec_end), range(second_start, second_end), strict=False)
