@@ -401,8 +401,8 @@ static inline cw_result cw_biss_find_frame(
 {
     CW_ASSERT((rx != NULL) && (first != NULL));
     const size_t start = cw_biss_start(rx, received);
-    const size_t data_first = start + 2U;
-    const size_t stop = data_first + (size_t)bits;
+    const size_t data_index = start + 2U;
+    const size_t frame_end = data_index + (size_t)bits;
     /* The checks of cw_biss_receive_bits again: a shared function makes that one longer. */
     if (start > received) {
         return CW_FAULT_LINE_HIGH;
@@ -413,13 +413,13 @@ static inline cw_result cw_biss_find_frame(
     if (start == received) {
         return CW_FAULT_NO_START;
     }
-    if (stop > received) {
+    if (frame_end > received) {
         return CW_FAULT_LENGTH;
     }
-    if ((stop < received) && (cw_received_bit(rx, stop) != 0U)) {
+    if ((frame_end < received) && (cw_received_bit(rx, frame_end) != 0U)) {
         return CW_FAULT_CONSTANT;
     }
-    *first = data_first;
+    *first = data_index;
     return CW_OK;
 }
 
