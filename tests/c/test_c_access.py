@@ -293,6 +293,11 @@ HELPERS: Mapping[str, int] = {
     "cw_step_send(0xDAU, 10U, 40U, 7U, 0xFFU).times": 10,
     "cw_step_poll(0x60U, 0x80U, 0x80U).mask": 0x80,
     "cw_step_wait(5U).microseconds": 5,
+    # The parity of even bits in bit 0, of odd bits in bit 1.
+    "cw_parities(0x00000001U)": 1,
+    "cw_parities(0x80000000U)": 2,
+    "cw_parities(0x00000021U)": 3,
+    "cw_parities(0xC000000FU) ^ cw_parities(0x00000003U)": 0,
     "cw_step_more(0x60U, 0x80U, 0x80U).address": 0x60,
     "cw_step_read_one(0x60U).times": 0,
 }

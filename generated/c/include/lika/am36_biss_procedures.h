@@ -41,7 +41,7 @@ static inline cw_result lika_am36_biss_set_configuration_steps(
     }
     /* takes effect immediately */
     steps[0] = cw_step_write(LIKA_AM36_BISS_REG_CONFIGURATION_ADDRESS, 0xFFU, configuration);
-    /* Configuration: read back, which is added to the given steps */
+    /* Configuration: read back, in addition to the steps of the manual */
     steps[1] = cw_step_verify(LIKA_AM36_BISS_REG_CONFIGURATION_ADDRESS, 0xFFU, configuration);
     steps[2] = cw_step_write(LIKA_AM36_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x01U); /* save it */
     steps[3] = cw_step_wait(30000U); /* EEPROM writing time */
@@ -110,9 +110,9 @@ static inline cw_result lika_am36_biss_set_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_AM36_BISS_REG_PRESET_ADDRESS + index);
         steps[1U + index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Enable preset in Configuration: read back, which is added to the given steps */
+    /* Enable preset in Configuration: read back, in addition to the steps of the manual */
     steps[6] = cw_step_verify(LIKA_AM36_BISS_REG_CONFIGURATION_ADDRESS, 0x04U, 0x00U);
-    /* Preset: read back, which is added to the given steps */
+    /* Preset: read back, in addition to the steps of the manual */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_BISS_REG_PRESET_ADDRESS + index);
         steps[7U + index] = cw_step_verify(address, 0xFFU, position_bytes[index]);
@@ -184,9 +184,9 @@ static inline cw_result lika_am36_biss_store_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_AM36_BISS_REG_PRESET_ADDRESS + index);
         steps[1U + index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Enable preset in Configuration: read back, which is added to the given steps */
+    /* Enable preset in Configuration: read back, in addition to the steps of the manual */
     steps[6] = cw_step_verify(LIKA_AM36_BISS_REG_CONFIGURATION_ADDRESS, 0x04U, 0x00U);
-    /* Preset: read back, which is added to the given steps */
+    /* Preset: read back, in addition to the steps of the manual */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_BISS_REG_PRESET_ADDRESS + index);
         steps[7U + index] = cw_step_verify(address, 0xFFU, position_bytes[index]);
@@ -400,13 +400,13 @@ static inline cw_result lika_am36_biss_set_resolution_steps(
             (uint16_t)(LIKA_AM36_BISS_REG_NUMBER_OF_REVOLUTIONS_ADDRESS + index);
         steps[3U + index] = cw_step_write(address, 0xFFU, number_of_revolutions_bytes[index]);
     }
-    /* Information per revolution: read back, which is added to the given steps */
+    /* Information per revolution: read back, in addition to the steps of the manual */
     for (index = 0U; index < sizeof(information_per_revolution_bytes); index++) {
         const uint16_t address =
             (uint16_t)(LIKA_AM36_BISS_REG_INFORMATION_PER_REVOLUTION_ADDRESS + index);
         steps[5U + index] = cw_step_verify(address, 0xFFU, information_per_revolution_bytes[index]);
     }
-    /* Number of revolutions: read back, which is added to the given steps */
+    /* Number of revolutions: read back, in addition to the steps of the manual */
     for (index = 0U; index < sizeof(number_of_revolutions_bytes); index++) {
         const uint16_t address =
             (uint16_t)(LIKA_AM36_BISS_REG_NUMBER_OF_REVOLUTIONS_ADDRESS + index);
@@ -422,9 +422,9 @@ static inline cw_result lika_am36_biss_set_resolution_steps(
         const uint16_t address = (uint16_t)(LIKA_AM36_BISS_REG_PRESET_ADDRESS + index);
         steps[13U + index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Enable preset in Configuration: read back, which is added to the given steps */
+    /* Enable preset in Configuration: read back, in addition to the steps of the manual */
     steps[18] = cw_step_verify(LIKA_AM36_BISS_REG_CONFIGURATION_ADDRESS, 0x04U, 0x00U);
-    /* Preset: read back, which is added to the given steps */
+    /* Preset: read back, in addition to the steps of the manual */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_BISS_REG_PRESET_ADDRESS + index);
         steps[19U + index] = cw_step_verify(address, 0xFFU, position_bytes[index]);

@@ -51,7 +51,7 @@ static inline cw_result lika_amm5_biss_set_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_AMM5_BISS_REG_PRESET_ADDRESS + index);
         steps[1U + index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Preset: read back, which is added to the given steps */
+    /* Preset: read back, in addition to the steps of the manual */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AMM5_BISS_REG_PRESET_ADDRESS + index);
         steps[8U + index] = cw_step_verify(address, 0xFFU, position_bytes[index]);
@@ -128,7 +128,7 @@ static inline cw_result lika_amm5_biss_store_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_AMM5_BISS_REG_PRESET_ADDRESS + index);
         steps[1U + index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Preset: read back, which is added to the given steps */
+    /* Preset: read back, in addition to the steps of the manual */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AMM5_BISS_REG_PRESET_ADDRESS + index);
         steps[8U + index] = cw_step_verify(address, 0xFFU, position_bytes[index]);

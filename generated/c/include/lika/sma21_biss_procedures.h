@@ -41,7 +41,7 @@ static inline cw_result lika_sma21_biss_set_configuration_steps(
     }
     /* active immediately */
     steps[0] = cw_step_write(LIKA_SMA21_BISS_REG_CONFIGURATION_ADDRESS, 0xFFU, configuration);
-    /* Configuration: read back, which is added to the given steps */
+    /* Configuration: read back, in addition to the steps of the manual */
     steps[1] = cw_step_verify(LIKA_SMA21_BISS_REG_CONFIGURATION_ADDRESS, 0xFFU, configuration);
     /* save it permanently */
     steps[2] = cw_step_write(LIKA_SMA21_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x01U);
@@ -109,7 +109,7 @@ static inline cw_result lika_sma21_biss_set_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_SMA21_BISS_REG_PRESET_OFFSET_ADDRESS + index);
         steps[index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Preset / Offset: read back, which is added to the given steps */
+    /* Preset / Offset: read back, in addition to the steps of the manual */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_SMA21_BISS_REG_PRESET_OFFSET_ADDRESS + index);
         steps[4U + index] = cw_step_verify(address, 0xFFU, position_bytes[index]);
@@ -164,9 +164,13 @@ static inline const cw_step *lika_sma21_biss_select_preset_steps(size_t *count)
         { CW_STEP_WRITE, LIKA_SMA21_BISS_REG_CONFIGURATION_ADDRESS, 0x04U, 0x00U, 1U, 0U },
         /* Select preset offset in Configuration: preset */
         { CW_STEP_WRITE, LIKA_SMA21_BISS_REG_CONFIGURATION_ADDRESS, 0x02U, 0x00U, 1U, 0U },
-        /* Enable preset offset in Configuration: read back, which is added to the given steps */
+        /*
+         * Enable preset offset in Configuration: read back, in addition to the steps of the manual
+         */
         { CW_STEP_VERIFY, LIKA_SMA21_BISS_REG_CONFIGURATION_ADDRESS, 0x04U, 0x00U, 1U, 0U },
-        /* Select preset offset in Configuration: read back, which is added to the given steps */
+        /*
+         * Select preset offset in Configuration: read back, in addition to the steps of the manual
+         */
         { CW_STEP_VERIFY, LIKA_SMA21_BISS_REG_CONFIGURATION_ADDRESS, 0x02U, 0x00U, 1U, 0U },
         /* save it permanently */
         { CW_STEP_WRITE, LIKA_SMA21_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x01U, 1U, 0U },
@@ -224,9 +228,9 @@ static inline cw_result lika_sma21_biss_set_offset_steps(
     steps[0] = cw_step_write(LIKA_SMA21_BISS_REG_CONFIGURATION_ADDRESS, 0x04U, 0x00U);
     /* select offset for the register */
     steps[1] = cw_step_write(LIKA_SMA21_BISS_REG_CONFIGURATION_ADDRESS, 0x02U, 0x02U);
-    /* Enable preset offset in Configuration: read back, which is added to the given steps */
+    /* Enable preset offset in Configuration: read back, in addition to the steps of the manual */
     steps[2] = cw_step_verify(LIKA_SMA21_BISS_REG_CONFIGURATION_ADDRESS, 0x04U, 0x00U);
-    /* Select preset offset in Configuration: read back, which is added to the given steps */
+    /* Select preset offset in Configuration: read back, in addition to the steps of the manual */
     steps[3] = cw_step_verify(LIKA_SMA21_BISS_REG_CONFIGURATION_ADDRESS, 0x02U, 0x02U);
     /* save the configuration permanently */
     steps[4] = cw_step_write(LIKA_SMA21_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x01U);
@@ -236,7 +240,7 @@ static inline cw_result lika_sma21_biss_set_offset_steps(
         const uint16_t address = (uint16_t)(LIKA_SMA21_BISS_REG_PRESET_OFFSET_ADDRESS + index);
         steps[6U + index] = cw_step_write(address, 0xFFU, offset_bytes[index]);
     }
-    /* Preset / Offset: read back, which is added to the given steps */
+    /* Preset / Offset: read back, in addition to the steps of the manual */
     for (index = 0U; index < sizeof(offset_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_SMA21_BISS_REG_PRESET_OFFSET_ADDRESS + index);
         steps[10U + index] = cw_step_verify(address, 0xFFU, offset_bytes[index]);
