@@ -65,7 +65,7 @@ PRINTED = {
         "Write current configuration to EEPROM": "= 0x01,",
         "Trigger software reset": "= 0x03,",
         "Error simulation: delete Error message status": "= 0x06",
-        "Internal data bus busy": "_POLL, 0x60U, 0x04U",
+        "Internal data bus busy": "_POLL, LIKA_ASC85_BISS_REG_STATUS_ADDRESS, 0x04U",
         "Absolute data error": "_ERROR_MASK 0x40U",
         "Synchronization error": "_ERROR_MASK 0x08U",
         "Time-out": "350U",

@@ -134,6 +134,16 @@ def test_it_has_nothing_of_other_order_codes_or_files(packaged: tuple[Device, ..
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("code", ["iC-MU-24-0", "AksIM2-18", "AMT22-14"])
+def test_a_packaged_order_code_gives_one_header(code: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Order codes with small letters too: once these gave a header for each code of the family."""
+    arguments = ["--packaged", code, "--target", "c", "--option", "c.form=single", "-o", str(tmp_path)]
+    assert main(["generate", *arguments]) == 0
+    (header,) = (tmp_path / "c").glob("*.h")
+    assert header.stem.endswith(re.sub("[^a-z0-9]+", "_", code.lower()))
+
+
+@pytest.mark.slow
 def test_its_functions_are_those_of_the_tree(packaged: tuple[Device, ...], tmp_path: Path) -> None:
     for device in packaged:
         for interface, code in codes_of(device):
