@@ -283,8 +283,8 @@ def _option_to_limit_c(arguments: argparse.Namespace, families_and_codes: Sequen
     """
     has_option = any(setting.startswith("c.only=") for setting in arguments.option)
     writes_c = not arguments.target or "c" in arguments.target
-    # Order codes are in capitals, and names of families are not.
-    has_codes = any(name.upper() == name for name in families_and_codes)
+    # Order codes have capitals or only digits, and names of families are in lower case.
+    has_codes = any(not name.islower() for name in families_and_codes)
     if has_option or not writes_c or not has_codes:
         return ()
     return (f"c.only={','.join(dict.fromkeys(families_and_codes))}",)

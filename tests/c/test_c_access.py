@@ -293,6 +293,11 @@ HELPERS: Mapping[str, int] = {
     "cw_step_send(0xDAU, 10U, 40U, 7U, 0xFFU).times": 10,
     "cw_step_poll(0x60U, 0x80U, 0x80U).mask": 0x80,
     "cw_step_wait(5U).microseconds": 5,
+    # The parity of even bits in bit 0, of odd bits in bit 1.
+    "cw_parities(0x00000001U)": 1,
+    "cw_parities(0x80000000U)": 2,
+    "cw_parities(0x00000021U)": 3,
+    "cw_parities(0xC000000FU) ^ cw_parities(0x00000003U)": 0,
     "cw_step_more(0x60U, 0x80U, 0x80U).address": 0x60,
     "cw_step_read_one(0x60U).times": 0,
 }
@@ -369,7 +374,8 @@ FUNCTIONS: Mapping[str, int] = {
     "cw_biss_answer_decode(&request, 0xFFFFFFFFU, bytes, bytes)": 4,
     "cw_biss_answer_decode(&request, 0x80008000U, bytes, bytes)": 5,
     # No byte is requested or stored, and the phases do not exist.
-    "(cw_biss_slave_give(&slave, 0x55U), cw_biss_slave_stored(&slave), slave.given || slave.sending != 0U)": 0,
+    "(cw_biss_slave_give(&slave, 0x55U), cw_biss_slave_stored(&slave), slave.is_byte_ready)": 0,
+    "slave.bits_to_send": 0,
     "(slave.phase = (cw_biss_phase)9, cw_biss_slave_next(&slave, false, true))": 1,
     "(slave.phase = (cw_biss_phase)9, cw_biss_slave_next(&slave, false, false))": 0,
     "(master.phase = (cw_biss_phase)9, cw_biss_master_next(&master, true))": 0,

@@ -374,7 +374,7 @@ FAULTS = {
     "silence that ends": ("tracker.h", "if (tracker->lost != 0U) {", "if (tracker->lost > 1U) {"),
     "how many refused": ("tracker.h", "lost_after_refused - 1U", "lost_after_refused"),
     "a silence without a limit": ("tracker.h", "== 0U) ? 0xFFFFFFFFU : config", "== 1U) ? 0xFFFFFFFFU : config"),
-    "speed": ("tracker.h", "if (rest >= elapsed_us)", "if (rest > elapsed_us)"),
+    "speed": ("tracker.h", "if (remainder >= elapsed_us)", "if (remainder > elapsed_us)"),
     "shift of an angle": ("angle.h", "up = 32U - bits", "up = 33U - bits"),
     "bits of a position": ("angle.h", "if (bit > 32U)", "if (bit > 33U)"),
     "nearest": ("angle.h", "+ 0x80000000U) >> 32U", ") >> 32U"),

@@ -65,7 +65,7 @@ PRINTED = {
         "Write current configuration to EEPROM": "= 0x01,",
         "Trigger software reset": "= 0x03,",
         "Error simulation: delete Error message status": "= 0x06",
-        "Internal data bus busy": "_POLL, 0x60U, 0x04U",
+        "Internal data bus busy": "_POLL, LIKA_ASC85_BISS_REG_STATUS_ADDRESS, 0x04U",
         "Absolute data error": "_ERROR_MASK 0x40U",
         "Synchronization error": "_ERROR_MASK 0x08U",
         "Time-out": "350U",
@@ -149,16 +149,23 @@ def test_a_step_names_the_bit_that_it_looks_at(include: Path) -> None:
     """ASC85 6.4: command 02 sets the status bit 1 and the error bit 6, command 01 the status bit 2.
     SMA21 6.4: bits 2 and 1 of the configuration."""
     text = text_of("asc85", include)
-    assert re.search(r"/\* Absolute data valid: [^/]+\*/\n +\{ CW_STEP_POLL, 0x60U, 0x02U, 0x02U,", text)
-    assert re.search(r"/\* Absolute data error: [^/]+\*/\n +\{ CW_STEP_READ, 0x69U,", text)
-    assert re.search(r"/\* Internal data bus busy: [^/]+\*/\n +\{ CW_STEP_POLL, 0x60U, 0x04U, 0x00U,", text)
+    assert "_STATUS_ADDRESS 0x60U" in text
+    assert "_ERROR_REGISTER_ADDRESS 0x69U" in text
+    assert re.search(r"/\* Absolute data valid: [^/]+\*/\n +\{ CW_STEP_POLL, \w+_STATUS_ADDRESS, 0x02U, 0x02U,", text)
+    assert re.search(r"/\* Absolute data error: [^/]+\*/\n +\{ CW_STEP_READ, \w+_ERROR_REGISTER_ADDRESS,", text)
+    assert re.search(
+        r"/\* Internal data bus busy: [^/]+\*/\n +\{ CW_STEP_POLL, \w+_STATUS_ADDRESS, 0x04U, 0x00U,", text
+    )
     assert "/** Absolute data error in Error register: " in text
     text = text_of("sma21", include)
+    assert "_CONFIGURATION_ADDRESS 0x49U" in text
     assert re.search(
-        r"/\* Enable preset offset in Configuration: enable \*/\n +\{ CW_STEP_WRITE, 0x49U, 0x04U, 0x00U,", text
+        r"/\* Enable preset offset in Configuration: enable \*/\n +\{ CW_STEP_WRITE, \w+_ADDRESS, 0x04U, 0x00U,",
+        text,
     )
     assert re.search(
-        r"/\* Select preset offset in Configuration: preset \*/\n +\{ CW_STEP_WRITE, 0x49U, 0x02U, 0x00U,", text
+        r"/\* Select preset offset in Configuration: preset \*/\n +\{ CW_STEP_WRITE, \w+_ADDRESS, 0x02U, 0x00U,",
+        text,
     )
 
 

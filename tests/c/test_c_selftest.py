@@ -71,9 +71,10 @@ FAULTS = {
     "level of a flag": ("sma21_biss.h",
         r"(static inline cw_result lika_sma21_biss_decode\(.*?)(==|!=) 0U\);", r"\1 > 1U);"),
     "order of a procedure": ("amm5_biss_procedures.h",
-        r"(lika_amm5_biss_set_preset_steps\(.*?)cw_step_write\(0x40U, 0xFFU, 0x01U\)",
+        r"(lika_amm5_biss_set_preset_steps\(.*?)cw_step_write\(\w+_ENABLE_ADDRESS, 0xFFU, 0x01U\)",
         r"\1cw_step_write(0x41U, 0xFFU, 0x01U)"),
-    "words of BiSS": ("biss.h", r"(static inline cw_result cw_biss_request_encode\(.*?)<< 15U", r"\1<< 14U"),
+    "words of BiSS": ("biss.h",
+        r"(static inline cw_result cw_biss_request_encode\(.*?)<< CW_BISS_WORD_RW_SHIFT", r"\1<< 14U"),
     "a count that goes on": ("tracker.h", r"forward \+= modulus;", "forward += 1U;"),
     "an angle": ("angle.h", r"bit \+= 16U;", "bit += 15U;"),
 }  # fmt: skip

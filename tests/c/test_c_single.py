@@ -134,6 +134,16 @@ def test_it_has_nothing_of_other_order_codes_or_files(packaged: tuple[Device, ..
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("code", ["iC-MU-24-0", "AksIM2-18", "AMT22-14"])
+def test_a_packaged_order_code_gives_one_header(code: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Order codes with small letters too: once these gave a header for each code of the family."""
+    arguments = ["--packaged", code, "--target", "c", "--option", "c.form=single", "-o", str(tmp_path)]
+    assert main(["generate", *arguments]) == 0
+    (header,) = (tmp_path / "c").glob("*.h")
+    assert header.stem.endswith(re.sub("[^a-z0-9]+", "_", code.lower()))
+
+
+@pytest.mark.slow
 def test_its_functions_are_those_of_the_tree(packaged: tuple[Device, ...], tmp_path: Path) -> None:
     for device in packaged:
         for interface, code in codes_of(device):
@@ -148,6 +158,53 @@ def test_its_functions_are_those_of_the_tree(packaged: tuple[Device, ...], tmp_p
             cut = dict(functions_in(preprocessed(include / "single.h", include)))
             assert cut == {name: renamed.get(name) for name in cut}, code
             assert any(name.endswith("_decode") for name in cut), code
+
+
+#: Counts the words that are refused or accepted wrongly. Each check bit makes the ones of every second bit odd.
+ALL_WORDS = """\
+#include "single.h"
+#include <stdio.h>
+
+int main(void)
+{{
+    unsigned long wrong = 0U;
+    for (uint32_t word = 0U; word < 0x10000U; word++) {{
+        const uint8_t rx[2] = {{ (uint8_t)(word >> {first}U), (uint8_t)(word >> {second}U) }};
+        const uint32_t expected = (word & 0x3FFFU) >> {zeros}U;
+        const bool is_valid = (__builtin_parity(word & 0x5555U) != 0) && (__builtin_parity(word & 0xAAAAU) != 0)
+            && ((expected << {zeros}U) == (word & 0x3FFFU));
+        uint16_t position = 0xFFFFU;
+        const cw_verdict verdict = {name}_READ_BYTES(rx, 2U, &position);
+        wrong += (verdict != (is_valid ? CW_UNKNOWN : CW_NOT_USABLE)) ? 1U : 0U;
+        wrong += (position != (is_valid ? expected : 0xFFFFU)) ? 1U : 0U;
+    }}
+    printf("%lu", wrong);
+    return 0;
+}}
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("family", "code", "zeros", "is_low_first"),
+    [("amt22", "AMT22-12", 2, 0), ("amt22", "AMT22-14", 0, 0), ("amt21", "AMT212A", 2, 1), ("amt21", "AMT213B", 0, 1)],
+)
+def test_two_check_bits_are_checked_together(
+    family: str, code: str, zeros: int, is_low_first: int, packaged: tuple[Device, ...], tmp_path: Path
+) -> None:
+    device = next(device for device in packaged if device.name == family)
+    header = single(device, code)
+    assert re.search(r"_parities\(\(uint32_t\)word & 0xFFF[CF]U\) != 3U", header)
+    first, second = (0, 8) if is_low_first else (8, 0)
+    name = own_name(device, code).upper()
+    program = ALL_WORDS.format(first=first, second=second, zeros=zeros, name=name)
+    (tmp_path / "single.h").write_text(header, encoding="ascii")
+    (tmp_path / "main.c").write_text(program, encoding="ascii")
+    command = ["gcc", "-std=c99", *STRICT, *SANITIZED, "main.c", "-o", "main"]
+    require(command[:1])
+    subprocess.run(command, cwd=tmp_path, check=True)
+    printed = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True).stdout
+    assert printed == "0"
 
 
 def write_headers(folder: Path, device: Device, only: str = "") -> Path:

@@ -402,7 +402,7 @@ static inline cw_result in_a_loop(
         }
         now++;
     }
-    if (cw_runner_next(&runner, now) != CW_TODO_END || runner.alone) {
+    if (cw_runner_next(&runner, now) != CW_TODO_END || runner.bus_reserved) {
         abort();
     }
     {

@@ -22,7 +22,7 @@ static bool either(void)
 static bool master_can_be(const cw_biss_master *master)
 {
     const bool running = master->outcome == CW_BISS_RUNNING;
-    const bool at_p = (master->phase == CW_BISS_PHASE_BYTE) && (master->at == 12U);
+    const bool at_p = (master->phase == CW_BISS_PHASE_BYTE) && (master->bit_index == 12U);
     if (((unsigned)master->phase > 3U) || ((unsigned)master->outcome > 8U) || (master->zeros > CW_BISS_ZEROS)) {
         return false;
     }
@@ -36,18 +36,18 @@ static bool master_can_be(const cw_biss_master *master)
     if ((master->request.address + (master->count - master->done) + (at_p ? 1 : 0)) > 0x80) {
         return false;
     }
-    if (master->request.write ? (master->from != from) : (master->into != into)) {
+    if (master->request.write ? (master->write_bytes != from) : (master->read_bytes != into)) {
         return false;
     }
     switch (master->phase) {
     case CW_BISS_PHASE_HEADER:
-        return master->at <= 17U;
+        return master->bit_index <= 17U;
     case CW_BISS_PHASE_START:
-        return master->busy <= master->busy_limit;
+        return master->busy_frames <= master->busy_limit;
     case CW_BISS_PHASE_BYTE:
-        return at_p || ((master->at < 12U) && ((master->answers >> master->at) == 0U));
+        return at_p || ((master->bit_index < 12U) && ((master->responses >> master->bit_index) == 0U));
     default:
-        return master->at == 0U;
+        return master->bit_index == 0U;
     }
 }
 
@@ -79,14 +79,14 @@ static bool late_master_can_be(const cw_biss_master *master)
     if ((master->request.address + (master->count - master->done)) > 0x80) {
         return false;
     }
-    if (master->request.write ? ((master->from != from) || master->insists) : (master->into != into)) {
+    if (master->request.write ? ((master->write_bytes != from) || master->repeats_start) : (master->read_bytes != into)) {
         return false;
     }
     switch (master->phase) {
     case CW_BISS_PHASE_HEADER:
-        return (master->at <= 18U) && ((master->answers >> master->at) == 0U);
+        return (master->bit_index <= 18U) && ((master->responses >> master->bit_index) == 0U);
     case CW_BISS_PHASE_BYTE:
-        return (master->at <= 12U) && ((master->answers >> master->at) == 0U);
+        return (master->bit_index <= 12U) && ((master->responses >> master->bit_index) == 0U);
     default:
         return true;
     }
@@ -99,7 +99,7 @@ void one_more_bit_of_a_late_master(void)
     master.outcome = (cw_biss_outcome)nondet_int();
     master.phase = (cw_biss_phase)nondet_int();
     master.request.write = either();
-    master.insists = either();
+    master.repeats_start = either();
     __CPROVER_assume(late_master_can_be(&master));
     done = master.done;
     (void)cw_biss_master_next_late(&master, either());
@@ -132,14 +132,14 @@ void a_master_begins(void)
 
 static bool slave_can_be(const cw_biss_slave *slave)
 {
-    if (((unsigned)slave->phase > 3U) || ((unsigned)slave->wants > 2U) || (slave->zeros > CW_BISS_ZEROS) || (slave->current > 0x7FU)) {
+    if (((unsigned)slave->phase > 3U) || ((unsigned)slave->wants > 2U) || (slave->zeros > CW_BISS_ZEROS) || (slave->current_address > 0x7FU)) {
         return false;
     }
     switch (slave->phase) {
     case CW_BISS_PHASE_HEADER:
-        return (slave->at <= 16U) && ((slave->received >> slave->at) == 0U);
+        return (slave->bit_index <= 16U) && ((slave->received_bits >> slave->bit_index) == 0U);
     case CW_BISS_PHASE_BYTE:
-        return (slave->at <= 12U) && ((slave->received >> slave->at) == 0U);
+        return (slave->bit_index <= 12U) && ((slave->received_bits >> slave->bit_index) == 0U);
     default:
         return true;
     }
@@ -153,14 +153,14 @@ void one_more_bit_of_a_slave(void)
     slave.phase = (cw_biss_phase)nondet_int();
     slave.locked = either();
     slave.write = either();
-    slave.given = either();
+    slave.is_byte_ready = either();
     __CPROVER_assume(slave_can_be(&slave));
     before = slave.wants;
     (void)cw_biss_slave_next(&slave, either(), either());
     __CPROVER_assert(slave_can_be(&slave), "a slave stays what it can be");
     if ((before == CW_BISS_WANTS_NOTHING) && (slave.wants == CW_BISS_WANTS_STORE)) {
         const uint32_t bits = ((uint32_t)slave.value << 4U) | cw_biss_crc(slave.value, 8U);
-        __CPROVER_assert((slave.received == bits) && (slave.address == slave.current), "only a byte whose CRC fits is stored");
+        __CPROVER_assert((slave.received_bits == bits) && (slave.address == slave.current_address), "only a byte whose CRC fits is stored");
     }
     if (either()) {
         cw_biss_slave_give(&slave, nondet_byte());
@@ -175,10 +175,10 @@ void a_slave_begins(void)
     cw_biss_slave slave;
     cw_biss_slave_init(&slave);
     __CPROVER_assert(slave_can_be(&slave), "a slave that is new");
-    slave.current = nondet_byte();
-    __CPROVER_assume(slave.current < 0x80U);
+    slave.current_address = nondet_byte();
+    __CPROVER_assume(slave.current_address < 0x80U);
     slave.write = either();
-    __CPROVER_assert(!cw_biss_slave_may(&slave), "refuses every register");
+    __CPROVER_assert(!cw_biss_slave_is_allowed(&slave), "refuses every register");
 }
 
 void words(void)

@@ -97,12 +97,12 @@ static size_t reads_from(size_t first, size_t count)
 static bool is_sound(const cw_runner *runner, size_t count)
 {
     const bool well = runner->result == CW_OK;
-    return runner->steps == steps && runner->count == count && runner->at <= count && runner->begun <= count
-        && (!well || runner->bytes == &room[STEPS - reads_from(runner->at, count)])
-        && (well || runner->at == count || steps[runner->at].kind == CW_STEP_CLOSE)
-        && (runner->at == count || steps[runner->at].kind != CW_STEP_MORE)
-        && (well || runner->failure.step < runner->begun)
-        && (runner->at == count || runner->round < most_of(&steps[runner->at]));
+    return runner->steps == steps && runner->count == count && runner->step_index <= count && runner->steps_begun <= count
+        && (!well || runner->next_byte == &room[STEPS - reads_from(runner->step_index, count)])
+        && (well || runner->step_index == count || steps[runner->step_index].kind == CW_STEP_CLOSE)
+        && (runner->step_index == count || steps[runner->step_index].kind != CW_STEP_MORE)
+        && (well || runner->failure.step < runner->steps_begun)
+        && (runner->step_index == count || runner->accesses_done < most_of(&steps[runner->step_index]));
 }
 
 /* One action after the other, from any valid state, with any result: the state is valid again, and nearer to the end.
@@ -118,41 +118,41 @@ void a_round(void)
     __CPROVER_assert(is_sound(&runner, count), "it begins soundly");
     runner.poll_at_most = ACCESSES;
     runner.result = (cw_result)(nondet_byte() % 10U);
-    runner.at = nondet_size();
-    runner.begun = nondet_size();
+    runner.step_index = nondet_size();
+    runner.steps_begun = nondet_size();
     runner.failure.step = nondet_size();
-    runner.round = nondet_number();
+    runner.accesses_done = nondet_number();
     runner.pause_us = nondet_number();
-    runner.held[0] = nondet_byte();
-    runner.held[1] = nondet_byte();
-    __CPROVER_assume(runner.at <= count);
-    runner.bytes = &room[STEPS - reads_from(runner.at, count)];
+    runner.step_bytes[0] = nondet_byte();
+    runner.step_bytes[1] = nondet_byte();
+    __CPROVER_assume(runner.step_index <= count);
+    runner.next_byte = &room[STEPS - reads_from(runner.step_index, count)];
     __CPROVER_assume(is_sound(&runner, count));
     const cw_runner before = runner;
     const cw_todo todo = cw_runner_next(&runner, now);
     __CPROVER_assert(before.result == CW_OK || runner.result == before.result, "the first fault is kept");
     __CPROVER_assert(is_sound(&runner, count), "it is sound while something is under way");
     if (todo == CW_TODO_END) {
-        __CPROVER_assert(runner.at == count, "all is done");
-        __CPROVER_assert(runner.result != CW_OK || runner.bytes == &room[STEPS], "and all is read");
+        __CPROVER_assert(runner.step_index == count, "all is done");
+        __CPROVER_assert(runner.result != CW_OK || runner.next_byte == &room[STEPS], "and all is read");
         return;
     }
     if (todo == CW_TODO_WAIT) {
         __CPROVER_assert(runner.wait_us != 0U && runner.wait_us <= runner.pause_us, "there is something to wait for");
         return;
     }
-    __CPROVER_assert(todo != CW_TODO_BUSY && runner.at < count, "a step of the list");
+    __CPROVER_assert(todo != CW_TODO_BUSY && runner.step_index < count, "a step of the list");
     __CPROVER_assert(cw_runner_next(&runner, now) == CW_TODO_BUSY, "one thing at a time");
     if (todo != CW_TODO_WRITE && runner.length != 0U) {
         __CPROVER_assert(__CPROVER_w_ok(runner.data, runner.length), "there is room for it");
         __CPROVER_havoc_slice(runner.data, runner.length);
     }
-    const size_t at = runner.at;
-    const uint32_t round = runner.round;
+    const size_t at = runner.step_index;
+    const uint32_t round = runner.accesses_done;
     const int32_t error = nondet_error();
     cw_runner_done(&runner, error, now);
     __CPROVER_assert(error == 0 || runner.result != CW_OK, "no fault is lost");
-    __CPROVER_assert(runner.at > at || runner.round > round, "it is nearer to the end");
+    __CPROVER_assert(runner.step_index > at || runner.accesses_done > round, "it is nearer to the end");
     __CPROVER_assert(is_sound(&runner, count), "it is sound again");
 }
 
@@ -200,21 +200,21 @@ void closing_again(void)
     const size_t count = any_steps(&bytes, &length);
     __CPROVER_assert(cw_runner_start(&runner, steps, count, bytes, length, 0U) == CW_OK, "its places fit");
     runner.result = (cw_result)(1U + (nondet_byte() % 9U));
-    runner.at = nondet_size();
-    runner.begun = nondet_size();
+    runner.step_index = nondet_size();
+    runner.steps_begun = nondet_size();
     runner.failure.step = nondet_size();
     runner.failure.left_open = nondet_byte() != 0U;
-    __CPROVER_assume(runner.at <= count && is_sound(&runner, count));
+    __CPROVER_assume(runner.step_index <= count && is_sound(&runner, count));
     const cw_runner before = runner;
     const bool again = cw_runner_close(&runner, nondet_number());
-    __CPROVER_assert(again == (before.at == count && before.failure.left_open), "where something is open, at the end");
+    __CPROVER_assert(again == (before.step_index == count && before.failure.left_open), "where something is open, at the end");
     __CPROVER_assert(runner.result == before.result && is_sound(&runner, count), "the first fault is kept");
-    __CPROVER_assert(again || runner.at == before.at, "else it does nothing");
+    __CPROVER_assert(again || runner.step_index == before.step_index, "else it does nothing");
     if (again) {
         __CPROVER_assert(!runner.failure.left_open, "nothing failed yet");
         for (size_t at = 0U; at < STEPS; at++) {
-            const bool closes = at < count && cw_step_closes(steps, runner.begun, &steps[at]);
-            __CPROVER_assert(at >= runner.at || !closes, "the first that closes");
+            const bool closes = at < count && cw_step_closes(steps, runner.steps_begun, &steps[at]);
+            __CPROVER_assert(at >= runner.step_index || !closes, "the first that closes");
         }
     }
 }
@@ -229,5 +229,5 @@ void done_too_often(void)
     const uint32_t now = nondet_number();
     __CPROVER_assert(cw_runner_start(&runner, steps, count, bytes, length, now) == CW_OK, "its places fit");
     cw_runner_done(&runner, nondet_error(), nondet_number());
-    __CPROVER_assert(runner.at == 0U && runner.from_us == now && runner.result == CW_OK, "nothing");
+    __CPROVER_assert(runner.step_index == 0U && runner.pause_start_us == now && runner.result == CW_OK, "nothing");
 }

@@ -11,7 +11,7 @@ from proof import PRELUDE, UNDEFINED, Header, Proof
 from proof_reference import shift_in, shifted_out
 
 #: Functions of bits.h that are proved here, with arguments that obey their comments.
-FUNCTIONS = ("mask", "field", "signed", "fits_signed", "from_gray", "to_gray", "parity", "difference")
+FUNCTIONS = ("mask", "field", "signed", "fits_signed", "from_gray", "to_gray", "parity", "parities", "difference")
 FUNCTIONS += ("with_field", "from_gray_excess", "to_gray_excess")
 #: The longest run of bytes over which a CRC is proved.
 BYTES = 12
@@ -75,9 +75,10 @@ void numbers(void)
 }
 void parity(void)
 {
-    unsigned value = (unsigned)nondet_word(), odd = 0;
-    for (int i = 0; i < 32; i++) odd ^= (value >> i) & 1;
-    __CPROVER_assert(cw_parity(value) == odd, "1 where the number of ones is odd");
+    unsigned value = (unsigned)nondet_word(), parities[2] = { 0, 0 };
+    for (int i = 0; i < 32; i++) parities[i % 2] ^= (value >> i) & 1;
+    __CPROVER_assert(cw_parity(value) == (parities[0] ^ parities[1]), "1 where the number of ones is odd");
+    __CPROVER_assert(cw_parities(value) == (parities[0] | (parities[1] << 1)), "that of even bits and of odd bits");
 }
 #ifdef POWER
 /* Some of the powers of two; other numbers of 64 bits are too hard to divide by. */

@@ -109,10 +109,10 @@ def test_headers_of_which_all_is_used_have_no_finding_without_a_reason(
         ("bits.h", "return (0x6996U >> (v & 0x0FU)) & 1U;", "goto done;\ndone:\n    return v & 1U;", "15.1"),
         (
             "transport.h",
-            "        index += done;\n",
+            "        index += steps_done;\n",
             (
-                "        if (done > 2U) {\n            index += done;\n"
-                "        } else if (done > 1U) {\n            index += 2U;\n        }\n"
+                "        if (steps_done > 2U) {\n            index += steps_done;\n"
+                "        } else if (steps_done > 1U) {\n            index += 2U;\n        }\n"
             ),
             "15.7",
         ),

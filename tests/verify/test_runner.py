@@ -29,16 +29,24 @@ def test_whatever_becomes_of_it(claim: str, include: Path, tmp_path: Path) -> No
     ("claim", "sound", "instead"),
     [
         ("a_round", "cw_runner_advance(runner, runner->length);", "cw_runner_advance(runner, 1U);"),
-        ("a_round", "(runner->steps[runner->at].kind == CW_STEP_MORE) ||\n        ", ""),
+        ("a_round", "(runner->steps[runner->step_index].kind == CW_STEP_MORE) ||\n        ", ""),
         ("a_round", "!cw_step_closes(", "cw_step_closes("),
-        ("a_round", "runner->doing = todo;", ""),
-        ("a_round", "runner->bytes = &runner->bytes[runner->length];", "runner->bytes = &runner->bytes[2];"),
+        ("a_round", "runner->access = todo;", ""),
+        (
+            "a_round",
+            "runner->next_byte = &runner->next_byte[runner->length];",
+            "runner->next_byte = &runner->next_byte[2];",
+        ),
         ("places_that_do_not_fit", "fits ? count : 0U,", "count,"),
         ("no_steps", "const bool fits = ", "const bool fits = (count == 0U) || "),
         ("bytes_of_nothing", "const bool fits = ", "const bool fits = (steps[0].kind == CW_STEP_MORE) || "),
-        ("closing_again", "runner->at = 0U;", "runner->at = 1U;"),
-        ("closing_again", "(runner->at >= runner->count) && runner->failure.left_open", "runner->failure.left_open"),
-        ("done_too_often", "if (did == CW_TODO_END) {", "if (did == CW_TODO_BUSY) {"),
+        ("closing_again", "runner->step_index = 0U;", "runner->step_index = 1U;"),
+        (
+            "closing_again",
+            "(runner->step_index >= runner->count) && runner->failure.left_open",
+            "runner->failure.left_open",
+        ),
+        ("done_too_often", "if (finished == CW_TODO_END) {", "if (finished == CW_TODO_BUSY) {"),
     ],
 )
 def test_what_is_planted_is_found(claim: str, sound: str, instead: str, include: Path, tmp_path: Path) -> None:

@@ -279,7 +279,7 @@ def note_of_step(device: Device, operation: Operation) -> str:
             purpose = meaning or f"{_register_place(device, operation)}: {step.value_name}"
             return f"{purpose}, also done if an earlier step fails" if operation.closes else purpose
         case Verifies():
-            return f"{_register_place(device, operation)}: read back, which is added to the given steps"
+            return f"{_register_place(device, operation)}: read back, in addition to the steps of the manual"
         case Reads() | Polls():
             return ": ".join(filter(None, (title(operation.field or operation.register), meaning)))
         case _:

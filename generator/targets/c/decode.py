@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from ...model import Field, assert_never
 from ...model.record import dataclass
 from ...plan.codec import ShiftedBits, characters, is_plain_flag
-from ...plan.operations import AlwaysIs, Check, JoinedNumber, ParityIs, Part, ZerosAbove
+from ...plan.operations import AlwaysIs, Bits, Check, JoinedNumber, ParityIs, Part, ZerosAbove
 from ...plan.values import (
     Active,
     Characters,
@@ -72,6 +72,10 @@ class UnusedAre:
     bits: Expr
 
 
+#: The bits with odd and with even numbers in the lower 32 bits of a word.
+_ODD_BITS, _EVEN_BITS = 0xAAAAAAAA, 0x55555555
+
+
 class Decoder:
     """The operations of a decoder in order, and the expressions in them."""
 
@@ -124,7 +128,23 @@ class Decoder:
 
     @property
     def parities_in_word(self) -> tuple[ParityIs, ...]:
-        """The parity bits that are checked in the word, before any field of it is extracted."""
+        """The parity bits that are checked in the word one by one, before any field of it is extracted."""
+        pair = self.parity_pair_in_word
+        return tuple(parity for parity in self._checked_in_word if parity not in pair)
+
+    @property
+    def parity_pair_in_word(self) -> tuple[ParityIs, ...]:
+        """The two parity bits over odd and over even bits of the word, which are checked together. Empty if none."""
+        masks = [self._word_parities[parity.field.name] for parity in self._checked_in_word]
+        if len(masks) != 2 or len({parity.odd for parity in self._checked_in_word}) != 1:
+            return ()
+        first_mask, second_mask = masks
+        is_pair = not (first_mask & _EVEN_BITS or second_mask & _ODD_BITS)
+        is_swapped_pair = not (first_mask & _ODD_BITS or second_mask & _EVEN_BITS)
+        return self._checked_in_word if is_pair or is_swapped_pair else ()
+
+    @property
+    def _checked_in_word(self) -> tuple[ParityIs, ...]:
         parities = (check for check in self.plan.checks if isinstance(check, ParityIs))
         return tuple(parity for parity in parities if parity.field.name in self._word_parities)
 
@@ -133,8 +153,8 @@ class Decoder:
         """The checks in order: constants, parity bits, parity bits of the selector, and then values.
 
         In bytes, constants are checked byte by byte, after the zeros above fields. A parity bit of the selector is
-        checked together with the selector, which then has no check of its own. Those in ``parities_in_word`` are not
-        among them.
+        checked together with the selector, which then has no check of its own. Those that are checked in the word are
+        not among them.
         """
         checks = self.plan.checks
         parities = [check for check in checks if isinstance(check, ParityIs)]
@@ -195,21 +215,35 @@ class Decoder:
 
         A selector with a known parity is compared instead.
         """
-        if not self.plan.by_word or self.plan.gray is not None:
+        if not self.plan.by_word or self.plan.gray is not None or parity.known_parity is not None:
             return 0
-        if parity.mask or parity.known_parity is not None:
+        all_bits = (parity.bits, *parity.of_bits)
+        names = {name for bits in all_bits for name in (*bits.low.parameters, *bits.width.parameters)}
+        if not names.isdisjoint(self._names_beyond_codes()):
             return 0
-        mask = 0
-        for bits in (parity.bits, *parity.of_bits):
-            if not bits.are_fixed:
-                return 0
-            mask |= ((1 << bits.width.constant) - 1) << bits.low.constant
-        return mask if mask.bit_length() <= 32 else 0
+        masks = {_mask_for_code(parity, variant.parameters) for variant in self.struct.device.variants}
+        mask = masks.pop()
+        return mask if not masks and mask.bit_length() <= 32 else 0
+
+    def _names_beyond_codes(self) -> set[str]:
+        """Return the names of the parameters that an order code alone does not set."""
+        device = self.struct.device
+        names = {parameter.name for parameter in device.run_time_parameters}
+        for alternative in device.alternatives:
+            names |= alternative.answers[0].sets.keys()
+        return names
 
     def parity_in_word(self, parity: ParityIs) -> Expr:
         """Return the parity of a parity bit in the word and all bits that it covers."""
         mask = self._word_parities[parity.field.name]
         return Call("cw_parity", (masked(self.reader.lower(32), mask),))
+
+    def parities_in_word_together(self, parities: Sequence[ParityIs]) -> Expr:
+        """Return the parities of the odd and of the even bits in the word that two parity bits cover."""
+        mask = 0
+        for parity in parities:
+            mask |= self._word_parities[parity.field.name]
+        return Call("cw_parities", (masked(self.reader.lower(32), mask),))
 
     def parity(self, fields: Sequence[Field], mask: int) -> Expr:
         """Return the parity of these fields, or of their bits in ``mask`` if it is not 0."""
@@ -353,3 +387,17 @@ def _constant_bytes(checks: Iterable[Check]) -> list[ByteIs]:
                         reasons=tuple(dict.fromkeys((*earlier.reasons, name))),
                     )
     return [constant_bytes[byte] for byte in sorted(constant_bytes)]
+
+
+def _mask_for_code(parity: ParityIs, parameters: Mapping[str, int]) -> int:
+    """Return the mask, in the word of an order code, of a parity bit and of all bits that it covers."""
+    word_mask = _bits_mask(parity.bits, parameters, 0)
+    for bits in parity.of_bits:
+        word_mask |= _bits_mask(bits, parameters, parity.mask)
+    return word_mask
+
+
+def _bits_mask(bits: Bits, parameters: Mapping[str, int], mask: int) -> int:
+    """Return the mask of bits in the word, or of those in ``mask`` if it is not 0."""
+    all_bits = (1 << bits.width.value(parameters)) - 1
+    return (all_bits & mask if mask else all_bits) << bits.low.value(parameters)

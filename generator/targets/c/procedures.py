@@ -47,13 +47,14 @@ _ZERO = Number(0)
 class Row:
     """An elementary step at index ``at`` of the list: one byte of a register, a wait, a request.
 
-    ``more`` is true if the byte is accessed together with that of the step before.
+    ``address`` is an expression with the macro of the register. ``more`` is true if the byte is accessed together with
+    that of the step before.
     """
 
     at: int
     op: Operation
     note: str
-    address: int = 0
+    address: str = ""
     mask: int = 0
     value: Expr = _ZERO
     more: bool = False
@@ -319,18 +320,25 @@ class ProcedureCode:
             value = self._byte_value(step, piece)
             yield self._build_row(first_index + index, step, note if index == 0 else "", piece, value)
 
-    @staticmethod
-    def _build_row(index: int, step: Writes | Reads | Polls | Verifies, note: str, piece: Piece, value: Expr) -> Row:
+    def _build_row(
+        self, index: int, step: Writes | Reads | Polls | Verifies, note: str, piece: Piece, value: Expr
+    ) -> Row:
         """Return the step on one byte of a register. ``value`` has the bits at their places in the byte."""
         return Row(
             at=index,
             op=step,
             note=note,
-            address=step.register.address_of(piece.byte),
+            address=self._address(step.register, piece.byte),
             mask=piece.mask << piece.low_in_byte,
             value=value,
             more=step.register.is_accessed_whole and piece.byte > 0,
         )
+
+    def _address(self, register: Register, byte: int) -> str:
+        """Return the address of a byte of a register, as its macro and the distance from it."""
+        macro = f"{self.registers[register.name].stem}_ADDRESS"
+        distance = register.address_of(byte) - register.address
+        return f"{macro} + {distance}U" if distance else macro
 
     def _read_back(
         self, first_index: int, step: Verifies, filled_register: FilledRegister, note: str

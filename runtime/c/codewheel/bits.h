@@ -155,6 +155,18 @@ static inline uint32_t cw_parity(uint32_t value)
     return (0x6996U >> (v & 0x0FU)) & 1U; /* bit n of 6996h is the parity of n */
 }
 
+/** Return the parity of the bits with even numbers in bit 0, of those with odd numbers in bit 1. */
+CW_CONSTEXPR
+static inline uint32_t cw_parities(uint32_t value)
+{
+    uint32_t v = value;
+    v ^= v >> 16U;
+    v ^= v >> 8U;
+    v ^= v >> 4U;
+    v ^= v >> 2U;
+    return v & 3U;
+}
+
 /* -- positions --------------------------------------------------------------------------------- */
 
 /**

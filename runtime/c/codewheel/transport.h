@@ -293,15 +293,15 @@ CW_NODISCARD
 static inline cw_result cw_reply_check(
     uint8_t request, const uint8_t *reply, size_t length, uint8_t mask)
 {
-    uint8_t sum = 0U;
+    uint8_t xor_of_bytes = 0U;
     size_t index;
     if (length == 0U) {
         return CW_OK;
     }
     for (index = 0U; index < length; index++) {
-        sum ^= reply[index];
+        xor_of_bytes ^= reply[index];
     }
-    if ((sum & mask) != 0U) {
+    if ((xor_of_bytes & mask) != 0U) {
         return CW_FAULT_CRC;
     }
     return (reply[0] == request) ? CW_OK : CW_FAULT_CONSTANT;
@@ -348,15 +348,15 @@ static inline size_t cw_step_bytes(const cw_step *steps, size_t count)
  */
 static inline bool cw_step_change(const cw_step *steps, uint8_t *bytes, size_t length)
 {
-    bool keeps = false;
+    bool keeps_bits = false;
     size_t index;
     for (index = 0U; index < length; index++) {
         const uint32_t mask = steps[index].mask;
-        keeps = keeps || (mask != 0xFFU);
+        keeps_bits = keeps_bits || (mask != 0xFFU);
         bytes[index] =
             (uint8_t)(((uint32_t)bytes[index] & ~mask) | ((uint32_t)steps[index].value & mask));
     }
-    return keeps;
+    return keeps_bits;
 }
 
 /** Return the index of the first byte that differs from its step under the mask, or length. */
@@ -412,28 +412,28 @@ static inline cw_result cw_run_compare(
 {
     const bool bounded = transport->poll_at_most != 0U;
     const uint32_t at_most = bounded ? transport->poll_at_most : CW_POLL_AT_MOST;
-    const uint32_t pause = bounded ? transport->poll_pause_us : CW_POLL_PAUSE_US;
+    const uint32_t pause_us = bounded ? transport->poll_pause_us : CW_POLL_PAUSE_US;
     uint32_t readings;
     for (readings = 0U; readings < at_most; readings++) {
-        uint8_t held[CW_STEP_BYTES] = { 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U };
+        uint8_t bytes[CW_STEP_BYTES] = { 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U };
         cw_result result = CW_OK;
         size_t differs;
-        if ((readings != 0U) && (pause != 0U)) {
-            result = cw_wait(transport, pause, failure);
+        if ((readings != 0U) && (pause_us != 0U)) {
+            result = cw_wait(transport, pause_us, failure);
         }
         if (result == CW_OK) {
-            result = cw_read(transport, step->address, held, length, failure);
+            result = cw_read(transport, step->address, bytes, length, failure);
         }
         if (result != CW_OK) {
             return result;
         }
-        differs = cw_step_differs(step, held, length);
+        differs = cw_step_differs(step, bytes, length);
         if (differs == length) {
             return CW_OK;
         }
         if (step->kind == CW_STEP_VERIFY) {
             return cw_failed(
-                CW_FAULT_VERIFY, CW_STEP_VERIFY, step->address, (int32_t)held[differs], failure);
+                CW_FAULT_VERIFY, CW_STEP_VERIFY, step->address, (int32_t)bytes[differs], failure);
         }
     }
     return cw_failed(CW_FAULT_TIMEOUT, CW_STEP_POLL, step->address, 0, failure);
@@ -471,20 +471,20 @@ static inline bool cw_run_fits(const cw_step *steps, size_t count, size_t length
  */
 static inline size_t cw_run_together(const cw_step *steps, size_t count)
 {
-    size_t together = cw_step_bytes(steps, count);
-    if ((together != 1U) || (steps[0].kind != CW_STEP_READ) || (steps[0].times == 0U)) {
-        return together;
+    size_t steps_at_once = cw_step_bytes(steps, count);
+    if ((steps_at_once != 1U) || (steps[0].kind != CW_STEP_READ) || (steps[0].times == 0U)) {
+        return steps_at_once;
     }
-    while ((together < count) && (steps[together].kind == CW_STEP_READ) &&
-        (steps[together].times != 0U) &&
-        ((size_t)steps[together].address == ((size_t)steps[0].address + together))) {
-        together++;
+    while ((steps_at_once < count) && (steps[steps_at_once].kind == CW_STEP_READ) &&
+        (steps[steps_at_once].times != 0U) &&
+        ((size_t)steps[steps_at_once].address == ((size_t)steps[0].address + steps_at_once))) {
+        steps_at_once++;
     }
     /* A MORE step belongs to the last of them, which is then read on its own. */
-    if ((together < count) && (steps[together].kind == CW_STEP_MORE)) {
-        together--;
+    if ((steps_at_once < count) && (steps[steps_at_once].kind == CW_STEP_MORE)) {
+        steps_at_once--;
     }
-    return together;
+    return steps_at_once;
 }
 
 /** Carry out a step of any kind except READ, which accesses length bytes at once. */
@@ -545,15 +545,16 @@ static inline bool cw_step_closes(
 static inline bool cw_run_closing(
     const cw_transport *transport, const cw_step *steps, size_t count, size_t failed)
 {
-    bool well = (failed < count) && (steps[failed].kind != CW_STEP_CLOSE);
+    bool is_closed = (failed < count) && (steps[failed].kind != CW_STEP_CLOSE);
     size_t index;
     for (index = failed + 1U; index < count; index++) {
         if (cw_step_closes(steps, failed + 1U, &steps[index])) {
             const size_t length = cw_step_bytes(&steps[index], count - index);
-            well = (cw_run_write(transport, &steps[index], length, NULL) == CW_OK) && well;
+            const cw_result result = cw_run_write(transport, &steps[index], length, NULL);
+            is_closed = (result == CW_OK) && is_closed;
         }
     }
-    return well;
+    return is_closed;
 }
 
 /**
@@ -576,7 +577,7 @@ static inline cw_result cw_run(
     const cw_transport *transport, const cw_step *steps, size_t count,
     uint8_t *bytes, size_t length, cw_failure *failure)
 {
-    size_t read = 0U;
+    size_t bytes_read = 0U;
     size_t index = 0U;
     if (!cw_run_fits(steps, count, length)) {
         return CW_FAULT_LENGTH;
@@ -584,12 +585,12 @@ static inline cw_result cw_run(
     while (index < count) {
         const cw_step *const step = &steps[index];
         cw_result result;
-        const size_t done = cw_run_together(step, count - index);
+        const size_t steps_done = cw_run_together(step, count - index);
         if (step->kind == CW_STEP_READ) {
-            result = cw_read(transport, step->address, &bytes[read], done, failure);
-            read += done;
+            result = cw_read(transport, step->address, &bytes[bytes_read], steps_done, failure);
+            bytes_read += steps_done;
         } else {
-            result = cw_run_step(transport, step, done, failure);
+            result = cw_run_step(transport, step, steps_done, failure);
         }
         if (result != CW_OK) {
             const bool closed = cw_run_closing(transport, steps, count, index);
@@ -600,7 +601,7 @@ static inline cw_result cw_run(
             }
             return cw_failed_at(result, index, failure);
         }
-        index += done;
+        index += steps_done;
     }
     return CW_OK;
 }

@@ -72,14 +72,57 @@ extern "C" {
 #define CW_BISS_ZEROS 14U
 /** Number of IDs for slaves. The only slave, or the last in a chain, whose SLI is 0, has ID 0. */
 #define CW_BISS_IDS 8U
+/** IDL0, the first of the 16 responses in which slaves take their IDs. */
+#define CW_BISS_IDL0 0x8000U
+/** Address of the last register. */
+#define CW_BISS_LAST_ADDRESS 0x7FU
 /** Number of registers that one control frame can reach: 00h to 3Fh or 40h to 7Fh. */
 #define CW_BISS_REGISTERS 64U
 /** Value used as the ID of a slave that has none. */
 #define CW_BISS_NO_ID 0xFFU
+/** Number of bits of CTS, ID and ADR, which CRC follows. */
+#define CW_BISS_HEAD_BITS 11U
+/** Number of bits from CTS to W: CTS, ID, ADR, CRC, R and W. */
+#define CW_BISS_HEADER_BITS 17U
+/** Number of bits of CTS, ID, ADR and CRC, after which R and W follow. */
+#define CW_BISS_CHECKED_BITS 15U
+/** Number of bits of DATA. */
+#define CW_BISS_DATA_BITS 8U
+/** Number of bits of DATA and CRC. */
+#define CW_BISS_BYTE_BITS 12U
+/** Number of bits of CRC, by which the bits before it are shifted. */
+#define CW_BISS_CRC_BITS 4U
+
+/** CTS in CTS, ID and ADR: access to a register. */
+#define CW_BISS_CTS 0x400U
+/** Place of ID in CTS, ID and ADR. */
+#define CW_BISS_ID_SHIFT 7U
+/** R W to read. */
+#define CW_BISS_RW_READ 0x2U
+/** R W to write. */
+#define CW_BISS_RW_WRITE 0x1U
+
+/** Place of CTS, ID and ADR in the word of a request. */
+#define CW_BISS_WORD_HEAD_SHIFT 21U
+/** Place of their CRC in the word of a request. */
+#define CW_BISS_WORD_CRC_SHIFT 17U
+/** Place of R W in the word of a request. */
+#define CW_BISS_WORD_RW_SHIFT 15U
+/** Place of DATA and CRC in the word of a request. */
+#define CW_BISS_WORD_BYTE_SHIFT 2U
 /** R, W and S in the word of a read request. */
 #define CW_BISS_READS 0x00014000U
 /** R, W and S in the word of a write request. */
 #define CW_BISS_WRITES 0x0000C000U
+
+/** Place of IDL0 to IDL15 in the word of responses. */
+#define CW_BISS_CDS_IDL_SHIFT 16U
+/** Place of R W in the word of responses. */
+#define CW_BISS_CDS_RW_SHIFT 14U
+/** Place of S in the word of responses. */
+#define CW_BISS_CDS_START_SHIFT 13U
+/** Place of DATA and CRC in the word of responses. */
+#define CW_BISS_CDS_BYTE_SHIFT 1U
 
 /** Access to one register. */
 typedef struct cw_biss_request {
@@ -106,10 +149,10 @@ typedef enum cw_biss_outcome {
 static inline uint32_t cw_biss_crc(uint32_t value, uint32_t bits)
 {
     uint32_t crc = 0U;
-    uint32_t left;
-    for (left = (bits < 32U) ? bits : 32U; left > 0U; left--) {
-        const uint32_t out = ((crc >> 3U) ^ (value >> (left - 1U))) & 1U;
-        crc = ((crc << 1U) & 0xFU) ^ ((out != 0U) ? 0x3U : 0U);
+    uint32_t bits_left;
+    for (bits_left = (bits < 32U) ? bits : 32U; bits_left > 0U; bits_left--) {
+        const uint32_t feedback = ((crc >> 3U) ^ (value >> (bits_left - 1U))) & 1U;
+        crc = ((crc << 1U) & 0xFU) ^ ((feedback != 0U) ? 0x3U : 0U); /* 3h: x + 1 */
     }
     return crc ^ 0xFU;
 }
@@ -117,7 +160,8 @@ static inline uint32_t cw_biss_crc(uint32_t value, uint32_t bits)
 /** Return the 12 bits of a data byte and its CRC. */
 static inline uint16_t cw_biss_byte_encode(uint8_t value)
 {
-    return (uint16_t)(((uint32_t)value << 4U) | cw_biss_crc(value, 8U));
+    const uint32_t crc = cw_biss_crc(value, CW_BISS_DATA_BITS);
+    return (uint16_t)(((uint32_t)value << CW_BISS_CRC_BITS) | crc);
 }
 
 /**
@@ -131,21 +175,25 @@ CW_NODISCARD
 static inline cw_result cw_biss_byte_decode(uint16_t bits, uint8_t *value)
 {
     const uint32_t word = bits;
+    const uint32_t data = word >> CW_BISS_CRC_BITS;
     if (word > 0xFFFU) {
         return CW_FAULT_LENGTH;
     }
-    if (cw_biss_crc(word >> 4U, 8U) != (word & 0xFU)) {
+    if (cw_biss_crc(data, CW_BISS_DATA_BITS) != (word & 0xFU)) {
         return CW_FAULT_CRC;
     }
-    *value = (uint8_t)(word >> 4U);
+    *value = (uint8_t)data;
     return CW_OK;
 }
 
 /** Return CTS, ID2..0, ADR6..0, CRC3..0, R and W of a request, with W in bit 0. */
 static inline uint32_t cw_biss_header(const cw_biss_request *request)
 {
-    const uint32_t head = 0x400U | ((uint32_t)request->id << 7U) | request->address;
-    return (head << 6U) | (cw_biss_crc(head, 11U) << 2U) | (request->write ? 0x1U : 0x2U);
+    const uint32_t id = (uint32_t)request->id << CW_BISS_ID_SHIFT;
+    const uint32_t head = CW_BISS_CTS | id | request->address;
+    const uint32_t crc = cw_biss_crc(head, CW_BISS_HEAD_BITS);
+    const uint32_t checked = (head << CW_BISS_CRC_BITS) | crc;
+    return (checked << 2U) | (request->write ? CW_BISS_RW_WRITE : CW_BISS_RW_READ);
 }
 
 /**
@@ -159,13 +207,13 @@ static inline uint32_t cw_biss_header(const cw_biss_request *request)
 CW_NODISCARD
 static inline cw_result cw_biss_request_encode(const cw_biss_request *request, uint32_t *word)
 {
-    if ((request->id >= CW_BISS_IDS) || (request->address > 0x7FU)
+    if ((request->id >= CW_BISS_IDS) || (request->address > CW_BISS_LAST_ADDRESS)
         || (!request->write && (request->value != 0U))) {
         return CW_FAULT_RANGE;
     }
-    *word = (cw_biss_header(request) << 15U) | (CW_BISS_READS & CW_BISS_WRITES);
+    *word = (cw_biss_header(request) << CW_BISS_WORD_RW_SHIFT) | (CW_BISS_READS & CW_BISS_WRITES);
     if (request->write) {
-        *word |= (uint32_t)cw_biss_byte_encode(request->value) << 2U;
+        *word |= (uint32_t)cw_biss_byte_encode(request->value) << CW_BISS_WORD_BYTE_SHIFT;
     }
     return CW_OK;
 }
@@ -181,23 +229,24 @@ static inline cw_result cw_biss_request_encode(const cw_biss_request *request, u
 CW_NODISCARD
 static inline cw_result cw_biss_request_decode(uint32_t word, cw_biss_request *request)
 {
-    const uint32_t head = word >> 21U;
+    const uint32_t head = word >> CW_BISS_WORD_HEAD_SHIFT;
+    const uint32_t crc = (word >> CW_BISS_WORD_CRC_SHIFT) & 0xFU;
+    const uint16_t byte = (uint16_t)((word >> CW_BISS_WORD_BYTE_SHIFT) & 0xFFFU);
     const uint32_t access = word & (CW_BISS_READS | CW_BISS_WRITES);
     const bool write = access == CW_BISS_WRITES;
-    const uint32_t rest = word & (write ? 0x3U : 0x3FFFU);
+    const uint32_t zeros = word & (write ? 0x3U : 0x3FFFU);
     uint8_t value = 0U;
-    if (cw_biss_crc(head, 11U) != ((word >> 17U) & 0xFU)) {
+    if (cw_biss_crc(head, CW_BISS_HEAD_BITS) != crc) {
         return CW_FAULT_CRC;
     }
-    if (write
-        && (cw_biss_byte_decode((uint16_t)((word >> 2U) & 0xFFFU), &value) != CW_OK)) {
+    if (write && (cw_biss_byte_decode(byte, &value) != CW_OK)) {
         return CW_FAULT_CRC;
     }
-    if ((head < 0x400U) || (!write && (access != CW_BISS_READS)) || (rest != 0U)) {
+    if ((head < CW_BISS_CTS) || (!write && (access != CW_BISS_READS)) || (zeros != 0U)) {
         return CW_FAULT_CONSTANT;
     }
-    request->id = (uint8_t)((head >> 7U) & 0x7U);
-    request->address = (uint8_t)(head & 0x7FU);
+    request->id = (uint8_t)((head >> CW_BISS_ID_SHIFT) & 0x7U);
+    request->address = (uint8_t)(head & CW_BISS_LAST_ADDRESS);
     request->write = write;
     request->value = value;
     return CW_OK;
@@ -207,10 +256,10 @@ static inline cw_result cw_biss_request_decode(uint32_t word, cw_biss_request *r
 static inline uint8_t cw_biss_slaves(uint32_t idl)
 {
     uint8_t slaves = 0U;
-    uint32_t place = 0x8000U;
-    while ((slaves < 9U) && ((idl & place) != 0U)) {
+    uint32_t id_bit = CW_BISS_IDL0;
+    while ((slaves <= CW_BISS_IDS) && ((idl & id_bit) != 0U)) {
         slaves++;
-        place >>= 1U;
+        id_bit >>= 1U;
     }
     return slaves;
 }
@@ -219,13 +268,15 @@ static inline uint8_t cw_biss_slaves(uint32_t idl)
  * Evaluate the first 18 responses of a control frame, from IDL0 in bit 17 to W in bit 0. Return
  * RUNNING if the slave participates, otherwise REFUSED, NO_ANSWER or BAD_ECHO.
  */
-static inline cw_biss_outcome cw_biss_echo(const cw_biss_request *request, uint32_t answers)
+static inline cw_biss_outcome cw_biss_echo(const cw_biss_request *request, uint32_t responses)
 {
-    const uint32_t echo = answers & 0x3U;
-    const uint32_t expected = request->write ? 0x1U : 0x2U;
+    const uint32_t echo = responses & 0x3U;
+    const uint32_t expected = request->write ? CW_BISS_RW_WRITE : CW_BISS_RW_READ;
     const uint32_t refused = expected ^ 0x1U;
-    const uint32_t locked = (answers >> (17U - (request->id & 0x7U))) & 1U;
-    if (((answers & 0x3FFFFU) == 0x3FFFFU) || (locked == 0U)) {
+    const uint32_t id_shift = CW_BISS_HEADER_BITS - (request->id & 0x7U);
+    const uint32_t id_taken = (responses >> id_shift) & 1U;
+    const bool is_cds_stuck = (responses & 0x3FFFFU) == 0x3FFFFU;
+    if (is_cds_stuck || (id_taken == 0U)) {
         return CW_BISS_NO_ANSWER;
     }
     if (echo == expected) {
@@ -239,13 +290,13 @@ static inline cw_biss_outcome cw_biss_echo(const cw_biss_request *request, uint3
 
 /** Evaluate the 12 responses to DATA and CRC. Return DONE, BAD_CRC or BAD_ECHO. */
 static inline cw_biss_outcome cw_biss_data(
-    const cw_biss_request *request, uint32_t answers, uint8_t *value)
+    const cw_biss_request *request, uint32_t responses, uint8_t *value)
 {
     if (request->write) {
         const uint32_t sent = cw_biss_byte_encode(request->value);
-        return (answers == sent) ? CW_BISS_DONE : CW_BISS_BAD_ECHO;
+        return (responses == sent) ? CW_BISS_DONE : CW_BISS_BAD_ECHO;
     }
-    if (cw_biss_byte_decode((uint16_t)answers, value) != CW_OK) {
+    if (cw_biss_byte_decode((uint16_t)responses, value) != CW_OK) {
         return CW_BISS_BAD_CRC;
     }
     return CW_BISS_DONE;
@@ -265,15 +316,15 @@ static inline cw_biss_outcome cw_biss_data(
 static inline cw_biss_outcome cw_biss_answer_decode(
     const cw_biss_request *request, uint32_t cds, uint8_t *slaves, uint8_t *value)
 {
-    const cw_biss_outcome echo = cw_biss_echo(request, cds >> 14U);
-    *slaves = cw_biss_slaves(cds >> 16U);
+    const cw_biss_outcome echo = cw_biss_echo(request, cds >> CW_BISS_CDS_RW_SHIFT);
+    *slaves = cw_biss_slaves(cds >> CW_BISS_CDS_IDL_SHIFT);
     if (echo != CW_BISS_RUNNING) {
         return echo;
     }
-    if (((cds >> 13U) & 1U) == 0U) {
+    if (((cds >> CW_BISS_CDS_START_SHIFT) & 1U) == 0U) {
         return CW_BISS_BUSY;
     }
-    return cw_biss_data(request, (cds >> 1U) & 0xFFFU, value);
+    return cw_biss_data(request, (cds >> CW_BISS_CDS_BYTE_SHIFT) & 0xFFFU, value);
 }
 
 /* -- master and slave -------------------------------------------------------------------------- */
@@ -327,19 +378,19 @@ static inline uint8_t cw_biss_zeros(uint8_t zeros, bool cdm)
 typedef struct cw_biss_master {
     cw_biss_outcome outcome; /**< state or outcome of the access */
     uint8_t slaves; /**< number of slaves with an ID (9: more than 8), known after the header */
-    uint8_t done;   /**< number of bytes read or written */
+    uint8_t done; /**< number of bytes read or written */
     cw_biss_phase phase; /**< private */
-    cw_biss_request request; /**< private */
-    uint8_t *into; /**< private */
-    const uint8_t *from; /**< private */
-    uint8_t count; /**< private */
-    uint8_t zeros; /**< private */
-    uint8_t at; /**< private: index of the last bit sent, from the S of its phase or from DATA7 */
-    bool insists; /**< private: with CDM one frame late, repeat S until the slave responds */
-    uint16_t busy; /**< private */
-    uint16_t busy_limit; /**< private */
-    uint32_t sending; /**< private */
-    uint32_t answers; /**< private */
+    cw_biss_request request; /**< private: access to the current register */
+    uint8_t *read_bytes; /**< private: the caller's buffer for a read */
+    const uint8_t *write_bytes; /**< private: the caller's bytes for a write */
+    uint8_t count; /**< private: number of registers */
+    uint8_t zeros; /**< private: number of zeros sent in a row, up to 14 */
+    uint8_t bit_index; /**< private: last bit sent, counted from the S of its phase or from DATA7 */
+    bool repeats_start; /**< private: with CDM one frame late, repeat S until the slave responds */
+    uint16_t busy_frames; /**< private: frames in a row in which the slave was busy */
+    uint16_t busy_limit; /**< private: largest number of these */
+    uint32_t bits_to_send; /**< private: the bits of this phase, the last in bit 0 */
+    uint32_t responses; /**< private: the CDS bits of this phase, the last in bit 0 */
 } cw_biss_master;
 
 /** Initialise a master. */
@@ -353,16 +404,16 @@ static inline void cw_biss_master_init(cw_biss_master *master)
     master->request.address = 0U;
     master->request.write = false;
     master->request.value = 0U;
-    master->into = NULL;
-    master->from = NULL;
+    master->read_bytes = NULL;
+    master->write_bytes = NULL;
     master->count = 0U;
     master->zeros = 0U;
-    master->at = 0U;
-    master->insists = false;
-    master->busy = 0U;
+    master->bit_index = 0U;
+    master->repeats_start = false;
+    master->busy_frames = 0U;
     master->busy_limit = 0U;
-    master->sending = 0U;
-    master->answers = 0U;
+    master->bits_to_send = 0U;
+    master->responses = 0U;
 }
 
 /** Begin an access. Common part of _master_read and _master_write. */
@@ -375,7 +426,7 @@ static inline cw_result cw_biss_master_begin(
     if (result != CW_OK) {
         return result;
     }
-    if ((count == 0U) || (count > (CW_BISS_REGISTERS - (request->address & 0x3FU)))) {
+    if ((count == 0U) || (count > (CW_BISS_REGISTERS - (request->address % CW_BISS_REGISTERS)))) {
         return CW_FAULT_RANGE;
     }
     master->outcome = CW_BISS_RUNNING;
@@ -384,12 +435,12 @@ static inline cw_result cw_biss_master_begin(
     master->phase = CW_BISS_PHASE_WAIT;
     master->request = *request;
     master->count = (uint8_t)count;
-    master->at = 0U;
-    master->insists = false;
-    master->busy = 0U;
+    master->bit_index = 0U;
+    master->repeats_start = false;
+    master->busy_frames = 0U;
     master->busy_limit = busy_limit;
-    master->sending = word >> 15U;
-    master->answers = 0U;
+    master->bits_to_send = word >> CW_BISS_WORD_RW_SHIFT;
+    master->responses = 0U;
     return CW_OK;
 }
 
@@ -399,7 +450,7 @@ static inline cw_result cw_biss_master_begin(
  * @param master  the master
  * @param id  ID of the slave
  * @param address  address of the first register
- * @param into  buffer for the bytes read, which must remain valid until the access is complete
+ * @param bytes  buffer for the bytes read, which must remain valid until the access is complete
  * @param count  number of registers
  * @param busy_limit  maximum number of frames in a row in which the slave may be busy. Choose the
  *                    number that takes 20 ms
@@ -408,14 +459,14 @@ static inline cw_result cw_biss_master_begin(
  */
 CW_NODISCARD
 static inline cw_result cw_biss_master_read(
-    cw_biss_master *master, uint8_t id, uint8_t address, uint8_t *into, size_t count,
+    cw_biss_master *master, uint8_t id, uint8_t address, uint8_t *bytes, size_t count,
     uint16_t busy_limit)
 {
     const cw_biss_request request = { id, address, false, 0U };
     const cw_result result = cw_biss_master_begin(master, &request, count, busy_limit);
     if (result == CW_OK) {
-        master->into = into;
-        master->from = NULL;
+        master->read_bytes = bytes;
+        master->write_bytes = NULL;
     }
     return result;
 }
@@ -426,7 +477,7 @@ static inline cw_result cw_biss_master_read(
  * @param master  the master
  * @param id  ID of the slave
  * @param address  address of the first register
- * @param from  the bytes to write, which must remain valid until the access is complete
+ * @param bytes  the bytes to write, which must remain valid until the access is complete
  * @param count  number of registers
  * @param busy_limit  maximum number of frames in a row in which the slave may be busy. Choose the
  *                    number that takes 20 ms
@@ -435,14 +486,14 @@ static inline cw_result cw_biss_master_read(
  */
 CW_NODISCARD
 static inline cw_result cw_biss_master_write(
-    cw_biss_master *master, uint8_t id, uint8_t address, const uint8_t *from,
+    cw_biss_master *master, uint8_t id, uint8_t address, const uint8_t *bytes,
     size_t count, uint16_t busy_limit)
 {
     const cw_biss_request request = { id, address, true, 0U };
     const cw_result result = cw_biss_master_begin(master, &request, count, busy_limit);
     if (result == CW_OK) {
-        master->into = NULL;
-        master->from = from;
+        master->read_bytes = NULL;
+        master->write_bytes = bytes;
     }
     return result;
 }
@@ -461,29 +512,64 @@ static inline void cw_biss_master_abort(cw_biss_master *master)
 }
 
 /** End the access and return the first zero after it. */
-static inline bool cw_biss_master_ends(cw_biss_master *master, cw_biss_outcome outcome)
+static inline bool cw_biss_master_end(cw_biss_master *master, cw_biss_outcome outcome)
 {
     master->outcome = outcome;
     master->phase = CW_BISS_PHASE_WAIT;
     return false;
 }
 
+/** Return the bit to send now, if that with this index is in bit 0. */
+static inline bool cw_biss_master_bit(const cw_biss_master *master, uint32_t last_index)
+{
+    return ((master->bits_to_send >> (last_index - master->bit_index)) & 1U) != 0U;
+}
+
+/** Record the response to the last bit sent. */
+static inline void cw_biss_master_response(cw_biss_master *master, bool cds)
+{
+    master->responses = (master->responses << 1U) | (cds ? 1U : 0U);
+}
+
+/** Begin steps 5 and 6 and return DATA7. */
+static inline bool cw_biss_master_begin_byte(cw_biss_master *master)
+{
+    master->phase = CW_BISS_PHASE_BYTE;
+    master->bit_index = 0U;
+    master->responses = 0U;
+    master->bits_to_send = 0U;
+    if (master->request.write) {
+        master->request.value = master->write_bytes[master->done];
+        master->bits_to_send = cw_biss_byte_encode(master->request.value);
+    }
+    return cw_biss_master_bit(master, CW_BISS_BYTE_BITS - 1U);
+}
+
+/** Store a byte that was read, and count a byte that was read or written. */
+static inline void cw_biss_master_end_byte(cw_biss_master *master, uint8_t value)
+{
+    if (!master->request.write) {
+        master->read_bytes[master->done] = value;
+    }
+    master->done++;
+}
+
 /** Steps 2 and 3: return the bits CTS .. W after S, then S once the slave has answered R W. */
 static inline bool cw_biss_master_header(cw_biss_master *master, bool cds)
 {
     cw_biss_outcome echo;
-    master->answers = (master->answers << 1U) | (cds ? 1U : 0U);
-    master->at++;
-    if (master->at <= 17U) {
-        return ((master->sending >> (17U - master->at)) & 1U) != 0U;
+    cw_biss_master_response(master, cds);
+    master->bit_index++;
+    if (master->bit_index <= CW_BISS_HEADER_BITS) {
+        return cw_biss_master_bit(master, CW_BISS_HEADER_BITS);
     }
-    master->slaves = cw_biss_slaves(master->answers >> 2U);
-    echo = cw_biss_echo(&master->request, master->answers);
+    master->slaves = cw_biss_slaves(master->responses >> 2U);
+    echo = cw_biss_echo(&master->request, master->responses);
     if (echo != CW_BISS_RUNNING) {
-        return cw_biss_master_ends(master, echo);
+        return cw_biss_master_end(master, echo);
     }
     master->phase = CW_BISS_PHASE_START;
-    master->busy = 0U;
+    master->busy_frames = 0U;
     return true;
 }
 
@@ -491,21 +577,13 @@ static inline bool cw_biss_master_header(cw_biss_master *master, bool cds)
 static inline bool cw_biss_master_start(cw_biss_master *master, bool cds)
 {
     if (!cds) {
-        if (master->busy >= master->busy_limit) {
-            return cw_biss_master_ends(master, CW_BISS_BUSY);
+        if (master->busy_frames >= master->busy_limit) {
+            return cw_biss_master_end(master, CW_BISS_BUSY);
         }
-        master->busy++;
+        master->busy_frames++;
         return true;
     }
-    master->phase = CW_BISS_PHASE_BYTE;
-    master->at = 0U;
-    master->answers = 0U;
-    master->sending = 0U;
-    if (master->request.write) {
-        master->request.value = master->from[master->done];
-        master->sending = cw_biss_byte_encode(master->request.value);
-    }
-    return ((master->sending >> 11U) & 1U) != 0U;
+    return cw_biss_master_begin_byte(master);
 }
 
 /** Steps 5 to 7: return the rest of DATA and CRC, then P, then S if another register follows. */
@@ -513,30 +591,27 @@ static inline bool cw_biss_master_byte(cw_biss_master *master, bool cds)
 {
     cw_biss_outcome outcome;
     uint8_t value = 0U;
-    if (master->at == 12U) {
+    if (master->bit_index == CW_BISS_BYTE_BITS) {
         if (cds) {
-            return cw_biss_master_ends(master, CW_BISS_REFUSED);
+            return cw_biss_master_end(master, CW_BISS_REFUSED);
         }
         master->phase = CW_BISS_PHASE_START;
-        master->busy = 0U;
+        master->busy_frames = 0U;
         master->request.address++;
         return true;
     }
-    master->answers = (master->answers << 1U) | (cds ? 1U : 0U);
-    master->at++;
-    if (master->at < 12U) {
-        return ((master->sending >> (11U - master->at)) & 1U) != 0U;
+    cw_biss_master_response(master, cds);
+    master->bit_index++;
+    if (master->bit_index < CW_BISS_BYTE_BITS) {
+        return cw_biss_master_bit(master, CW_BISS_BYTE_BITS - 1U);
     }
-    outcome = cw_biss_data(&master->request, master->answers, &value);
+    outcome = cw_biss_data(&master->request, master->responses, &value);
     if (outcome != CW_BISS_DONE) {
-        return cw_biss_master_ends(master, outcome);
+        return cw_biss_master_end(master, outcome);
     }
-    if (!master->request.write) {
-        master->into[master->done] = value;
-    }
-    master->done++;
+    cw_biss_master_end_byte(master, value);
     /* Ignore the response to the last P: it concerns a register that was not requested. */
-    return (master->done == master->count) ? cw_biss_master_ends(master, outcome) : false;
+    return (master->done == master->count) ? cw_biss_master_end(master, outcome) : false;
 }
 
 /**
@@ -601,57 +676,51 @@ static inline bool cw_biss_master_next(cw_biss_master *master, bool cds)
  * Abandon this attempt and begin the next one, since the slave is busy but the bit after S has
  * already been sent.
  */
-static inline bool cw_biss_late_busy(cw_biss_master *master)
+static inline bool cw_biss_late_restart(cw_biss_master *master)
 {
-    const uint32_t passed = (uint32_t)master->busy + CW_BISS_LATE_FRAMES;
-    if (master->busy >= master->busy_limit) {
-        return cw_biss_master_ends(master, CW_BISS_BUSY);
+    const uint32_t busy_frames = (uint32_t)master->busy_frames + CW_BISS_LATE_FRAMES;
+    if (master->busy_frames >= master->busy_limit) {
+        return cw_biss_master_end(master, CW_BISS_BUSY);
     }
-    if (master->insists) {
-        master->busy++;
+    if (master->repeats_start) {
+        master->busy_frames++;
         return true;
     }
-    master->busy = (passed < master->busy_limit) ? (uint16_t)passed : master->busy_limit;
-    master->insists = !master->request.write;
+    master->busy_frames =
+        (busy_frames < master->busy_limit) ? (uint16_t)busy_frames : master->busy_limit;
+    master->repeats_start = !master->request.write;
     master->phase = CW_BISS_PHASE_WAIT;
-    master->sending = cw_biss_header(&master->request);
+    master->bits_to_send = cw_biss_header(&master->request);
     return false;
 }
 
 /** Return DATA7 before the slave's answer to S is known. */
-static inline bool cw_biss_late_first(cw_biss_master *master)
+static inline bool cw_biss_late_data(cw_biss_master *master)
 {
-    master->phase = CW_BISS_PHASE_BYTE;
-    master->at = 0U;
-    master->answers = 0U;
-    master->sending = 0U;
-    if (master->request.write) {
-        master->request.value = master->from[master->done];
-        master->sending = cw_biss_byte_encode(master->request.value);
-    }
-    return master->insists || (((master->sending >> 11U) & 1U) != 0U);
+    const bool data7 = cw_biss_master_begin_byte(master);
+    return master->repeats_start || data7;
 }
 
 /** Return the bits of steps 2 and 3, then S, then DATA7 once the slave has answered R W. */
 static inline bool cw_biss_late_header(cw_biss_master *master, bool cds)
 {
     cw_biss_outcome echo;
-    if (master->at > 0U) {
-        master->answers = (master->answers << 1U) | (cds ? 1U : 0U);
+    if (master->bit_index > 0U) {
+        cw_biss_master_response(master, cds);
     }
-    master->at++;
-    if (master->at <= 17U) {
-        return ((master->sending >> (17U - master->at)) & 1U) != 0U;
+    master->bit_index++;
+    if (master->bit_index <= CW_BISS_HEADER_BITS) {
+        return cw_biss_master_bit(master, CW_BISS_HEADER_BITS);
     }
-    if (master->at == 18U) {
+    if (master->bit_index == (CW_BISS_HEADER_BITS + 1U)) {
         return true;
     }
-    master->slaves = cw_biss_slaves(master->answers >> 2U);
-    echo = cw_biss_echo(&master->request, master->answers);
+    master->slaves = cw_biss_slaves(master->responses >> 2U);
+    echo = cw_biss_echo(&master->request, master->responses);
     if (echo != CW_BISS_RUNNING) {
-        return cw_biss_master_ends(master, echo);
+        return cw_biss_master_end(master, echo);
     }
-    return cw_biss_late_first(master);
+    return cw_biss_late_data(master);
 }
 
 /** Return the rest of DATA and CRC, then P, then S if another register follows. */
@@ -659,31 +728,28 @@ static inline bool cw_biss_late_byte(cw_biss_master *master, bool cds)
 {
     cw_biss_outcome outcome;
     uint8_t value = 0U;
-    if (master->at == 0U) {
+    if (master->bit_index == 0U) {
         if (!cds) {
-            return cw_biss_late_busy(master);
+            return cw_biss_late_restart(master);
         }
-        master->busy = 0U;
+        master->busy_frames = 0U;
     } else {
-        master->answers = (master->answers << 1U) | (cds ? 1U : 0U);
+        cw_biss_master_response(master, cds);
     }
-    master->at++;
-    if (master->at < 12U) {
-        return ((master->sending >> (11U - master->at)) & 1U) != 0U;
+    master->bit_index++;
+    if (master->bit_index < CW_BISS_BYTE_BITS) {
+        return cw_biss_master_bit(master, CW_BISS_BYTE_BITS - 1U);
     }
-    if (master->at == 12U) {
+    if (master->bit_index == CW_BISS_BYTE_BITS) {
         return false;
     }
-    outcome = cw_biss_data(&master->request, master->answers, &value);
+    outcome = cw_biss_data(&master->request, master->responses, &value);
     if (outcome != CW_BISS_DONE) {
-        return cw_biss_master_ends(master, outcome);
+        return cw_biss_master_end(master, outcome);
     }
-    if (!master->request.write) {
-        master->into[master->done] = value;
-    }
-    master->done++;
+    cw_biss_master_end_byte(master, value);
     if (master->done == master->count) {
-        return cw_biss_master_ends(master, outcome);
+        return cw_biss_master_end(master, outcome);
     }
     master->request.address++;
     master->phase = CW_BISS_PHASE_START;
@@ -716,7 +782,7 @@ static inline bool cw_biss_master_next_late(cw_biss_master *master, bool cds)
         break;
     case CW_BISS_PHASE_START:
         /* This is the response to P. */
-        cdm = cds ? cw_biss_master_ends(master, CW_BISS_REFUSED) : cw_biss_late_first(master);
+        cdm = cds ? cw_biss_master_end(master, CW_BISS_REFUSED) : cw_biss_late_data(master);
         break;
     case CW_BISS_PHASE_BYTE:
         cdm = cw_biss_late_byte(master, cds);
@@ -725,8 +791,8 @@ static inline bool cw_biss_master_next_late(cw_biss_master *master, bool cds)
     default:
         cdm = (master->outcome == CW_BISS_RUNNING) && (master->zeros >= CW_BISS_ZEROS);
         master->phase = cdm ? CW_BISS_PHASE_HEADER : CW_BISS_PHASE_WAIT;
-        master->at = 0U;
-        master->answers = 0U;
+        master->bit_index = 0U;
+        master->responses = 0U;
         break;
     }
     master->zeros = cw_biss_zeros(master->zeros, cdm);

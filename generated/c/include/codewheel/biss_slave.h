@@ -24,6 +24,9 @@
 extern "C" {
 #endif
 
+/** Number of bytes with one bit per address. */
+#define CW_BISS_ADDRESS_BYTES 16U
+
 /** Action that a slave waits for. The slave is busy until then. */
 typedef enum cw_biss_wants {
     CW_BISS_WANTS_NOTHING = 0, /**< none */
@@ -40,30 +43,31 @@ typedef enum cw_biss_wants {
  * after W and, in a sequence, after P. A register that changes when it is read must tolerate that.
  */
 typedef struct cw_biss_slave {
-    uint8_t readable[16]; /**< one bit per address, with address 0 in bit 0 of byte 0 */
-    uint8_t writable[16]; /**< the same for writing */
+    /** one bit per address, with address 0 in bit 0 of byte 0 */
+    uint8_t readable[CW_BISS_ADDRESS_BYTES];
+    uint8_t writable[CW_BISS_ADDRESS_BYTES]; /**< the same for writing */
     cw_biss_wants wants; /**< action that it waits for */
     uint8_t address; /**< register to which the member wants refers */
     uint8_t value;   /**< value to store there */
     uint8_t id;      /**< ID taken in the last control frame, or NO_ID */
     cw_biss_phase phase; /**< private */
-    bool locked; /**< private */
-    bool write; /**< private */
-    bool given; /**< private */
-    uint8_t current; /**< private: the register that the master accesses */
-    uint8_t zeros; /**< private */
-    uint8_t at; /**< private: index of the last bit received, from the S of its phase */
-    uint32_t received; /**< private */
-    uint32_t sending; /**< private */
+    bool locked; /**< private: it has taken an ID in this control frame */
+    bool write; /**< private: the master writes */
+    bool is_byte_ready; /**< private: the byte of the current register was given */
+    uint8_t current_address; /**< private: the register that the master accesses */
+    uint8_t zeros; /**< private: number of zeros received in a row, up to 14 */
+    uint8_t bit_index; /**< private: last bit received, counted from the S of its phase */
+    uint32_t received_bits; /**< private: the CDM bits of this phase, the last in bit 0 */
+    uint32_t bits_to_send; /**< private: DATA and CRC of a read */
 } cw_biss_slave;
 
 /** Initialise a slave. It refuses every register until you call _slave_allow. */
 static inline void cw_biss_slave_init(cw_biss_slave *slave)
 {
-    size_t at;
-    for (at = 0U; at < 16U; at++) {
-        slave->readable[at] = 0U;
-        slave->writable[at] = 0U;
+    size_t index;
+    for (index = 0U; index < CW_BISS_ADDRESS_BYTES; index++) {
+        slave->readable[index] = 0U;
+        slave->writable[index] = 0U;
     }
     slave->wants = CW_BISS_WANTS_NOTHING;
     slave->address = 0U;
@@ -72,12 +76,12 @@ static inline void cw_biss_slave_init(cw_biss_slave *slave)
     slave->phase = CW_BISS_PHASE_WAIT;
     slave->locked = false;
     slave->write = false;
-    slave->given = false;
-    slave->current = 0U;
+    slave->is_byte_ready = false;
+    slave->current_address = 0U;
     slave->zeros = 0U;
-    slave->at = 0U;
-    slave->received = 0U;
-    slave->sending = 0U;
+    slave->bit_index = 0U;
+    slave->received_bits = 0U;
+    slave->bits_to_send = 0U;
 }
 
 /**
@@ -94,17 +98,19 @@ CW_NODISCARD
 static inline cw_result cw_biss_slave_allow(
     cw_biss_slave *slave, uint8_t address, size_t count, bool read, bool write)
 {
-    size_t at;
-    if ((address > 0x7FU) || (count > (0x80U - (size_t)address))) {
+    size_t allowed;
+    if ((address > CW_BISS_LAST_ADDRESS) ||
+        (count > ((CW_BISS_LAST_ADDRESS + 1U) - (size_t)address))) {
         return CW_FAULT_RANGE;
     }
-    for (at = address; at < ((size_t)address + count); at++) {
-        const size_t place = at % 8U;
-        const uint32_t bit = (uint32_t)1U << (uint32_t)place;
-        const uint32_t readable = slave->readable[at / 8U] & (0xFFU ^ bit);
-        const uint32_t writable = slave->writable[at / 8U] & (0xFFU ^ bit);
-        slave->readable[at / 8U] = (uint8_t)(readable | (read ? bit : 0U));
-        slave->writable[at / 8U] = (uint8_t)(writable | (write ? bit : 0U));
+    for (allowed = address; allowed < ((size_t)address + count); allowed++) {
+        const size_t byte = allowed / 8U;
+        const size_t bit_index = allowed % 8U;
+        const uint32_t bit = (uint32_t)1U << (uint32_t)bit_index;
+        const uint32_t readable = slave->readable[byte] & (0xFFU ^ bit);
+        const uint32_t writable = slave->writable[byte] & (0xFFU ^ bit);
+        slave->readable[byte] = (uint8_t)(readable | (read ? bit : 0U));
+        slave->writable[byte] = (uint8_t)(writable | (write ? bit : 0U));
     }
     return CW_OK;
 }
@@ -114,8 +120,8 @@ static inline void cw_biss_slave_give(cw_biss_slave *slave, uint8_t value)
 {
     if (slave->wants == CW_BISS_WANTS_BYTE) {
         slave->wants = CW_BISS_WANTS_NOTHING;
-        slave->given = true;
-        slave->sending = cw_biss_byte_encode(value);
+        slave->is_byte_ready = true;
+        slave->bits_to_send = cw_biss_byte_encode(value);
     }
 }
 
@@ -128,23 +134,24 @@ static inline void cw_biss_slave_stored(cw_biss_slave *slave)
 }
 
 /** Return true if the current access to the current register is allowed. */
-static inline bool cw_biss_slave_may(const cw_biss_slave *slave)
+static inline bool cw_biss_slave_is_allowed(const cw_biss_slave *slave)
 {
     const uint8_t *const allowed = slave->write ? slave->writable : slave->readable;
-    return (((uint32_t)allowed[(slave->current & 0x7FU) / 8U] >> (slave->current % 8U)) & 1U) != 0U;
+    const uint32_t bits = allowed[(slave->current_address & CW_BISS_LAST_ADDRESS) / 8U];
+    return ((bits >> (slave->current_address % 8U)) & 1U) != 0U;
 }
 
 /** Request the byte of the current register, unless a previous write has not been stored yet. */
 static inline void cw_biss_slave_fetch(cw_biss_slave *slave)
 {
-    if (!slave->write && !slave->given && (slave->wants == CW_BISS_WANTS_NOTHING)) {
+    if (!slave->write && !slave->is_byte_ready && (slave->wants == CW_BISS_WANTS_NOTHING)) {
         slave->wants = CW_BISS_WANTS_BYTE;
-        slave->address = slave->current;
+        slave->address = slave->current_address;
     }
 }
 
 /** Leave the control frame, since the rest of it does not concern this slave. */
-static inline bool cw_biss_slave_leaves(cw_biss_slave *slave, bool cds)
+static inline bool cw_biss_slave_leave(cw_biss_slave *slave, bool cds)
 {
     slave->phase = CW_BISS_PHASE_WAIT;
     if (slave->wants == CW_BISS_WANTS_BYTE) {
@@ -154,22 +161,22 @@ static inline bool cw_biss_slave_leaves(cw_biss_slave *slave, bool cds)
 }
 
 /** Begin with the current register, after W or P: fetch its byte and wait for S. */
-static inline void cw_biss_slave_awaits(cw_biss_slave *slave)
+static inline void cw_biss_slave_begin_register(cw_biss_slave *slave)
 {
     slave->phase = CW_BISS_PHASE_START;
-    slave->given = false;
+    slave->is_byte_ready = false;
     cw_biss_slave_fetch(slave);
 }
 
 /** Lock an ID: take the first IDL bit that no slave farther from the master has taken. */
 static inline bool cw_biss_slave_lock(cw_biss_slave *slave, bool upstream)
 {
-    if (upstream || slave->locked || (slave->at > CW_BISS_IDS)) {
+    if (upstream || slave->locked || (slave->bit_index > CW_BISS_IDS)) {
         return upstream;
     }
     slave->locked = true;
     /* IDL8 only means that there are more slaves than IDs. */
-    slave->id = (slave->at < CW_BISS_IDS) ? slave->at : CW_BISS_NO_ID;
+    slave->id = (slave->bit_index < CW_BISS_IDS) ? slave->bit_index : CW_BISS_NO_ID;
     return true;
 }
 
@@ -177,36 +184,36 @@ static inline bool cw_biss_slave_lock(cw_biss_slave *slave, bool upstream)
 static inline bool cw_biss_slave_header(cw_biss_slave *slave, bool cdm, bool upstream)
 {
     cw_biss_request request;
-    slave->received = (slave->received << 1U) | (cdm ? 1U : 0U);
-    slave->at++;
-    if (slave->at <= 15U) {
+    slave->received_bits = (slave->received_bits << 1U) | (cdm ? 1U : 0U);
+    slave->bit_index++;
+    if (slave->bit_index <= CW_BISS_CHECKED_BITS) {
         const bool cds = cw_biss_slave_lock(slave, upstream);
-        if (slave->at < 15U) {
+        if (slave->bit_index < CW_BISS_CHECKED_BITS) {
             return cds;
         }
         /* CTS, ID, ADR and CRC are complete. Check them as for a read, regardless of R W. */
-        if (cw_biss_request_decode(
-                (slave->received << 17U) | CW_BISS_READS, &request) != CW_OK) {
-            return cw_biss_slave_leaves(slave, cds);
+        const uint32_t checked = slave->received_bits << CW_BISS_WORD_CRC_SHIFT;
+        if (cw_biss_request_decode(checked | CW_BISS_READS, &request) != CW_OK) {
+            return cw_biss_slave_leave(slave, cds);
         }
         if (request.id != slave->id) {
-            return cw_biss_slave_leaves(slave, cds);
+            return cw_biss_slave_leave(slave, cds);
         }
-        slave->current = request.address;
+        slave->current_address = request.address;
         return cds;
     }
-    if (slave->at == 16U) {
+    if (slave->bit_index == (CW_BISS_CHECKED_BITS + 1U)) {
         return cdm;
     }
     slave->write = cdm;
-    if (((slave->received >> 1U) & 1U) == (cdm ? 1U : 0U)) {
+    if (((slave->received_bits >> 1U) & 1U) == (cdm ? 1U : 0U)) {
         /* Neither 10 nor 01: send it back as received, so that the master sees it. */
-        return cw_biss_slave_leaves(slave, cdm);
+        return cw_biss_slave_leave(slave, cdm);
     }
-    if (!cw_biss_slave_may(slave)) {
-        return cw_biss_slave_leaves(slave, !cdm);
+    if (!cw_biss_slave_is_allowed(slave)) {
+        return cw_biss_slave_leave(slave, !cdm);
     }
-    cw_biss_slave_awaits(slave);
+    cw_biss_slave_begin_register(slave);
     return cdm;
 }
 
@@ -214,42 +221,43 @@ static inline bool cw_biss_slave_header(cw_biss_slave *slave, bool cdm, bool ups
 static inline bool cw_biss_slave_start(cw_biss_slave *slave, bool cdm, bool upstream)
 {
     if (!cdm) {
-        return cw_biss_slave_leaves(slave, upstream);
+        return cw_biss_slave_leave(slave, upstream);
     }
     cw_biss_slave_fetch(slave);
     if (slave->wants != CW_BISS_WANTS_NOTHING) {
         return false;
     }
     slave->phase = CW_BISS_PHASE_BYTE;
-    slave->at = 0U;
-    slave->received = 0U;
+    slave->bit_index = 0U;
+    slave->received_bits = 0U;
     return true;
 }
 
 /** Steps 5 and 6: return the CDS bit of the byte, then of P. */
 static inline bool cw_biss_slave_byte(cw_biss_slave *slave, bool cdm)
 {
-    slave->received = (slave->received << 1U) | (cdm ? 1U : 0U);
-    slave->at++;
-    if (slave->at > 12U) {
-        const bool last = (slave->current & 0x3FU) == 0x3FU;
-        slave->current = last ? slave->current : (uint8_t)(slave->current + 1U);
-        if (cdm || last || !cw_biss_slave_may(slave)) {
-            return cw_biss_slave_leaves(slave, true);
+    slave->received_bits = (slave->received_bits << 1U) | (cdm ? 1U : 0U);
+    slave->bit_index++;
+    if (slave->bit_index > CW_BISS_BYTE_BITS) {
+        const uint32_t next_address = (uint32_t)slave->current_address + 1U;
+        const bool is_last = (next_address % CW_BISS_REGISTERS) == 0U;
+        slave->current_address = is_last ? slave->current_address : (uint8_t)next_address;
+        if (cdm || is_last || !cw_biss_slave_is_allowed(slave)) {
+            return cw_biss_slave_leave(slave, true);
         }
-        cw_biss_slave_awaits(slave);
+        cw_biss_slave_begin_register(slave);
         return false;
     }
     if (!slave->write) {
-        return ((slave->sending >> (12U - slave->at)) & 1U) != 0U;
+        return ((slave->bits_to_send >> (CW_BISS_BYTE_BITS - slave->bit_index)) & 1U) != 0U;
     }
-    if (slave->at == 12U) {
-        if (cw_biss_byte_decode((uint16_t)slave->received, &slave->value) != CW_OK) {
+    if (slave->bit_index == CW_BISS_BYTE_BITS) {
+        if (cw_biss_byte_decode((uint16_t)slave->received_bits, &slave->value) != CW_OK) {
             /* CRC error: do not store it. The master sees it from the bits sent back. */
-            return cw_biss_slave_leaves(slave, cdm);
+            return cw_biss_slave_leave(slave, cdm);
         }
         slave->wants = CW_BISS_WANTS_STORE;
-        slave->address = slave->current;
+        slave->address = slave->current_address;
     }
     return cdm;
 }
@@ -268,7 +276,7 @@ static inline bool cw_biss_slave_next(cw_biss_slave *slave, bool cdm, bool upstr
     const bool ready = slave->zeros >= CW_BISS_ZEROS;
     slave->zeros = cw_biss_zeros(slave->zeros, cdm);
     if (slave->zeros >= CW_BISS_ZEROS) {
-        return cw_biss_slave_leaves(slave, upstream);
+        return cw_biss_slave_leave(slave, upstream);
     }
     switch (slave->phase) {
     case CW_BISS_PHASE_HEADER:
@@ -283,8 +291,8 @@ static inline bool cw_biss_slave_next(cw_biss_slave *slave, bool cdm, bool upstr
             return upstream;
         }
         slave->phase = CW_BISS_PHASE_HEADER;
-        slave->at = 0U;
-        slave->received = 0U;
+        slave->bit_index = 0U;
+        slave->received_bits = 0U;
         slave->id = CW_BISS_NO_ID;
         slave->locked = false;
         return cw_biss_slave_lock(slave, upstream);

@@ -84,18 +84,18 @@ static inline uint32_t cw_received_zeros(uint32_t value)
 #if defined(__GNUC__) && defined(__ARM_FEATURE_CLZ)
     return (uint32_t)__builtin_clz(value);
 #else
-    uint32_t left = value;
+    uint32_t shifted = value;
     uint32_t zeros = 0U;
-    while (left < 0x1000000U) {
-        left = (left << 4U) << 4U; /* SDCC 4.2 miscompiles <<= 8 for STM8 */
+    while (shifted < 0x1000000U) {
+        shifted = (shifted << 4U) << 4U; /* SDCC 4.2 miscompiles <<= 8 for STM8 */
         zeros += 8U;
     }
-    if (left < 0x10000000U) {
-        left <<= 4U;
+    if (shifted < 0x10000000U) {
+        shifted <<= 4U;
         zeros += 4U;
     }
-    while (left < 0x80000000U) {
-        left <<= 1U;
+    while (shifted < 0x80000000U) {
+        shifted <<= 1U;
         zeros++;
     }
     return zeros;
@@ -108,8 +108,8 @@ static inline uint64_t cw_received_bits(const uint8_t *rx, size_t first, uint32_
 {
     /* Work on two halves, since small processors are slow at shifting 64 bits. */
     const size_t end = first + (size_t)bits;
-    const uint32_t skip = (uint32_t)first & 7U;
-    size_t at = first / 8U;
+    const uint32_t bits_before = (uint32_t)first & 7U;
+    size_t index = first / 8U;
     uint32_t high = 0U;
     uint32_t low = 0U;
     uint32_t byte = 0xFFU;
@@ -117,18 +117,18 @@ static inline uint64_t cw_received_bits(const uint8_t *rx, size_t first, uint32_
         return 0U;
     }
     const size_t last = (end - 1U) / 8U;
-    byte = (byte >> skip) & (uint32_t)rx[at];
-    while (at < last) {
+    byte = (byte >> bits_before) & (uint32_t)rx[index];
+    while (index < last) {
         high = (high << 8U) | (low >> 24U);
         low = (low << 8U) | byte;
-        at++;
-        byte = rx[at];
+        index++;
+        byte = rx[index];
     }
     /* Use 1 to 8 bits of the last byte. A word of up to 64 bits can be spread over 9 bytes. */
-    const size_t left = end - (8U * last);
-    const uint32_t used = (uint32_t)left;
-    high = (high << used) | (low >> (32U - used));
-    low = (low << used) | (byte >> (8U - used));
+    const size_t last_bits = end - (8U * last);
+    const uint32_t bits_in_last = (uint32_t)last_bits;
+    high = (high << bits_in_last) | (low >> (32U - bits_in_last));
+    low = (low << bits_in_last) | (byte >> (8U - bits_in_last));
     return ((uint64_t)high << 32U) | low;
 }
 
@@ -147,19 +147,19 @@ static inline void cw_received_halves(
     const uint8_t *rx, size_t size, size_t first, uint32_t *upper, uint32_t *lower)
 {
     /* Take 8 bytes from the one with the first bit on, or the last 8, and drop the bits before. */
-    const size_t wanted = (first / 8U) + 8U;
-    const size_t end = (wanted > size) ? size : wanted;
-    const size_t before = (first + 64U) - (8U * end);
+    const size_t wanted_end = (first / 8U) + 8U;
+    const size_t end = (wanted_end > size) ? size : wanted_end;
+    const size_t bits_before = (first + 64U) - (8U * end);
     uint32_t high = cw_received_4_bytes(&rx[end - 8U]);
     uint32_t low = cw_received_4_bytes(&rx[end - 4U]);
-    uint32_t drop = (uint32_t)before;
-    if (drop > 31U) {
+    uint32_t shift = (uint32_t)bits_before;
+    if (shift > 31U) {
         high = low;
         low = 0U;
-        drop -= 32U;
+        shift -= 32U;
     }
-    *upper = (high << drop) | ((low >> 1U) >> (31U - drop));
-    *lower = low << drop;
+    *upper = (high << shift) | ((low >> 1U) >> (31U - shift));
+    *lower = low << shift;
 }
 
 /** Return the highest 1 to 63 bits of two halves as a number. */
@@ -167,9 +167,9 @@ CW_CONSTEXPR
 static inline uint64_t cw_received_highest(uint32_t high, uint32_t low, uint32_t bits)
 {
     if (bits > 32U) {
-        const uint32_t more = 64U - bits;
-        const uint32_t above = high >> more;
-        return ((uint64_t)above << 32U) | (low >> more) | ((high << 1U) << (31U - more));
+        const uint32_t unused = 64U - bits;
+        const uint32_t upper = high >> unused;
+        return ((uint64_t)upper << 32U) | (low >> unused) | ((high << 1U) << (31U - unused));
     }
     return high >> (32U - bits);
 }
@@ -178,10 +178,10 @@ static inline uint64_t cw_received_highest(uint32_t high, uint32_t low, uint32_t
 static inline void cw_received_words16(const uint16_t *words, size_t count, uint8_t *rx)
 {
     CW_ASSERT((words != NULL) && (rx != NULL));
-    size_t at;
-    for (at = 0U; at < count; at++) {
-        rx[2U * at] = (uint8_t)((uint32_t)words[at] >> 8U);
-        rx[(2U * at) + 1U] = (uint8_t)((uint32_t)words[at] & 0xFFU);
+    size_t index;
+    for (index = 0U; index < count; index++) {
+        rx[2U * index] = (uint8_t)((uint32_t)words[index] >> 8U);
+        rx[(2U * index) + 1U] = (uint8_t)((uint32_t)words[index] & 0xFFU);
     }
 }
 
@@ -189,10 +189,10 @@ static inline void cw_received_words16(const uint16_t *words, size_t count, uint
 static inline void cw_received_words32(const uint32_t *words, size_t count, uint8_t *rx)
 {
     CW_ASSERT((words != NULL) && (rx != NULL));
-    size_t at;
-    for (at = 0U; at < (4U * count); at++) {
-        const size_t left = 24U - (8U * (at % 4U));
-        rx[at] = (uint8_t)((words[at / 4U] >> left) & 0xFFU);
+    size_t index;
+    for (index = 0U; index < (4U * count); index++) {
+        const size_t shift = 24U - (8U * (index % 4U));
+        rx[index] = (uint8_t)((words[index / 4U] >> shift) & 0xFFU);
     }
 }
 
@@ -200,21 +200,37 @@ static inline void cw_received_words32(const uint32_t *words, size_t count, uint
  * Return one bit of each of 8 samples, that of the first sample in bit 7.
  *
  * @param samples  the samples
- * @param place  number of the bit in each sample, 0 to 7
+ * @param pin_bit  number of the bit in each sample, 0 to 7
  */
-static inline uint32_t cw_received_8_samples(const uint8_t *samples, uint32_t place)
+static inline uint32_t cw_received_8_samples(const uint8_t *samples, uint32_t pin_bit)
 {
     /* Compilers turn each sum into one load if the processor has such a load. */
     const uint32_t first = (uint32_t)samples[0] | ((uint32_t)samples[1] << 8U) |
         ((uint32_t)samples[2] << 16U) | ((uint32_t)samples[3] << 24U);
-    const uint32_t then = (uint32_t)samples[4] | ((uint32_t)samples[5] << 8U) |
+    const uint32_t second = (uint32_t)samples[4] | ((uint32_t)samples[5] << 8U) |
         ((uint32_t)samples[6] << 16U) | ((uint32_t)samples[7] << 24U);
-    uint32_t bits = ((first >> place) & 0x01010101U) << 4U;
-    bits |= (then >> place) & 0x01010101U;
+    uint32_t bits = ((first >> pin_bit) & 0x01010101U) << 4U;
+    bits |= (second >> pin_bit) & 0x01010101U;
     /* Sample n is now bit 8n + 4, or bit 8n - 32. Copy it to bit 31 - n, which is free. */
     bits |= bits << 9U;
     bits |= bits << 18U;
     return bits >> 24U;
+}
+
+/** Return the number of the only bit of a mask, as the sum of the powers of two in it. */
+static inline uint32_t cw_received_pin_bit(uint32_t mask)
+{
+    uint32_t bit = 0U;
+    if (mask > 0x0FU) { /* bits 4 to 7 */
+        bit = 4U;
+    }
+    if ((mask & 0xCCU) != 0U) { /* bits 2, 3, 6 and 7 */
+        bit += 2U;
+    }
+    if ((mask & 0xAAU) != 0U) { /* bits 1, 3, 5 and 7 */
+        bit++;
+    }
+    return bit;
 }
 
 /**
@@ -234,31 +250,23 @@ static inline size_t cw_received_samples(
     CW_ASSERT((samples != NULL) && (rx != NULL));
     const size_t size = (count / 8U) + (((count % 8U) != 0U) ? 1U : 0U);
     const uint32_t pin = mask;
-    uint32_t place = 0U;
-    size_t whole = 0U;
+    const uint32_t pin_bit = cw_received_pin_bit(pin);
+    size_t whole_bytes = 0U;
     size_t byte;
-    if (pin > 0x0FU) {
-        place = 4U;
+    if (pin == ((uint32_t)1U << pin_bit)) {
+        whole_bytes = count / 8U;
     }
-    if ((pin & 0xCCU) != 0U) {
-        place += 2U;
-    }
-    if ((pin & 0xAAU) != 0U) {
-        place++;
-    }
-    if (pin == ((uint32_t)1U << place)) {
-        whole = count / 8U;
-    }
-    for (byte = 0U; byte < whole; byte++) {
-        rx[byte] = (uint8_t)cw_received_8_samples(&samples[8U * byte], place);
+    for (byte = 0U; byte < whole_bytes; byte++) {
+        rx[byte] = (uint8_t)cw_received_8_samples(&samples[8U * byte], pin_bit);
     }
     /* The remaining bytes, or all bytes if the mask has several bits or none. */
-    for (byte = whole; byte < size; byte++) {
+    for (byte = whole_bytes; byte < size; byte++) {
         uint32_t bits = 0U;
-        size_t at;
-        for (at = 8U * byte; at < ((8U * byte) + 8U); at++) {
-            bits = (bits << 1U) | (((at >= count) ||
-                (((uint32_t)samples[at] & pin) != 0U)) ? 1U : 0U);
+        size_t index;
+        for (index = 8U * byte; index < ((8U * byte) + 8U); index++) {
+            const bool is_padding = index >= count;
+            bits = (bits << 1U) |
+                ((is_padding || (((uint32_t)samples[index] & pin) != 0U)) ? 1U : 0U);
         }
         rx[byte] = (uint8_t)bits;
     }
@@ -274,27 +282,28 @@ static inline size_t cw_received_samples(
 CW_CONSTEXPR
 static inline size_t cw_biss_start(const uint8_t *rx, size_t received)
 {
-    uint32_t before = 0x80000000U; /* bit 31 is the bit before the next one */
-    size_t at = 0U;
-    while ((at + 32U) <= received) {
-        const uint32_t bits = cw_received_4_bytes(&rx[at / 8U]);
-        const uint32_t follows = before | (bits >> 1U);
-        const uint32_t rising = (bits | follows) ^ follows; /* SDCC 4.2 miscompiles & ~ for STM8 */
+    uint32_t previous = 0x80000000U; /* the bit before the next one, in bit 31 */
+    size_t index = 0U;
+    while ((index + 32U) <= received) {
+        const uint32_t bits = cw_received_4_bytes(&rx[index / 8U]);
+        const uint32_t not_rising = previous | (bits >> 1U);
+        /* SDCC 4.2 miscompiles & ~ for STM8. */
+        const uint32_t rising = (bits | not_rising) ^ not_rising;
         if (rising != 0U) {
-            return at + (size_t)cw_received_zeros(rising);
+            return index + (size_t)cw_received_zeros(rising);
         }
-        before = (bits & 1U) << 31U;
-        at += 32U;
+        previous = (bits & 1U) << 31U;
+        index += 32U;
     }
-    while (at < received) {
-        const uint32_t bit = cw_received_bit(rx, at);
-        if ((bit != 0U) && (before == 0U)) {
-            return at;
+    while (index < received) {
+        const uint32_t bit = cw_received_bit(rx, index);
+        if ((bit != 0U) && (previous == 0U)) {
+            return index;
         }
-        before = bit << 31U;
-        at++;
+        previous = bit << 31U;
+        index++;
     }
-    return (before == 0U) ? received : (received + 1U);
+    return (previous == 0U) ? received : (received + 1U);
 }
 
 /**
@@ -392,8 +401,8 @@ static inline cw_result cw_biss_find_frame(
 {
     CW_ASSERT((rx != NULL) && (first != NULL));
     const size_t start = cw_biss_start(rx, received);
-    const size_t data = start + 2U;
-    const size_t after = data + (size_t)bits;
+    const size_t data_index = start + 2U;
+    const size_t frame_end = data_index + (size_t)bits;
     /* The checks of cw_biss_receive_bits again: a shared function makes that one longer. */
     if (start > received) {
         return CW_FAULT_LINE_HIGH;
@@ -404,13 +413,13 @@ static inline cw_result cw_biss_find_frame(
     if (start == received) {
         return CW_FAULT_NO_START;
     }
-    if (after > received) {
+    if (frame_end > received) {
         return CW_FAULT_LENGTH;
     }
-    if ((after < received) && (cw_received_bit(rx, after) != 0U)) {
+    if ((frame_end < received) && (cw_received_bit(rx, frame_end) != 0U)) {
         return CW_FAULT_CONSTANT;
     }
-    *first = data;
+    *first = data_index;
     return CW_OK;
 }
 
@@ -437,11 +446,11 @@ CW_CONSTEXPR
 static inline cw_result cw_biss_receive_cds_bits(const uint8_t *rx, size_t received, bool *cds)
 {
     CW_ASSERT((rx != NULL) && (cds != NULL));
-    const size_t cds_at = cw_biss_start(rx, received) + 1U;
-    if (cds_at >= received) {
+    const size_t cds_index = cw_biss_start(rx, received) + 1U;
+    if (cds_index >= received) {
         return CW_FAULT_LENGTH;
     }
-    *cds = cw_received_bit(rx, cds_at) != 0U;
+    *cds = cw_received_bit(rx, cds_index) != 0U;
     return CW_OK;
 }
 
@@ -465,28 +474,28 @@ CW_CONSTEXPR
 static inline uint64_t cw_ssi_word(const uint8_t *rx, uint32_t bits)
 {
     const size_t last = (size_t)bits / 8U;
-    const uint32_t used = (bits % 8U) + 1U;
+    const uint32_t bits_in_last = (bits % 8U) + 1U;
     uint32_t upper = 0U;
     uint32_t lower = 0U;
     uint32_t byte = 0x7FU & (uint32_t)rx[0];
-    size_t at = 0U;
+    size_t index = 0U;
     if (last == 3U) {
-        return (cw_received_4_bytes(rx) & 0x7FFFFFFFU) >> (8U - used);
+        return (cw_received_4_bytes(rx) & 0x7FFFFFFFU) >> (8U - bits_in_last);
     }
     if (last > 3U) {
         lower = cw_received_4_bytes(rx) & 0x7FFFFFFFU;
         byte = rx[4];
-        at = 4U;
+        index = 4U;
     }
-    while (at < last) {
+    while (index < last) {
         upper = (upper << 8U) | (lower >> 24U);
         lower = (lower << 8U) | byte;
-        at++;
-        byte = rx[at];
+        index++;
+        byte = rx[index];
     }
     /* Use 1 to 8 bits of the last byte. */
-    upper = (upper << used) | (lower >> (32U - used));
-    lower = (lower << used) | (byte >> (8U - used));
+    upper = (upper << bits_in_last) | (lower >> (32U - bits_in_last));
+    lower = (lower << bits_in_last) | (byte >> (8U - bits_in_last));
     return ((uint64_t)upper << 32U) | lower;
 }
 
@@ -525,11 +534,11 @@ static inline cw_result cw_ssi_receive(
     if (cw_received_bit(rx, 0U) == 0U) {
         return CW_FAULT_LINE_LOW;
     }
-    const uint64_t found = cw_ssi_word(rx, bits);
+    const uint64_t received = cw_ssi_word(rx, bits);
     if (cw_received_bit(rx, (size_t)bits + 1U) != 0U) {
-        return (found == cw_mask(bits)) ? CW_FAULT_LINE_HIGH : CW_FAULT_CONSTANT;
+        return (received == cw_mask(bits)) ? CW_FAULT_LINE_HIGH : CW_FAULT_CONSTANT;
     }
-    *word = found;
+    *word = received;
     return CW_OK;
 }
 
@@ -553,16 +562,16 @@ static inline cw_result cw_ssi_repeats(
     uint64_t first, uint64_t second, uint64_t modulus, uint64_t at_most)
 {
     const uint64_t higher = (first > second) ? first : second;
-    const uint64_t apart = higher - ((first > second) ? second : first);
+    const uint64_t distance = higher - ((first > second) ? second : first);
     if (modulus != 0U) {
         if (higher >= modulus) {
             return CW_FAULT_RANGE;
         }
-        if ((modulus - apart) <= at_most) {
+        if ((modulus - distance) <= at_most) {
             return CW_OK;
         }
     }
-    return (apart <= at_most) ? CW_OK : CW_FAULT_REPEAT;
+    return (distance <= at_most) ? CW_OK : CW_FAULT_REPEAT;
 }
 
 /* -- RS-485 ------------------------------------------------------------------------------------ */
@@ -683,15 +692,15 @@ static inline void cw_rs485_resume(cw_rs485_line *line)
 {
     CW_ASSERT(line != NULL);
     const size_t count = line->count;
-    size_t from = 1U;
-    size_t at;
-    while ((from < count) && (line->bytes[from] != line->control)) {
-        from++;
+    size_t start = 1U;
+    size_t index;
+    while ((start < count) && (line->bytes[start] != line->control)) {
+        start++;
     }
-    for (at = from; at < count; at++) {
-        line->bytes[at - from] = line->bytes[at];
+    for (index = start; index < count; index++) {
+        line->bytes[index - start] = line->bytes[index];
     }
-    line->count = count - ((from < count) ? from : count);
+    line->count = count - ((start < count) ? start : count);
 }
 
 /**
@@ -704,8 +713,8 @@ static inline bool cw_rs485_late(const cw_rs485_line *line, uint32_t now_us)
 {
     CW_ASSERT(line != NULL);
     /* Compute now - since in 64 bits, without the wraparound that checkers warn about. */
-    const uint64_t passed = ((((uint64_t)1U << 32U) + now_us) - line->since_us) & 0xFFFFFFFFU;
-    return (passed > line->at_most_us) && (line->count != line->length);
+    const uint64_t elapsed_us = ((((uint64_t)1U << 32U) + now_us) - line->since_us) & 0xFFFFFFFFU;
+    return (elapsed_us > line->at_most_us) && (line->count != line->length);
 }
 
 /**

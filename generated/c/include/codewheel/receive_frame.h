@@ -35,11 +35,12 @@ CW_CONSTEXPR
 static inline void cw_received_frame(
     const uint8_t *rx, size_t first, uint32_t bits, uint8_t *frame, size_t length)
 {
-    uint32_t left = bits;
-    for (size_t at = length; at > 0U; at--) {
-        const uint32_t take = (left < 8U) ? left : 8U;
-        left -= take;
-        frame[at - 1U] = (uint8_t)cw_received_bits(rx, first + (size_t)left, take);
+    uint32_t bits_left = bits;
+    for (size_t bytes_left = length; bytes_left > 0U; bytes_left--) {
+        const uint32_t byte_bits = (bits_left < 8U) ? bits_left : 8U;
+        bits_left -= byte_bits;
+        const size_t byte_first = first + (size_t)bits_left;
+        frame[bytes_left - 1U] = (uint8_t)cw_received_bits(rx, byte_first, byte_bits);
     }
 }
 
@@ -99,19 +100,19 @@ static inline cw_result cw_ssi_receive_frame(
     const uint8_t *rx, size_t size, uint32_t bits, uint8_t *frame, size_t length)
 {
     CW_ASSERT((rx != NULL) && (frame != NULL));
-    const size_t after = (size_t)bits + 1U;
-    if (((size_t)bits > (8U * length)) || (after >= (8U * size))) {
+    const size_t after_word = (size_t)bits + 1U;
+    if (((size_t)bits > (8U * length)) || (after_word >= (8U * size))) {
         return CW_FAULT_LENGTH;
     }
     if (cw_received_bit(rx, 0U) == 0U) {
         return CW_FAULT_LINE_LOW;
     }
-    if (cw_received_bit(rx, after) != 0U) {
-        size_t at = 1U;
-        while ((at < after) && (cw_received_bit(rx, at) != 0U)) {
-            at++;
+    if (cw_received_bit(rx, after_word) != 0U) {
+        size_t index = 1U;
+        while ((index < after_word) && (cw_received_bit(rx, index) != 0U)) {
+            index++;
         }
-        return (at == after) ? CW_FAULT_LINE_HIGH : CW_FAULT_CONSTANT;
+        return (index == after_word) ? CW_FAULT_LINE_HIGH : CW_FAULT_CONSTANT;
     }
     cw_received_frame(rx, 1U, bits, frame, length);
     return CW_OK;

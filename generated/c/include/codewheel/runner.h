@@ -17,8 +17,8 @@
  *     case SEND:  start sending the request runner.byte and receiving runner.length bytes of
  *                 reply into runner.data (0: ignore the reply)
  *     case WAIT:  call again in runner.wait_us microseconds or later. Until then the bus is free,
- *                 unless runner.alone is true, which means that no other request may be sent. An
- *                 encoder that you poll in the meantime may report that it is busy
+ *                 unless runner.bus_reserved is true, which means that no other request may be
+ *                 sent. An encoder that you poll in the meantime may report that it is busy
  *     case BUSY:  call again when the access is over
  *     case END:   done: runner.result is the result, runner.failure the step that failed
  *     }
@@ -62,22 +62,22 @@ typedef struct cw_runner {
     uint16_t address; /**< READ, WRITE: address of the first register byte */
     uint8_t byte; /**< WRITE, SEND: the first byte to write, or the request */
     /** true between the requests of one step: send no other request, and do not poll */
-    bool alone;
+    bool bus_reserved;
     uint8_t *data; /**< READ, SEND: buffer for the received bytes. WRITE: the bytes to write */
     size_t length; /**< number of these bytes */
     /** maximum number of readings per poll, as in a transport. Set it after the start */
     uint32_t poll_at_most;
     uint32_t poll_pause_us; /**< pause between two readings of a poll */
     const cw_step *steps; /**< private */
-    size_t count; /**< private */
-    size_t at; /**< private: index of the current step */
-    size_t begun; /**< private: after a failure, number of steps begun */
-    uint8_t *bytes; /**< private: address for the next byte read */
-    cw_todo doing; /**< private: access in progress, or END for none */
-    uint32_t round; /**< private: accesses, requests or readings done for the step */
-    uint32_t pause_us; /**< private: time to wait, counted from from_us */
-    uint32_t from_us; /**< private: end of the last access */
-    uint8_t held[CW_REPLY_BYTES]; /**< private: bytes to change or check, or a reply */
+    size_t count; /**< private: number of steps */
+    size_t step_index; /**< private: index of the current step */
+    size_t steps_begun; /**< private: after a failure, number of steps begun */
+    uint8_t *next_byte; /**< private: address for the next byte read */
+    cw_todo access; /**< private: access in progress, or END for none */
+    uint32_t accesses_done; /**< private: accesses, requests or readings done for the step */
+    uint32_t pause_us; /**< private: time to wait, counted from pause_start_us */
+    uint32_t pause_start_us; /**< private: end of the last access */
+    uint8_t step_bytes[CW_REPLY_BYTES]; /**< private: bytes to change or check, or a reply */
 } cw_runner;
 
 /**
@@ -114,12 +114,13 @@ static inline cw_result cw_runner_start(
 static inline void cw_runner_advance(cw_runner *runner, size_t steps)
 {
     const bool failed = runner->result != CW_OK;
-    runner->at += steps;
-    runner->round = 0U;
-    while ((runner->at < runner->count) &&
-        ((runner->steps[runner->at].kind == CW_STEP_MORE) ||
-        (failed && !cw_step_closes(runner->steps, runner->begun, &runner->steps[runner->at])))) {
-        runner->at++;
+    runner->step_index += steps;
+    runner->accesses_done = 0U;
+    while ((runner->step_index < runner->count) &&
+        ((runner->steps[runner->step_index].kind == CW_STEP_MORE) ||
+        (failed && !cw_step_closes(runner->steps, runner->steps_begun,
+        &runner->steps[runner->step_index])))) {
+        runner->step_index++;
     }
 }
 
@@ -134,11 +135,11 @@ static inline void cw_runner_advance(cw_runner *runner, size_t steps)
  */
 static inline bool cw_runner_close(cw_runner *runner, uint32_t now_us)
 {
-    const bool open = (runner->at >= runner->count) && runner->failure.left_open;
+    const bool open = (runner->step_index >= runner->count) && runner->failure.left_open;
     if (open) {
         runner->failure.left_open = false;
-        runner->from_us = now_us;
-        runner->at = 0U;
+        runner->pause_start_us = now_us;
+        runner->step_index = 0U;
         cw_runner_advance(runner, 0U);
     }
     return open;
@@ -150,11 +151,11 @@ static inline bool cw_runner_close(cw_runner *runner, uint32_t now_us)
 static inline void cw_runner_fail(
     cw_runner *runner, cw_result result, cw_step_kind call, int32_t error)
 {
-    const cw_step *const step = &runner->steps[runner->at];
+    const cw_step *const step = &runner->steps[runner->step_index];
     if (runner->result == CW_OK) {
         runner->result = result;
-        runner->begun = runner->at + 1U;
-        runner->failure.step = runner->at;
+        runner->steps_begun = runner->step_index + 1U;
+        runner->failure.step = runner->step_index;
         runner->failure.kind = step->kind;
         runner->failure.call = call;
         runner->failure.address = cw_step_address(step);
@@ -169,7 +170,7 @@ static inline void cw_runner_fail(
 static inline cw_todo cw_runner_ask(
     cw_runner *runner, cw_todo todo, uint16_t address, uint8_t *data, size_t length)
 {
-    runner->doing = todo;
+    runner->access = todo;
     runner->address = address;
     runner->data = data;
     runner->length = length;
@@ -180,12 +181,12 @@ static inline cw_todo cw_runner_ask(
 static inline cw_todo cw_runner_write(
     cw_runner *runner, const cw_step *step, size_t length)
 {
-    const bool keeps = cw_step_change(step, runner->held, length);
-    if (keeps && (runner->round == 0U)) {
-        return cw_runner_ask(runner, CW_TODO_READ, step->address, runner->held, length);
+    const bool keeps_bits = cw_step_change(step, runner->step_bytes, length);
+    if (keeps_bits && (runner->accesses_done == 0U)) {
+        return cw_runner_ask(runner, CW_TODO_READ, step->address, runner->step_bytes, length);
     }
-    runner->byte = runner->held[0];
-    return cw_runner_ask(runner, CW_TODO_WRITE, step->address, runner->held, length);
+    runner->byte = runner->step_bytes[0];
+    return cw_runner_ask(runner, CW_TODO_WRITE, step->address, runner->step_bytes, length);
 }
 
 /**
@@ -194,17 +195,17 @@ static inline cw_todo cw_runner_write(
  */
 static inline cw_todo cw_runner_begin(cw_runner *runner)
 {
-    const cw_step *const step = &runner->steps[runner->at];
-    const size_t length = cw_run_together(step, runner->count - runner->at);
+    const cw_step *const step = &runner->steps[runner->step_index];
+    const size_t length = cw_run_together(step, runner->count - runner->step_index);
     switch (step->kind) {
     case CW_STEP_WRITE:
     case CW_STEP_CLOSE:
         return cw_runner_write(runner, step, length);
     case CW_STEP_READ:
-        return cw_runner_ask(runner, CW_TODO_READ, step->address, runner->bytes, length);
+        return cw_runner_ask(runner, CW_TODO_READ, step->address, runner->next_byte, length);
     case CW_STEP_POLL:
     case CW_STEP_VERIFY:
-        return cw_runner_ask(runner, CW_TODO_READ, step->address, runner->held, length);
+        return cw_runner_ask(runner, CW_TODO_READ, step->address, runner->step_bytes, length);
     case CW_STEP_SEND:
         if (step->times == 0U) {
             cw_runner_advance(runner, 1U);
@@ -215,7 +216,7 @@ static inline cw_todo cw_runner_begin(cw_runner *runner)
             return CW_TODO_END;
         }
         runner->byte = step->value;
-        return cw_runner_ask(runner, CW_TODO_SEND, 0U, runner->held, step->address);
+        return cw_runner_ask(runner, CW_TODO_SEND, 0U, runner->step_bytes, step->address);
     case CW_STEP_WAIT:
         runner->pause_us = step->microseconds;
         cw_runner_advance(runner, 1U);
@@ -239,20 +240,20 @@ CW_NODISCARD
 static inline cw_todo cw_runner_next(cw_runner *runner, uint32_t now_us)
 {
     cw_todo todo = CW_TODO_END;
-    if (runner->doing != CW_TODO_END) {
+    if (runner->access != CW_TODO_END) {
         return CW_TODO_BUSY;
     }
     while (todo == CW_TODO_END) {
-        const uint32_t gone_us = now_us - runner->from_us;
-        if (gone_us < runner->pause_us) {
-            runner->wait_us = runner->pause_us - gone_us;
+        const uint32_t elapsed_us = now_us - runner->pause_start_us;
+        if (elapsed_us < runner->pause_us) {
+            runner->wait_us = runner->pause_us - elapsed_us;
             return CW_TODO_WAIT;
         }
         if (runner->pause_us != 0U) {
             runner->pause_us = 0U;
-            runner->from_us = now_us;
+            runner->pause_start_us = now_us;
         }
-        if (runner->at >= runner->count) {
+        if (runner->step_index >= runner->count) {
             return CW_TODO_END;
         }
         todo = cw_runner_begin(runner);
@@ -261,11 +262,11 @@ static inline cw_todo cw_runner_next(cw_runner *runner, uint32_t now_us)
 }
 
 /** Read again after a pause, up to the limit of a poll. */
-static inline void cw_runner_again(cw_runner *runner)
+static inline void cw_runner_read_again(cw_runner *runner)
 {
     const bool bounded = runner->poll_at_most != 0U;
-    runner->round++;
-    if (runner->round >= (bounded ? runner->poll_at_most : CW_POLL_AT_MOST)) {
+    runner->accesses_done++;
+    if (runner->accesses_done >= (bounded ? runner->poll_at_most : CW_POLL_AT_MOST)) {
         cw_runner_fail(runner, CW_FAULT_TIMEOUT, CW_STEP_POLL, 0);
     } else {
         runner->pause_us = bounded ? runner->poll_pause_us : CW_POLL_PAUSE_US;
@@ -273,16 +274,16 @@ static inline void cw_runner_again(cw_runner *runner)
 }
 
 /** Check the reply to a request: advance, or send again after a pause. */
-static inline void cw_runner_sent(cw_runner *runner, const cw_step *step)
+static inline void cw_runner_check_reply(cw_runner *runner, const cw_step *step)
 {
     const cw_result result =
-        cw_reply_check(step->value, runner->held, runner->length, step->mask);
-    runner->round++;
-    runner->alone = runner->round < step->times;
+        cw_reply_check(step->value, runner->step_bytes, runner->length, step->mask);
+    runner->accesses_done++;
+    runner->bus_reserved = runner->accesses_done < step->times;
     if (result != CW_OK) {
-        runner->alone = false;
+        runner->bus_reserved = false;
         cw_runner_fail(runner, result, CW_STEP_SEND, 0);
-    } else if (runner->alone) {
+    } else if (runner->bus_reserved) {
         runner->pause_us = step->microseconds;
     } else {
         cw_runner_advance(runner, 1U);
@@ -290,37 +291,37 @@ static inline void cw_runner_sent(cw_runner *runner, const cw_step *step)
 }
 
 /** Continue the current step after its access succeeded. */
-static inline void cw_runner_accessed(cw_runner *runner, cw_todo did)
+static inline void cw_runner_continue(cw_runner *runner, cw_todo finished)
 {
-    const cw_step *const step = &runner->steps[runner->at];
-    size_t differs;
+    const cw_step *const step = &runner->steps[runner->step_index];
+    size_t differing;
     switch (step->kind) {
     case CW_STEP_READ:
-        runner->bytes = &runner->bytes[runner->length];
+        runner->next_byte = &runner->next_byte[runner->length];
         cw_runner_advance(runner, runner->length);
         break;
     case CW_STEP_POLL:
     case CW_STEP_VERIFY:
-        differs = cw_step_differs(step, runner->held, runner->length);
-        if (differs == runner->length) {
+        differing = cw_step_differs(step, runner->step_bytes, runner->length);
+        if (differing == runner->length) {
             cw_runner_advance(runner, 1U);
         } else if (step->kind == CW_STEP_POLL) {
-            cw_runner_again(runner);
+            cw_runner_read_again(runner);
         } else {
             cw_runner_fail(
-                runner, CW_FAULT_VERIFY, CW_STEP_VERIFY, (int32_t)runner->held[differs]);
+                runner, CW_FAULT_VERIFY, CW_STEP_VERIFY, (int32_t)runner->step_bytes[differing]);
         }
         break;
     case CW_STEP_SEND:
-        cw_runner_sent(runner, step);
+        cw_runner_check_reply(runner, step);
         break;
     case CW_STEP_WRITE:
     case CW_STEP_CLOSE:
     case CW_STEP_WAIT:
     case CW_STEP_MORE:
     default:
-        if (did == CW_TODO_READ) {
-            runner->round++;
+        if (finished == CW_TODO_READ) {
+            runner->accesses_done++;
         } else {
             cw_runner_advance(runner, 1U);
         }
@@ -345,19 +346,19 @@ static inline void cw_runner_accessed(cw_runner *runner, cw_todo did)
  */
 static inline void cw_runner_done(cw_runner *runner, int32_t error, uint32_t now_us)
 {
-    const cw_todo did = runner->doing;
-    if (did == CW_TODO_END) {
+    const cw_todo finished = runner->access;
+    if (finished == CW_TODO_END) {
         return;
     }
-    runner->doing = CW_TODO_END;
-    runner->from_us = now_us;
+    runner->access = CW_TODO_END;
+    runner->pause_start_us = now_us;
     if (error == 0) {
-        cw_runner_accessed(runner, did);
+        cw_runner_continue(runner, finished);
     } else {
-        const cw_step_kind other = (did == CW_TODO_READ) ? CW_STEP_READ : CW_STEP_WRITE;
-        runner->alone = false;
+        const cw_step_kind other = (finished == CW_TODO_READ) ? CW_STEP_READ : CW_STEP_WRITE;
+        runner->bus_reserved = false;
         cw_runner_fail(
-            runner, CW_FAULT_TRANSPORT, (did == CW_TODO_SEND) ? CW_STEP_SEND : other, error);
+            runner, CW_FAULT_TRANSPORT, (finished == CW_TODO_SEND) ? CW_STEP_SEND : other, error);
     }
 }
 

@@ -82,11 +82,11 @@ static inline cw_spi_asked cw_spi_exchange(
 /** Store a number as bytes, most significant first, such as those of a register to decode. */
 static inline void cw_spi_bytes(uint64_t data, uint8_t *bytes, size_t length)
 {
-    uint64_t rest = data;
-    size_t left;
-    for (left = length; left > 0U; left--) {
-        bytes[left - 1U] = (uint8_t)(rest & 0xFFU);
-        rest >>= 8U;
+    uint64_t shifted = data;
+    size_t bytes_left;
+    for (bytes_left = length; bytes_left > 0U; bytes_left--) {
+        bytes[bytes_left - 1U] = (uint8_t)(shifted & 0xFFU);
+        shifted >>= 8U;
     }
 }
 
@@ -95,8 +95,8 @@ CW_CONSTEXPR
 static inline uint64_t cw_spi_data(const uint8_t *bytes, size_t length)
 {
     uint64_t data = 0U;
-    for (size_t at = 0U; at < length; at++) {
-        data = (data << 8U) | bytes[at];
+    for (size_t index = 0U; index < length; index++) {
+        data = (data << 8U) | bytes[index];
     }
     return data;
 }

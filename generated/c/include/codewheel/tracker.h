@@ -119,9 +119,9 @@ static inline void cw_tracker_start(
 {
     CW_ASSERT((tracker != NULL) && (config != NULL));
     /* 1/16 more per 2^20 us is 1.3 percent more than max_speed, which is per second. */
-    const uint32_t more = config->max_speed >> 4U;
-    tracker->limit = (config->max_speed > (0xFFFFFFFFU - more)) ?
-        0xFFFFFFFFU : (config->max_speed + more);
+    const uint32_t margin = config->max_speed >> 4U;
+    tracker->limit = (config->max_speed > (0xFFFFFFFFU - margin)) ?
+        0xFFFFFFFFU : (config->max_speed + margin);
     tracker->boot_us = config->boot_us;
     tracker->lost_after_us = (config->lost_after_us == 0U) ? 0xFFFFFFFFU : config->lost_after_us;
     tracker->refused_at_most = config->lost_after_refused - 1U;
@@ -232,24 +232,24 @@ static inline cw_result cw_tracker_add(
 static inline int64_t cw_counts_per_second(int64_t counts, uint32_t elapsed_us)
 {
     const uint64_t distance = (counts < 0) ? (0U - (uint64_t)counts) : (uint64_t)counts;
-    uint64_t left = distance * 1000000U;
-    uint64_t rest = 0U;
+    uint64_t quotient = distance * 1000000U;
+    uint64_t remainder = 0U;
     uint32_t bit;
     if (elapsed_us == 0U) {
         return 0;
     }
     for (bit = 0U; bit < 64U; bit++) {
-        rest = (rest << 1U) | (left >> 63U);
-        left <<= 1U;
-        if (rest >= elapsed_us) {
-            rest -= elapsed_us;
-            left |= 1U;
+        remainder = (remainder << 1U) | (quotient >> 63U);
+        quotient <<= 1U;
+        if (remainder >= elapsed_us) {
+            remainder -= elapsed_us;
+            quotient |= 1U;
         }
     }
     if (counts < 0) {
-        left = 0U - left;
+        quotient = 0U - quotient;
     }
-    return (int64_t)left;
+    return (int64_t)quotient;
 }
 
 /**

@@ -39,10 +39,11 @@ static inline cw_result lika_am36_biss_set_configuration_steps(
         sizeof(configuration_configuration_sent), &configuration_configuration_held) != CW_OK) {
         return CW_FAULT_RANGE;
     }
-    steps[0] = cw_step_write(0x49U, 0xFFU, configuration); /* takes effect immediately */
-    /* Configuration: read back, which is added to the given steps */
-    steps[1] = cw_step_verify(0x49U, 0xFFU, configuration);
-    steps[2] = cw_step_write(0x48U, 0xFFU, 0x01U); /* save it */
+    /* takes effect immediately */
+    steps[0] = cw_step_write(LIKA_AM36_BISS_REG_CONFIGURATION_ADDRESS, 0xFFU, configuration);
+    /* Configuration: read back, in addition to the steps of the manual */
+    steps[1] = cw_step_verify(LIKA_AM36_BISS_REG_CONFIGURATION_ADDRESS, 0xFFU, configuration);
+    steps[2] = cw_step_write(LIKA_AM36_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x01U); /* save it */
     steps[3] = cw_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AM36_BISS_SET_CONFIGURATION_STEPS_COUNT;
     return CW_OK;
@@ -102,20 +103,22 @@ static inline cw_result lika_am36_biss_set_preset_steps(
     if (result != CW_OK) {
         return result;
     }
-    steps[0] = cw_step_write(0x49U, 0x04U, 0x00U); /* enable writing of the Preset registers */
+    /* enable writing of the Preset registers */
+    steps[0] = cw_step_write(LIKA_AM36_BISS_REG_CONFIGURATION_ADDRESS, 0x04U, 0x00U);
     /* write the five Preset registers */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_BISS_REG_PRESET_ADDRESS + index);
         steps[1U + index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Enable preset in Configuration: read back, which is added to the given steps */
-    steps[6] = cw_step_verify(0x49U, 0x04U, 0x00U);
-    /* Preset: read back, which is added to the given steps */
+    /* Enable preset in Configuration: read back, in addition to the steps of the manual */
+    steps[6] = cw_step_verify(LIKA_AM36_BISS_REG_CONFIGURATION_ADDRESS, 0x04U, 0x00U);
+    /* Preset: read back, in addition to the steps of the manual */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_BISS_REG_PRESET_ADDRESS + index);
         steps[7U + index] = cw_step_verify(address, 0xFFU, position_bytes[index]);
     }
-    steps[12] = cw_step_write(0x48U, 0xFFU, 0x02U); /* save and activate the preset */
+    /* save and activate the preset */
+    steps[12] = cw_step_write(LIKA_AM36_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x02U);
     steps[13] = cw_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AM36_BISS_SET_PRESET_STEPS_COUNT;
     return CW_OK;
@@ -174,20 +177,22 @@ static inline cw_result lika_am36_biss_store_preset_steps(
     if (result != CW_OK) {
         return result;
     }
-    steps[0] = cw_step_write(0x49U, 0x04U, 0x00U); /* enable writing of the Preset registers */
+    /* enable writing of the Preset registers */
+    steps[0] = cw_step_write(LIKA_AM36_BISS_REG_CONFIGURATION_ADDRESS, 0x04U, 0x00U);
     /* write the five Preset registers */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_BISS_REG_PRESET_ADDRESS + index);
         steps[1U + index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Enable preset in Configuration: read back, which is added to the given steps */
-    steps[6] = cw_step_verify(0x49U, 0x04U, 0x00U);
-    /* Preset: read back, which is added to the given steps */
+    /* Enable preset in Configuration: read back, in addition to the steps of the manual */
+    steps[6] = cw_step_verify(LIKA_AM36_BISS_REG_CONFIGURATION_ADDRESS, 0x04U, 0x00U);
+    /* Preset: read back, in addition to the steps of the manual */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_BISS_REG_PRESET_ADDRESS + index);
         steps[7U + index] = cw_step_verify(address, 0xFFU, position_bytes[index]);
     }
-    steps[12] = cw_step_write(0x48U, 0xFFU, 0x01U); /* save the preset */
+    /* save the preset */
+    steps[12] = cw_step_write(LIKA_AM36_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x01U);
     steps[13] = cw_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AM36_BISS_STORE_PRESET_STEPS_COUNT;
     return CW_OK;
@@ -230,7 +235,9 @@ static inline cw_result lika_am36_biss_store_preset(
 static inline const cw_step *lika_am36_biss_save_parameters_steps(size_t *count)
 {
     static const cw_step steps[LIKA_AM36_BISS_SAVE_PARAMETERS_STEPS_COUNT] = {
-        { CW_STEP_WRITE, 0x48U, 0xFFU, 0x01U, 1U, 0U }, /* Command: save_parameters */
+        /* kind, address, mask, value, times, microseconds */
+        /* Command: save_parameters */
+        { CW_STEP_WRITE, LIKA_AM36_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x01U, 1U, 0U },
         { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_AM36_BISS_SAVE_PARAMETERS_STEPS_COUNT;
@@ -260,7 +267,9 @@ static inline cw_result lika_am36_biss_save_parameters(
 static inline const cw_step *lika_am36_biss_activate_preset_steps(size_t *count)
 {
     static const cw_step steps[LIKA_AM36_BISS_ACTIVATE_PRESET_STEPS_COUNT] = {
-        { CW_STEP_WRITE, 0x48U, 0xFFU, 0x02U, 1U, 0U }, /* Command: save_and_activate_preset */
+        /* kind, address, mask, value, times, microseconds */
+        /* Command: save_and_activate_preset */
+        { CW_STEP_WRITE, LIKA_AM36_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x02U, 1U, 0U },
         { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_AM36_BISS_ACTIVATE_PRESET_STEPS_COUNT;
@@ -293,7 +302,9 @@ static inline cw_result lika_am36_biss_activate_preset(
 static inline const cw_step *lika_am36_biss_restore_defaults_steps(size_t *count)
 {
     static const cw_step steps[LIKA_AM36_BISS_RESTORE_DEFAULTS_STEPS_COUNT] = {
-        { CW_STEP_WRITE, 0x48U, 0xFFU, 0x04U, 1U, 0U }, /* Command: restore_defaults */
+        /* kind, address, mask, value, times, microseconds */
+        /* Command: restore_defaults */
+        { CW_STEP_WRITE, LIKA_AM36_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x04U, 1U, 0U },
         { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_AM36_BISS_RESTORE_DEFAULTS_STEPS_COUNT;
@@ -389,40 +400,42 @@ static inline cw_result lika_am36_biss_set_resolution_steps(
             (uint16_t)(LIKA_AM36_BISS_REG_NUMBER_OF_REVOLUTIONS_ADDRESS + index);
         steps[3U + index] = cw_step_write(address, 0xFFU, number_of_revolutions_bytes[index]);
     }
-    /* Information per revolution: read back, which is added to the given steps */
+    /* Information per revolution: read back, in addition to the steps of the manual */
     for (index = 0U; index < sizeof(information_per_revolution_bytes); index++) {
         const uint16_t address =
             (uint16_t)(LIKA_AM36_BISS_REG_INFORMATION_PER_REVOLUTION_ADDRESS + index);
         steps[5U + index] = cw_step_verify(address, 0xFFU, information_per_revolution_bytes[index]);
     }
-    /* Number of revolutions: read back, which is added to the given steps */
+    /* Number of revolutions: read back, in addition to the steps of the manual */
     for (index = 0U; index < sizeof(number_of_revolutions_bytes); index++) {
         const uint16_t address =
             (uint16_t)(LIKA_AM36_BISS_REG_NUMBER_OF_REVOLUTIONS_ADDRESS + index);
         steps[8U + index] = cw_step_verify(address, 0xFFU, number_of_revolutions_bytes[index]);
     }
     /* save the resolution first, separately from the preset */
-    steps[10] = cw_step_write(0x48U, 0xFFU, 0x01U);
+    steps[10] = cw_step_write(LIKA_AM36_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x01U);
     steps[11] = cw_step_wait(30000U); /* EEPROM writing time */
-    steps[12] = cw_step_write(0x49U, 0x04U, 0x00U); /* enable writing of the Preset registers */
+    /* enable writing of the Preset registers */
+    steps[12] = cw_step_write(LIKA_AM36_BISS_REG_CONFIGURATION_ADDRESS, 0x04U, 0x00U);
     /* write the preset again, since it was set to zero */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_BISS_REG_PRESET_ADDRESS + index);
         steps[13U + index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Enable preset in Configuration: read back, which is added to the given steps */
-    steps[18] = cw_step_verify(0x49U, 0x04U, 0x00U);
-    /* Preset: read back, which is added to the given steps */
+    /* Enable preset in Configuration: read back, in addition to the steps of the manual */
+    steps[18] = cw_step_verify(LIKA_AM36_BISS_REG_CONFIGURATION_ADDRESS, 0x04U, 0x00U);
+    /* Preset: read back, in addition to the steps of the manual */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_BISS_REG_PRESET_ADDRESS + index);
         steps[19U + index] = cw_step_verify(address, 0xFFU, position_bytes[index]);
     }
-    steps[24] = cw_step_write(0x48U, 0xFFU, 0x02U); /* save and activate the preset */
+    /* save and activate the preset */
+    steps[24] = cw_step_write(LIKA_AM36_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x02U);
     steps[25] = cw_step_wait(30000U); /* EEPROM writing time */
     /* No. of bits used for singleturn resolution: singleturn bits of all following frames */
-    steps[26] = cw_step_read(0x56U);
+    steps[26] = cw_step_read(LIKA_AM36_BISS_REG_SINGLETURN_BITS_USED_ADDRESS);
     /* No. of bits used for multiturn resolution: multiturn bits of all following frames */
-    steps[27] = cw_step_read(0x57U);
+    steps[27] = cw_step_read(LIKA_AM36_BISS_REG_MULTITURN_BITS_USED_ADDRESS);
     *count = LIKA_AM36_BISS_SET_RESOLUTION_STEPS_COUNT;
     return CW_OK;
 }
@@ -496,26 +509,30 @@ static inline cw_result lika_am36_biss_set_resolution(
 static inline const cw_step *lika_am36_biss_identify_steps(size_t *count)
 {
     static const cw_step steps[LIKA_AM36_BISS_IDENTIFY_STEPS_COUNT] = {
-        { CW_STEP_READ, 0x7EU, 0xFFU, 0U, 1U, 0U }, /* Manufacturer ID: Li means Lika Electronic */
-        { CW_STEP_READ, 0x7FU, 0xFFU, 0U, 1U, 0U },
+        /* kind, address, mask, value, times, microseconds */
+        /* Manufacturer ID: Li means Lika Electronic */
+        { CW_STEP_READ, LIKA_AM36_BISS_REG_MANUFACTURER_ID_ADDRESS, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_AM36_BISS_REG_MANUFACTURER_ID_ADDRESS + 1U, 0xFFU, 0U, 1U, 0U },
         /* Device ID: AM, I7 and 2 mean AM36 or AMC36 with BiSS. The software version follows */
-        { CW_STEP_READ, 0x78U, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x79U, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x7AU, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x7BU, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x7CU, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x7DU, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x42U, 0xFFU, 0U, 1U, 0U }, /* Profile ID */
-        { CW_STEP_READ, 0x43U, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x55U, 0xFFU, 0U, 1U, 0U }, /* Device type: 02 means multiturn encoder */
-        { CW_STEP_READ, 0x44U, 0xFFU, 0U, 1U, 0U }, /* Serial number */
-        { CW_STEP_READ, 0x45U, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x46U, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x47U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_AM36_BISS_REG_DEVICE_ID_ADDRESS, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_AM36_BISS_REG_DEVICE_ID_ADDRESS + 1U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_AM36_BISS_REG_DEVICE_ID_ADDRESS + 2U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_AM36_BISS_REG_DEVICE_ID_ADDRESS + 3U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_AM36_BISS_REG_DEVICE_ID_ADDRESS + 4U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_AM36_BISS_REG_DEVICE_ID_ADDRESS + 5U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_AM36_BISS_REG_PROFILE_ID_ADDRESS, 0xFFU, 0U, 1U, 0U }, /* Profile ID */
+        { CW_STEP_READ, LIKA_AM36_BISS_REG_PROFILE_ID_ADDRESS + 1U, 0xFFU, 0U, 1U, 0U },
+        /* Device type: 02 means multiturn encoder */
+        { CW_STEP_READ, LIKA_AM36_BISS_REG_DEVICE_TYPE_ADDRESS, 0xFFU, 0U, 1U, 0U },
+        /* Serial number */
+        { CW_STEP_READ, LIKA_AM36_BISS_REG_SERIAL_NUMBER_ADDRESS, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_AM36_BISS_REG_SERIAL_NUMBER_ADDRESS + 1U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_AM36_BISS_REG_SERIAL_NUMBER_ADDRESS + 2U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_AM36_BISS_REG_SERIAL_NUMBER_ADDRESS + 3U, 0xFFU, 0U, 1U, 0U },
         /* No. of bits used for singleturn resolution: singleturn bits of the frame */
-        { CW_STEP_READ, 0x56U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_AM36_BISS_REG_SINGLETURN_BITS_USED_ADDRESS, 0xFFU, 0U, 1U, 0U },
         /* No. of bits used for multiturn resolution: multiturn bits of the frame */
-        { CW_STEP_READ, 0x57U, 0xFFU, 0U, 1U, 0U }
+        { CW_STEP_READ, LIKA_AM36_BISS_REG_MULTITURN_BITS_USED_ADDRESS, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_AM36_BISS_IDENTIFY_STEPS_COUNT;
     return steps;

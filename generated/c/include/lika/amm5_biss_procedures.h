@@ -44,22 +44,25 @@ static inline cw_result lika_amm5_biss_set_preset_steps(
     if (result != CW_OK) {
         return result;
     }
-    steps[0] = cw_step_write(0x40U, 0xFFU, 0x01U); /* open the Preset registers */
+    /* open the Preset registers */
+    steps[0] = cw_step_write(LIKA_AMM5_BISS_REG_PRESET_SETTING_ENABLE_ADDRESS, 0xFFU, 0x01U);
     /* write the seven Preset registers */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AMM5_BISS_REG_PRESET_ADDRESS + index);
         steps[1U + index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Preset: read back, which is added to the given steps */
+    /* Preset: read back, in addition to the steps of the manual */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AMM5_BISS_REG_PRESET_ADDRESS + index);
         steps[8U + index] = cw_step_verify(address, 0xFFU, position_bytes[index]);
     }
     /* close the Preset registers before saving, also done if an earlier step fails */
-    steps[15] = cw_step_close(0x40U, 0xFFU, 0x00U);
-    steps[16] = cw_step_write(0x77U, 0xFFU, 0x01U); /* save the preset */
+    steps[15] = cw_step_close(LIKA_AMM5_BISS_REG_PRESET_SETTING_ENABLE_ADDRESS, 0xFFU, 0x00U);
+    /* save the preset */
+    steps[16] = cw_step_write(LIKA_AMM5_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x01U);
     steps[17] = cw_step_wait(30000U); /* EEPROM writing time */
-    steps[18] = cw_step_write(0x77U, 0xFFU, 0x02U); /* activate the preset */
+    /* activate the preset */
+    steps[18] = cw_step_write(LIKA_AMM5_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x02U);
     steps[19] = cw_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AMM5_BISS_SET_PRESET_STEPS_COUNT;
     return CW_OK;
@@ -118,20 +121,22 @@ static inline cw_result lika_amm5_biss_store_preset_steps(
     if (result != CW_OK) {
         return result;
     }
-    steps[0] = cw_step_write(0x40U, 0xFFU, 0x01U); /* open the Preset registers */
+    /* open the Preset registers */
+    steps[0] = cw_step_write(LIKA_AMM5_BISS_REG_PRESET_SETTING_ENABLE_ADDRESS, 0xFFU, 0x01U);
     /* write the seven Preset registers */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AMM5_BISS_REG_PRESET_ADDRESS + index);
         steps[1U + index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Preset: read back, which is added to the given steps */
+    /* Preset: read back, in addition to the steps of the manual */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AMM5_BISS_REG_PRESET_ADDRESS + index);
         steps[8U + index] = cw_step_verify(address, 0xFFU, position_bytes[index]);
     }
     /* close the Preset registers before saving, also done if an earlier step fails */
-    steps[15] = cw_step_close(0x40U, 0xFFU, 0x00U);
-    steps[16] = cw_step_write(0x77U, 0xFFU, 0x01U); /* save the preset */
+    steps[15] = cw_step_close(LIKA_AMM5_BISS_REG_PRESET_SETTING_ENABLE_ADDRESS, 0xFFU, 0x00U);
+    /* save the preset */
+    steps[16] = cw_step_write(LIKA_AMM5_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x01U);
     steps[17] = cw_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AMM5_BISS_STORE_PRESET_STEPS_COUNT;
     return CW_OK;
@@ -171,7 +176,9 @@ static inline cw_result lika_amm5_biss_store_preset(
 static inline const cw_step *lika_amm5_biss_save_parameters_steps(size_t *count)
 {
     static const cw_step steps[LIKA_AMM5_BISS_SAVE_PARAMETERS_STEPS_COUNT] = {
-        { CW_STEP_WRITE, 0x77U, 0xFFU, 0x01U, 1U, 0U }, /* Command: save_parameters */
+        /* kind, address, mask, value, times, microseconds */
+        /* Command: save_parameters */
+        { CW_STEP_WRITE, LIKA_AMM5_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x01U, 1U, 0U },
         { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_AMM5_BISS_SAVE_PARAMETERS_STEPS_COUNT;
@@ -201,7 +208,9 @@ static inline cw_result lika_amm5_biss_save_parameters(
 static inline const cw_step *lika_amm5_biss_activate_preset_steps(size_t *count)
 {
     static const cw_step steps[LIKA_AMM5_BISS_ACTIVATE_PRESET_STEPS_COUNT] = {
-        { CW_STEP_WRITE, 0x77U, 0xFFU, 0x02U, 1U, 0U }, /* Command: activate_preset */
+        /* kind, address, mask, value, times, microseconds */
+        /* Command: activate_preset */
+        { CW_STEP_WRITE, LIKA_AMM5_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x02U, 1U, 0U },
         { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_AMM5_BISS_ACTIVATE_PRESET_STEPS_COUNT;

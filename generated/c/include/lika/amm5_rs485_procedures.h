@@ -30,6 +30,7 @@ extern "C" {
 static inline const cw_step *lika_amm5_rs485_reset_singleturn_and_multiturn_steps(size_t *count)
 {
     static const cw_step steps[LIKA_AMM5_RS485_RESET_SINGLETURN_AND_MULTITURN_STEPS_COUNT] = {
+        /* kind, address, mask, value, times, microseconds */
         /* reset_singleturn_and_multiturn; in succession, with no other request in between */
         { CW_STEP_SEND, 6U, 0xFFU, 0xC2U, 10U, 40U },
         /* execution takes at most 18 ms, including the write to the EEPROM */
@@ -74,6 +75,7 @@ static inline cw_result lika_amm5_rs485_reset_singleturn_and_multiturn(
 static inline const cw_step *lika_amm5_rs485_reset_multiturn_and_errors_steps(size_t *count)
 {
     static const cw_step steps[LIKA_AMM5_RS485_RESET_MULTITURN_AND_ERRORS_STEPS_COUNT] = {
+        /* kind, address, mask, value, times, microseconds */
         /* reset_multiturn_and_errors; in succession, with no other request in between */
         { CW_STEP_SEND, 6U, 0xFFU, 0x62U, 10U, 40U },
         { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 2000U } /* the BUSY flag is set for at most 2 ms */
@@ -114,6 +116,7 @@ static inline cw_result lika_amm5_rs485_reset_multiturn_and_errors(
 static inline const cw_step *lika_amm5_rs485_reset_errors_steps(size_t *count)
 {
     static const cw_step steps[LIKA_AMM5_RS485_RESET_ERRORS_STEPS_COUNT] = {
+        /* kind, address, mask, value, times, microseconds */
         /* reset_errors; in succession, with no other request in between */
         { CW_STEP_SEND, 6U, 0xFFU, 0xBAU, 10U, 40U },
         { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 2000U } /* the BUSY flag is set for at most 2 ms */

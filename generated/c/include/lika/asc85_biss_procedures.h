@@ -27,14 +27,15 @@ extern "C" {
 static inline const cw_step *lika_asc85_biss_request_position_steps(size_t *count)
 {
     static const cw_step steps[LIKA_ASC85_BISS_REQUEST_POSITION_STEPS_COUNT] = {
+        /* kind, address, mask, value, times, microseconds */
         /* Command & status, Command mode: request_position */
-        { CW_STEP_WRITE, 0x60U, 0xFFU, 0x00U, 1U, 0U },
+        { CW_STEP_WRITE, LIKA_ASC85_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x00U, 1U, 0U },
         /* Position data valid: 0 until the new data are available */
-        { CW_STEP_POLL, 0x60U, 0x01U, 0x01U, 1U, 0U },
-        { CW_STEP_READ, 0x61U, 0xFFU, 0U, 1U, 0U }, /* Position */
-        { CW_STEP_READ, 0x62U, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x63U, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x64U, 0xFFU, 0U, 1U, 0U }
+        { CW_STEP_POLL, LIKA_ASC85_BISS_REG_STATUS_ADDRESS, 0x01U, 0x01U, 1U, 0U },
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_POSITION_ADDRESS, 0xFFU, 0U, 1U, 0U }, /* Position */
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_POSITION_ADDRESS + 1U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_POSITION_ADDRESS + 2U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_POSITION_ADDRESS + 3U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_BISS_REQUEST_POSITION_STEPS_COUNT;
     return steps;
@@ -83,12 +84,13 @@ static inline cw_result lika_asc85_biss_request_position(
 static inline const cw_step *lika_asc85_biss_save_configuration_steps(size_t *count)
 {
     static const cw_step steps[LIKA_ASC85_BISS_SAVE_CONFIGURATION_STEPS_COUNT] = {
+        /* kind, address, mask, value, times, microseconds */
         /* Command & status, Command mode: save_configuration */
-        { CW_STEP_WRITE, 0x60U, 0xFFU, 0x01U, 1U, 0U },
+        { CW_STEP_WRITE, LIKA_ASC85_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x01U, 1U, 0U },
         /* Internal data bus busy: 1 while the configuration is being written */
-        { CW_STEP_POLL, 0x60U, 0x04U, 0x00U, 1U, 0U },
+        { CW_STEP_POLL, LIKA_ASC85_BISS_REG_STATUS_ADDRESS, 0x04U, 0x00U, 1U, 0U },
         /* Configuration error: returns to 0 unless the write failed */
-        { CW_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_ERROR_REGISTER_ADDRESS, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_BISS_SAVE_CONFIGURATION_STEPS_COUNT;
     return steps;
@@ -137,12 +139,13 @@ static inline cw_result lika_asc85_biss_save_configuration(
 static inline const cw_step *lika_asc85_biss_read_absolute_data_steps(size_t *count)
 {
     static const cw_step steps[LIKA_ASC85_BISS_READ_ABSOLUTE_DATA_STEPS_COUNT] = {
+        /* kind, address, mask, value, times, microseconds */
         /* Command & status, Command mode: read_absolute_data */
-        { CW_STEP_WRITE, 0x60U, 0xFFU, 0x02U, 1U, 0U },
+        { CW_STEP_WRITE, LIKA_ASC85_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x02U, 1U, 0U },
         /* Absolute data valid: 1 when the data were loaded */
-        { CW_STEP_POLL, 0x60U, 0x02U, 0x02U, 1U, 0U },
+        { CW_STEP_POLL, LIKA_ASC85_BISS_REG_STATUS_ADDRESS, 0x02U, 0x02U, 1U, 0U },
         /* Absolute data error: 1 if the data were rejected */
-        { CW_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_ERROR_REGISTER_ADDRESS, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_BISS_READ_ABSOLUTE_DATA_STEPS_COUNT;
     return steps;
@@ -194,15 +197,16 @@ static inline cw_result lika_asc85_biss_read_absolute_data(
 static inline const cw_step *lika_asc85_biss_software_reset_steps(size_t *count)
 {
     static const cw_step steps[LIKA_ASC85_BISS_SOFTWARE_RESET_STEPS_COUNT] = {
+        /* kind, address, mask, value, times, microseconds */
         /* Command & status, Command mode: software_reset */
-        { CW_STEP_WRITE, 0x60U, 0xFFU, 0x03U, 1U, 0U },
+        { CW_STEP_WRITE, LIKA_ASC85_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x03U, 1U, 0U },
         /* Configuration completed: configuration verified, absolute data read */
-        { CW_STEP_POLL, 0x60U, 0x80U, 0x80U, 1U, 0U },
+        { CW_STEP_POLL, LIKA_ASC85_BISS_REG_STATUS_ADDRESS, 0x80U, 0x80U, 1U, 0U },
         /*
          * Configuration error: should be 0. Also read it if you stopped polling and the encoder
          * still answers
          */
-        { CW_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_ERROR_REGISTER_ADDRESS, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_BISS_SOFTWARE_RESET_STEPS_COUNT;
     return steps;
@@ -254,12 +258,13 @@ static inline cw_result lika_asc85_biss_software_reset(
 static inline const cw_step *lika_asc85_biss_verify_configuration_steps(size_t *count)
 {
     static const cw_step steps[LIKA_ASC85_BISS_VERIFY_CONFIGURATION_STEPS_COUNT] = {
+        /* kind, address, mask, value, times, microseconds */
         /* Command & status, Command mode: verify_configuration */
-        { CW_STEP_WRITE, 0x60U, 0xFFU, 0x04U, 1U, 0U },
+        { CW_STEP_WRITE, LIKA_ASC85_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x04U, 1U, 0U },
         /* Internal data bus busy: 1 during the verification */
-        { CW_STEP_POLL, 0x60U, 0x04U, 0x00U, 1U, 0U },
+        { CW_STEP_POLL, LIKA_ASC85_BISS_REG_STATUS_ADDRESS, 0x04U, 0x00U, 1U, 0U },
         /* Configuration error: returns to 0 unless the verification failed */
-        { CW_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_ERROR_REGISTER_ADDRESS, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_BISS_VERIFY_CONFIGURATION_STEPS_COUNT;
     return steps;
@@ -306,10 +311,11 @@ static inline cw_result lika_asc85_biss_verify_configuration(
 static inline const cw_step *lika_asc85_biss_simulate_error_steps(size_t *count)
 {
     static const cw_step steps[LIKA_ASC85_BISS_SIMULATE_ERROR_STEPS_COUNT] = {
+        /* kind, address, mask, value, times, microseconds */
         /* Command & status, Command mode: simulate_error */
-        { CW_STEP_WRITE, 0x60U, 0xFFU, 0x05U, 1U, 0U },
+        { CW_STEP_WRITE, LIKA_ASC85_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x05U, 1U, 0U },
         /* Error message: 1 while the error is simulated */
-        { CW_STEP_READ, 0x60U, 0xFFU, 0U, 1U, 0U }
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_STATUS_ADDRESS, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_BISS_SIMULATE_ERROR_STEPS_COUNT;
     return steps;
@@ -353,9 +359,11 @@ static inline cw_result lika_asc85_biss_simulate_error(
 static inline const cw_step *lika_asc85_biss_clear_simulated_error_steps(size_t *count)
 {
     static const cw_step steps[LIKA_ASC85_BISS_CLEAR_SIMULATED_ERROR_STEPS_COUNT] = {
+        /* kind, address, mask, value, times, microseconds */
         /* Command & status, Command mode: clear_simulated_error */
-        { CW_STEP_WRITE, 0x60U, 0xFFU, 0x06U, 1U, 0U },
-        { CW_STEP_READ, 0x60U, 0xFFU, 0U, 1U, 0U } /* Error message: 0 after the simulation */
+        { CW_STEP_WRITE, LIKA_ASC85_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x06U, 1U, 0U },
+        /* Error message: 0 after the simulation */
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_STATUS_ADDRESS, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_BISS_CLEAR_SIMULATED_ERROR_STEPS_COUNT;
     return steps;
@@ -400,16 +408,18 @@ static inline cw_result lika_asc85_biss_clear_simulated_error(
 static inline const cw_step *lika_asc85_biss_reset_errors_steps(size_t *count)
 {
     static const cw_step steps[LIKA_ASC85_BISS_RESET_ERRORS_STEPS_COUNT] = {
-        { CW_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }, /* Error register: shows the active messages */
+        /* kind, address, mask, value, times, microseconds */
+        /* Error register: shows the active messages */
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_ERROR_REGISTER_ADDRESS, 0xFFU, 0U, 1U, 0U },
         /* Diagnostic data: shows the cause of "Control error" and "Signal error" */
-        { CW_STEP_READ, 0x5AU, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_DIAGNOSTIC_DATA_ADDRESS, 0xFFU, 0U, 1U, 0U },
         /* Position: reading out position data resets the messages */
-        { CW_STEP_READ, 0x61U, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x62U, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x63U, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x64U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_POSITION_ADDRESS, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_POSITION_ADDRESS + 1U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_POSITION_ADDRESS + 2U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_POSITION_ADDRESS + 3U, 0xFFU, 0U, 1U, 0U },
         /* Error register: a message that is still set has a persistent cause */
-        { CW_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_ERROR_REGISTER_ADDRESS, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_BISS_RESET_ERRORS_STEPS_COUNT;
     return steps;
@@ -465,21 +475,25 @@ static inline cw_result lika_asc85_biss_reset_errors(
 static inline const cw_step *lika_asc85_biss_identify_steps(size_t *count)
 {
     static const cw_step steps[LIKA_ASC85_BISS_IDENTIFY_STEPS_COUNT] = {
-        { CW_STEP_READ, 0x7EU, 0xFFU, 0U, 1U, 0U }, /* Manufacturer ID: Li means Lika Electronic */
-        { CW_STEP_READ, 0x7FU, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x78U, 0xFFU, 0U, 1U, 0U }, /* Device ID: AS85 and the release */
-        { CW_STEP_READ, 0x79U, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x7AU, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x7BU, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x7CU, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x7DU, 0xFFU, 0U, 1U, 0U },
+        /* kind, address, mask, value, times, microseconds */
+        /* Manufacturer ID: Li means Lika Electronic */
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_MANUFACTURER_ID_ADDRESS, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_MANUFACTURER_ID_ADDRESS + 1U, 0xFFU, 0U, 1U, 0U },
+        /* Device ID: AS85 and the release */
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_DEVICE_ID_ADDRESS, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_DEVICE_ID_ADDRESS + 1U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_DEVICE_ID_ADDRESS + 2U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_DEVICE_ID_ADDRESS + 3U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_DEVICE_ID_ADDRESS + 4U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_DEVICE_ID_ADDRESS + 5U, 0xFFU, 0U, 1U, 0U },
         /* Profile ID: 281Ah is printed for all models */
-        { CW_STEP_READ, 0x42U, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x43U, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x44U, 0xFFU, 0U, 1U, 0U }, /* Serial number */
-        { CW_STEP_READ, 0x45U, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x46U, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x47U, 0xFFU, 0U, 1U, 0U }
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_PROFILE_ID_ADDRESS, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_PROFILE_ID_ADDRESS + 1U, 0xFFU, 0U, 1U, 0U },
+        /* Serial number */
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_SERIAL_NUMBER_ADDRESS, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_SERIAL_NUMBER_ADDRESS + 1U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_SERIAL_NUMBER_ADDRESS + 2U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_ASC85_BISS_REG_SERIAL_NUMBER_ADDRESS + 3U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_BISS_IDENTIFY_STEPS_COUNT;
     return steps;

@@ -39,10 +39,12 @@ static inline cw_result lika_sma21_biss_set_configuration_steps(
         sizeof(configuration_configuration_sent), &configuration_configuration_held) != CW_OK) {
         return CW_FAULT_RANGE;
     }
-    steps[0] = cw_step_write(0x49U, 0xFFU, configuration); /* active immediately */
-    /* Configuration: read back, which is added to the given steps */
-    steps[1] = cw_step_verify(0x49U, 0xFFU, configuration);
-    steps[2] = cw_step_write(0x48U, 0xFFU, 0x01U); /* save it permanently */
+    /* active immediately */
+    steps[0] = cw_step_write(LIKA_SMA21_BISS_REG_CONFIGURATION_ADDRESS, 0xFFU, configuration);
+    /* Configuration: read back, in addition to the steps of the manual */
+    steps[1] = cw_step_verify(LIKA_SMA21_BISS_REG_CONFIGURATION_ADDRESS, 0xFFU, configuration);
+    /* save it permanently */
+    steps[2] = cw_step_write(LIKA_SMA21_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x01U);
     steps[3] = cw_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_SMA21_BISS_SET_CONFIGURATION_STEPS_COUNT;
     return CW_OK;
@@ -107,12 +109,13 @@ static inline cw_result lika_sma21_biss_set_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_SMA21_BISS_REG_PRESET_OFFSET_ADDRESS + index);
         steps[index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Preset / Offset: read back, which is added to the given steps */
+    /* Preset / Offset: read back, in addition to the steps of the manual */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_SMA21_BISS_REG_PRESET_OFFSET_ADDRESS + index);
         steps[4U + index] = cw_step_verify(address, 0xFFU, position_bytes[index]);
     }
-    steps[8] = cw_step_write(0x48U, 0xFFU, 0x02U); /* save and activate the preset */
+    /* save and activate the preset */
+    steps[8] = cw_step_write(LIKA_SMA21_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x02U);
     steps[9] = cw_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_SMA21_BISS_SET_PRESET_STEPS_COUNT;
     return CW_OK;
@@ -156,15 +159,21 @@ static inline cw_result lika_sma21_biss_set_preset(
 static inline const cw_step *lika_sma21_biss_select_preset_steps(size_t *count)
 {
     static const cw_step steps[LIKA_SMA21_BISS_SELECT_PRESET_STEPS_COUNT] = {
+        /* kind, address, mask, value, times, microseconds */
         /* Enable preset offset in Configuration: enable */
-        { CW_STEP_WRITE, 0x49U, 0x04U, 0x00U, 1U, 0U },
+        { CW_STEP_WRITE, LIKA_SMA21_BISS_REG_CONFIGURATION_ADDRESS, 0x04U, 0x00U, 1U, 0U },
         /* Select preset offset in Configuration: preset */
-        { CW_STEP_WRITE, 0x49U, 0x02U, 0x00U, 1U, 0U },
-        /* Enable preset offset in Configuration: read back, which is added to the given steps */
-        { CW_STEP_VERIFY, 0x49U, 0x04U, 0x00U, 1U, 0U },
-        /* Select preset offset in Configuration: read back, which is added to the given steps */
-        { CW_STEP_VERIFY, 0x49U, 0x02U, 0x00U, 1U, 0U },
-        { CW_STEP_WRITE, 0x48U, 0xFFU, 0x01U, 1U, 0U }, /* save it permanently */
+        { CW_STEP_WRITE, LIKA_SMA21_BISS_REG_CONFIGURATION_ADDRESS, 0x02U, 0x00U, 1U, 0U },
+        /*
+         * Enable preset offset in Configuration: read back, in addition to the steps of the manual
+         */
+        { CW_STEP_VERIFY, LIKA_SMA21_BISS_REG_CONFIGURATION_ADDRESS, 0x04U, 0x00U, 1U, 0U },
+        /*
+         * Select preset offset in Configuration: read back, in addition to the steps of the manual
+         */
+        { CW_STEP_VERIFY, LIKA_SMA21_BISS_REG_CONFIGURATION_ADDRESS, 0x02U, 0x00U, 1U, 0U },
+        /* save it permanently */
+        { CW_STEP_WRITE, LIKA_SMA21_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x01U, 1U, 0U },
         { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_SMA21_BISS_SELECT_PRESET_STEPS_COUNT;
@@ -215,25 +224,29 @@ static inline cw_result lika_sma21_biss_set_offset_steps(
     if (result != CW_OK) {
         return result;
     }
-    steps[0] = cw_step_write(0x49U, 0x04U, 0x00U); /* enable preset and offset */
-    steps[1] = cw_step_write(0x49U, 0x02U, 0x02U); /* select offset for the register */
-    /* Enable preset offset in Configuration: read back, which is added to the given steps */
-    steps[2] = cw_step_verify(0x49U, 0x04U, 0x00U);
-    /* Select preset offset in Configuration: read back, which is added to the given steps */
-    steps[3] = cw_step_verify(0x49U, 0x02U, 0x02U);
-    steps[4] = cw_step_write(0x48U, 0xFFU, 0x01U); /* save the configuration permanently */
+    /* enable preset and offset */
+    steps[0] = cw_step_write(LIKA_SMA21_BISS_REG_CONFIGURATION_ADDRESS, 0x04U, 0x00U);
+    /* select offset for the register */
+    steps[1] = cw_step_write(LIKA_SMA21_BISS_REG_CONFIGURATION_ADDRESS, 0x02U, 0x02U);
+    /* Enable preset offset in Configuration: read back, in addition to the steps of the manual */
+    steps[2] = cw_step_verify(LIKA_SMA21_BISS_REG_CONFIGURATION_ADDRESS, 0x04U, 0x00U);
+    /* Select preset offset in Configuration: read back, in addition to the steps of the manual */
+    steps[3] = cw_step_verify(LIKA_SMA21_BISS_REG_CONFIGURATION_ADDRESS, 0x02U, 0x02U);
+    /* save the configuration permanently */
+    steps[4] = cw_step_write(LIKA_SMA21_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x01U);
     steps[5] = cw_step_wait(30000U); /* EEPROM writing time */
     /* write the four Preset / Offset registers */
     for (index = 0U; index < sizeof(offset_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_SMA21_BISS_REG_PRESET_OFFSET_ADDRESS + index);
         steps[6U + index] = cw_step_write(address, 0xFFU, offset_bytes[index]);
     }
-    /* Preset / Offset: read back, which is added to the given steps */
+    /* Preset / Offset: read back, in addition to the steps of the manual */
     for (index = 0U; index < sizeof(offset_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_SMA21_BISS_REG_PRESET_OFFSET_ADDRESS + index);
         steps[10U + index] = cw_step_verify(address, 0xFFU, offset_bytes[index]);
     }
-    steps[14] = cw_step_write(0x48U, 0xFFU, 0x02U); /* save and activate the offset */
+    /* save and activate the offset */
+    steps[14] = cw_step_write(LIKA_SMA21_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x02U);
     steps[15] = cw_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_SMA21_BISS_SET_OFFSET_STEPS_COUNT;
     return CW_OK;
@@ -285,7 +298,9 @@ static inline cw_result lika_sma21_biss_set_offset(
 static inline const cw_step *lika_sma21_biss_save_parameters_steps(size_t *count)
 {
     static const cw_step steps[LIKA_SMA21_BISS_SAVE_PARAMETERS_STEPS_COUNT] = {
-        { CW_STEP_WRITE, 0x48U, 0xFFU, 0x01U, 1U, 0U }, /* Command: save_parameters */
+        /* kind, address, mask, value, times, microseconds */
+        /* Command: save_parameters */
+        { CW_STEP_WRITE, LIKA_SMA21_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x01U, 1U, 0U },
         { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_SMA21_BISS_SAVE_PARAMETERS_STEPS_COUNT;
@@ -315,7 +330,9 @@ static inline cw_result lika_sma21_biss_save_parameters(
 static inline const cw_step *lika_sma21_biss_restore_defaults_steps(size_t *count)
 {
     static const cw_step steps[LIKA_SMA21_BISS_RESTORE_DEFAULTS_STEPS_COUNT] = {
-        { CW_STEP_WRITE, 0x48U, 0xFFU, 0x04U, 1U, 0U }, /* Command: restore_defaults */
+        /* kind, address, mask, value, times, microseconds */
+        /* Command: restore_defaults */
+        { CW_STEP_WRITE, LIKA_SMA21_BISS_REG_COMMAND_ADDRESS, 0xFFU, 0x04U, 1U, 0U },
         { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_SMA21_BISS_RESTORE_DEFAULTS_STEPS_COUNT;
@@ -347,20 +364,25 @@ static inline cw_result lika_sma21_biss_restore_defaults(
 static inline const cw_step *lika_sma21_biss_identify_steps(size_t *count)
 {
     static const cw_step steps[LIKA_SMA21_BISS_IDENTIFY_STEPS_COUNT] = {
-        { CW_STEP_READ, 0x7EU, 0xFFU, 0U, 1U, 0U }, /* Manufacturer ID: 4C 69 means Lika */
-        { CW_STEP_READ, 0x7FU, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x78U, 0xFFU, 0U, 1U, 0U }, /* Device ID: name SM21, and the release */
-        { CW_STEP_READ, 0x79U, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x7AU, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x7BU, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x7CU, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x7DU, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x42U, 0xFFU, 0U, 1U, 0U }, /* Profile ID: shows the resolution */
-        { CW_STEP_READ, 0x43U, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x44U, 0xFFU, 0U, 1U, 0U }, /* Serial number: year, week and number */
-        { CW_STEP_READ, 0x45U, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x46U, 0xFFU, 0U, 1U, 0U },
-        { CW_STEP_READ, 0x47U, 0xFFU, 0U, 1U, 0U }
+        /* kind, address, mask, value, times, microseconds */
+        /* Manufacturer ID: 4C 69 means Lika */
+        { CW_STEP_READ, LIKA_SMA21_BISS_REG_MANUFACTURER_ID_ADDRESS, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_SMA21_BISS_REG_MANUFACTURER_ID_ADDRESS + 1U, 0xFFU, 0U, 1U, 0U },
+        /* Device ID: name SM21, and the release */
+        { CW_STEP_READ, LIKA_SMA21_BISS_REG_DEVICE_ID_ADDRESS, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_SMA21_BISS_REG_DEVICE_ID_ADDRESS + 1U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_SMA21_BISS_REG_DEVICE_ID_ADDRESS + 2U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_SMA21_BISS_REG_DEVICE_ID_ADDRESS + 3U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_SMA21_BISS_REG_DEVICE_ID_ADDRESS + 4U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_SMA21_BISS_REG_DEVICE_ID_ADDRESS + 5U, 0xFFU, 0U, 1U, 0U },
+        /* Profile ID: shows the resolution */
+        { CW_STEP_READ, LIKA_SMA21_BISS_REG_PROFILE_ID_ADDRESS, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_SMA21_BISS_REG_PROFILE_ID_ADDRESS + 1U, 0xFFU, 0U, 1U, 0U },
+        /* Serial number: year, week and number */
+        { CW_STEP_READ, LIKA_SMA21_BISS_REG_SERIAL_NUMBER_ADDRESS, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_SMA21_BISS_REG_SERIAL_NUMBER_ADDRESS + 1U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_SMA21_BISS_REG_SERIAL_NUMBER_ADDRESS + 2U, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, LIKA_SMA21_BISS_REG_SERIAL_NUMBER_ADDRESS + 3U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_SMA21_BISS_IDENTIFY_STEPS_COUNT;
     return steps;

@@ -27,6 +27,7 @@ extern "C" {
 static inline const cw_step *lika_sma21_rs485_reset_errors_steps(size_t *count)
 {
     static const cw_step steps[LIKA_SMA21_RS485_RESET_ERRORS_STEPS_COUNT] = {
+        /* kind, address, mask, value, times, microseconds */
         /* reset_errors; in succession, with no other request in between */
         { CW_STEP_SEND, 7U, 0xFFU, 0xDAU, 10U, 40U }
     };
@@ -65,6 +66,7 @@ static inline cw_result lika_sma21_rs485_reset_errors(
 static inline const cw_step *lika_sma21_rs485_reset_position_steps(size_t *count)
 {
     static const cw_step steps[LIKA_SMA21_RS485_RESET_POSITION_STEPS_COUNT] = {
+        /* kind, address, mask, value, times, microseconds */
         /* reset_position; in succession, with no other request in between */
         { CW_STEP_SEND, 7U, 0xFFU, 0x7AU, 10U, 40U }
     };
