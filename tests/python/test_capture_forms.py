@@ -60,6 +60,49 @@ def quoted(path: Path, line: Wave) -> Sequence[Path]:
     return [path]
 
 
+def with_decimal_commas(path: Path, line: Wave) -> Sequence[Path]:
+    """An oscilloscope with German settings: semicolons, decimal commas, milliseconds, and an empty line after units."""
+    (csv_path,) = voltages(path, line, "")
+    rows = [row.split(",") for row in csv_path.read_text().splitlines()]
+    texts = [";".join((f"{float(time) * 1e3:.8f}", *volts)).replace(".", ",") for time, *volts in rows]
+    path.write_text("\n".join(["Zeit;Kanal A;Kanal B", "(ms);(V);(V)", "", *texts]) + "\n")
+    return [path]
+
+
+def edges_with_decimal_commas(path: Path, line: Wave) -> Sequence[Path]:
+    (csv_path,) = saleae_csv(path, line)
+    path.write_text(csv_path.read_text().replace(",", ";").replace(".", ","))
+    return [path]
+
+
+def tektronix(path: Path, line: Wave) -> Sequence[Path]:
+    """Settings in front of the names of the columns, and times in seconds without their unit."""
+    settings = "Model,MSO24\nFirmware Version,1.2\nSample Interval,1e-08\n\n"
+    return voltages(path, line, settings + "TIME,CH1,CH2\n")
+
+
+def rigol(path: Path, line: Wave) -> Sequence[Path]:
+    """Numbers of samples, and their distance in the header."""
+    (csv_path,) = voltages(path, line, "")
+    rows = [row.split(",")[1:] for row in csv_path.read_text().splitlines()]
+    head = f"X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,0.0,{1 / HERTZ:.9e}\n"
+    path.write_text(head + "".join(f"{number},{clock},{data},,\n" for number, (clock, data) in enumerate(rows)))
+    return [path]
+
+
+def channels_with_times(path: Path, line: Wave) -> Sequence[Path]:
+    samples = numpy.array(line.samples(RATE), numpy.uint8)
+    times = numpy.arange(len(samples)) / HERTZ
+    numpy.savez(path.with_suffix(".npz"), time=times, MA=samples[:, 0], SLO=samples[:, 1])
+    return [path.with_suffix(".npz")]
+
+
+def voltages_of_numpy(path: Path, line: Wave) -> Sequence[Path]:
+    volts = numpy.array(line.samples(RATE)) * 3.3 + numpy.random.default_rng(1).uniform(-0.2, 0.2, (1, 2))
+    numpy.savez(path.with_suffix(".npz"), MA=volts[:, 0], SLO=volts[:, 1], fs=HERTZ)
+    return [path.with_suffix(".npz")]
+
+
 def numbered(path: Path, line: Wave) -> Sequence[Path]:
     path.write_text("Sample,MA,SLO\n" + "".join(f"{row},{c},{d}\n" for row, (c, d) in enumerate(line.samples(RATE))))
     return [path]
@@ -87,6 +130,12 @@ FORMS: dict[str, tuple[Writer, dict[str, Any]]] = {
     "voltages with a threshold": (voltages, {"clock": 1, "data": 2, "threshold": 1.2}),
     "voltages with one header": (one_header, {"clock": "CH1", "data": "CH2"}),
     "quoted cells": (quoted, {}),
+    "voltages with decimal commas": (with_decimal_commas, {"clock": "Kanal A", "data": "Kanal B"}),
+    "edges with decimal commas": (edges_with_decimal_commas, {}),
+    "voltages after settings": (tektronix, {"clock": "CH1", "data": "CH2"}),
+    "sample numbers with an increment": (rigol, {"clock": "CH1", "data": "CH2"}),
+    "channels of NumPy with times": (channels_with_times, {}),
+    "NumPy's voltages": (voltages_of_numpy, {}),
     "sample numbers": (numbered, {"rate": HERTZ}),
     "sample numbers without names": (numbered_without_names, {"rate": HERTZ, "clock": 1, "data": 2}),
     "channels of NumPy": (channels, {}),
@@ -105,7 +154,7 @@ def test_every_form(form: str, block: int, tmp_path: Path, monkeypatch: pytest.M
     assert capture.table.ok.all()
     assert capture.lost == ()
     starts = [at for before, at in zip([-40.0, *line.clock], line.clock, strict=False) if at - before > 20]
-    offset = 1e-6 if "voltages" in form else 0.0
+    offset = 1e-6 if form.startswith("voltages") else 0.0
     times = [at * RATE / HERTZ - offset for at in starts]
     assert capture.table["time"] == pytest.approx(times, abs=2.01 / HERTZ)
 

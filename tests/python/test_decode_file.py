@@ -330,7 +330,7 @@ def test_files_that_are_not_there_or_in_the_way(decode: Command, tmp_path: Path)
     (tmp_path / "it.csv").write_text("mine")
     outcome = decode(CODE, "it.bin", "-o", "it.csv")
     assert (outcome.code, (tmp_path / "it.csv").read_text()) == (2, "mine")
-    assert "it.csv already exists; use force to replace it" in outcome.err
+    assert "it.csv already exists; replace it with --force, or force=True" in outcome.err
     (tmp_path / "link.csv").symlink_to("it.csv")
     assert decode(CODE, "it.bin", "-o", "link.csv", "--force").code == 0
     assert (tmp_path / "link.csv").is_symlink()

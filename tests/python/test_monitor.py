@@ -6,12 +6,16 @@ import csv
 import io
 import itertools
 import json
+import subprocess
+import sys
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import pytest
 from codewheel_runtime.commands import monitor
 from codewheel_runtime.commands.record import open_recorder
+from python_path import python_path
 
 GOOD, SPOILT = 0x55BCD15E2, 0x55BCD1564
 
@@ -156,3 +160,16 @@ def test_an_encoder_that_never_answers_is_an_error(encoder: Any) -> None:
     readings = Readings(*[NoReplyError("no reply")] * 20)
     with pytest.raises(NoReplyError):
         monitor.watch(readings, encoder, "a port", out=io.StringIO())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("options", [[], ["-o", "log.csv"]])
+def test_the_command_needs_no_numpy(
+    generated_python: tuple[Path, ModuleType], tmp_path: Path, options: list[str]
+) -> None:
+    (tmp_path / "numpy.py").write_text("raise ModuleNotFoundError(name='numpy')")
+    command = [sys.executable, "-m", "lika_encoders", "monitor", "AMM5A23/65KJP1", "/dev/no-such-port", *options]
+    environment = {"PYTHONPATH": python_path(generated_python[0])}
+    completed = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert completed.stderr.startswith("lika-encoders: cannot open /dev/no-such-port: No such file or directory")
+    assert completed.returncode == 1

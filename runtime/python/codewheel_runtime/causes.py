@@ -5,10 +5,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from operator import index
-from typing import Final, SupportsIndex, cast
+from typing import Final, NamedTuple, SupportsIndex, cast
 
 from .errors import FrameError, Sender
 from .reports import Interface
+
+
+class _Change(NamedTuple):
+    """Change that could make a frame valid: its description, and the frame after the change."""
+
+    description: str
+    frame: object
 
 
 def why(encoder: Sender, frame: object) -> tuple[str, ...]:
@@ -25,7 +32,8 @@ def why(encoder: Sender, frame: object) -> tuple[str, ...]:
     if not can_be_invalid:
         return ()
     decode = encoder.decode
-    return tuple(change for change, changed in _try_changes(encoder, frame) if _is_valid(decode, changed))
+    changes = _try_changes(encoder, frame)
+    return tuple(change.description for change in changes if _is_valid(decode, change.frame))
 
 
 def hint(encoder: Sender, frame: object) -> str:
@@ -39,6 +47,11 @@ def hint(encoder: Sender, frame: object) -> str:
 
 #: In shorter frames, all bits can be equal by chance.
 _LEAST_BITS: Final = 12
+#: Widths of CRCs that are tried.
+_USUAL_CRC_BITS: Final = (6, 4, 16)
+#: Most bits and bytes at the beginning or the end of a frame that are tried.
+_MOST_EXTRA_BITS: Final = 3
+_MOST_EXTRA_BYTES: Final = 3
 
 
 def _explain_dead_line(encoder: Sender, frame: object, has_crc: bool) -> str:
@@ -99,8 +112,8 @@ def _is_valid(decode: Callable[[object], object], frame: object) -> bool:
     return True
 
 
-def _try_changes(encoder: Sender, frame: object) -> Iterator[tuple[str, object]]:
-    """Yield each common mistake in words, with the frame that it would have changed into this one."""
+def _try_changes(encoder: Sender, frame: object) -> Iterator[_Change]:
+    """Yield the changes that undo each common mistake."""
     if isinstance(frame, (bytes, bytearray, memoryview)):
         yield from _try_changed_bytes(encoder, bytes(cast(bytes, frame)))
         return
@@ -109,45 +122,64 @@ def _try_changes(encoder: Sender, frame: object) -> Iterator[tuple[str, object]]
         yield from _try_changed_words(encoder, frame, bits)
 
 
-def _try_changed_bytes(encoder: Sender, data: bytes) -> Iterator[tuple[str, object]]:
-    """Yield each mistake that could have changed a frame of bytes in words, with the frame without this mistake."""
+def _try_changed_bytes(encoder: Sender, data: bytes) -> Iterator[_Change]:
+    """Yield the changes of a frame of bytes that undo each common mistake."""
+
+    def name_bit(bit: int) -> str:
+        # Bit 0 is the lowest bit of the last byte.
+        bytes_after, bit_in_byte = divmod(bit, 8)
+        return f"bit {bit_in_byte} of byte {len(data) - 1 - bytes_after}"
+
+    yield from _try_flipped_bits(encoder, _flip_each_bit(data), name_bit)
+    inverted_bytes = bytes(byte ^ 0xFF for byte in data)
+    yield _Change("with all bits inverted: check for swapped wires of the data line", inverted_bytes)
+    yield _Change("with its bytes in reverse order", data[::-1])
+    reversed_bits = bytes(_reverse_bits(byte, 8) for byte in data)
+    yield _Change("with the bits of each byte in reverse order: the least significant bit is sent first", reversed_bits)
+    most_bytes = min(len(data) - 1, _MOST_EXTRA_BYTES)
+    for count in range(1, most_bytes + 1):
+        bytes_text = _count_units(count, "byte")
+        yield _Change(f"without its first {bytes_text}: check for an echo or a leftover byte", data[count:])
+        yield _Change(f"without its last {bytes_text}: they may belong to the next frame", data[:-count])
+
+
+def _flip_each_bit(data: bytes) -> Iterator[bytes]:
+    """Yield a frame with one bit inverted, for each bit. Bit 0 is the lowest one of the last byte."""
     number = int.from_bytes(data, "big")
-    # Bit 0 of the number is bit 0 of the last byte.
-    flipped_frames = ((number ^ (1 << bit)).to_bytes(len(data), "big") for bit in range(8 * len(data)))
-    yield from _try_flipped_bits(
-        encoder, flipped_frames, lambda bit: f"bit {bit % 8} of byte {len(data) - 1 - bit // 8}"
-    )
-    yield "with all bits inverted: check for swapped wires of the data line", bytes(byte ^ 0xFF for byte in data)
-    yield "with its bytes in reverse order", data[::-1]
-    reversed_bytes = bytes(_reverse_bits(byte, 8) for byte in data)
-    yield "with the bits of each byte in reverse order: the least significant bit is sent first", reversed_bytes
-    for count in range(1, min(len(data), 4)):
-        yield f"without its first {_count_units(count, 'byte')}: check for an echo or a leftover byte", data[count:]
-        yield f"without its last {_count_units(count, 'byte')}: they may belong to the next frame", data[:-count]
+    for bit in range(8 * len(data)):
+        flipped_number = number ^ (1 << bit)
+        yield flipped_number.to_bytes(len(data), "big")
 
 
-def _try_changed_words(encoder: Sender, frame: int, bits: int) -> Iterator[tuple[str, object]]:
-    """Yield each mistake that could have changed a frame of bits in words, with the frame without this mistake."""
-    highest = (1 << bits) - 1
-    if frame <= highest:
-        yield from _try_flipped_bits(encoder, (frame ^ (1 << bit) for bit in range(bits)), lambda bit: f"bit {bit}")
-    yield "with all bits inverted: check for swapped wires of the data line", (frame & highest) ^ highest
-    if frame <= highest:
-        yield "with its bits in reverse order: the most significant bit is sent first", _reverse_bits(frame, bits)
-        for crc_bits in (6, 4, 16):
-            yield f"with the {crc_bits} bits of its CRC inverted, as BiSS sends them", frame ^ ((1 << crc_bits) - 1)
+def _try_changed_words(encoder: Sender, frame: int, bits: int) -> Iterator[_Change]:
+    """Yield the changes of a frame of ``bits`` bits that undo each common mistake."""
+    mask = (1 << bits) - 1
+    is_too_long = frame > mask
+    if not is_too_long:
+        flipped_frames = (frame ^ (1 << bit) for bit in range(bits))
+        yield from _try_flipped_bits(encoder, flipped_frames, name_of_bit=lambda bit: f"bit {bit}")
+    inverted_frame = ~frame & mask
+    yield _Change("with all bits inverted: check for swapped wires of the data line", inverted_frame)
+    if is_too_long:
+        yield _Change(f"with only its last {bits} bits: leave out bits before the data", frame & mask)
     else:
-        yield f"with only its last {bits} bits: leave out bits before the data", frame & highest
-    for count in (1, 2, 3):
-        yield f"without its last {_count_units(count, 'bit')}: send fewer clocks, or shift right", frame >> count
+        reversed_frame = _reverse_bits(frame, bits)
+        yield _Change("with its bits in reverse order: the most significant bit is sent first", reversed_frame)
+        for crc_bits in _USUAL_CRC_BITS:
+            crc_mask = (1 << crc_bits) - 1
+            yield _Change(f"with the {crc_bits} bits of its CRC inverted, as BiSS sends them", frame ^ crc_mask)
+    for count in range(1, _MOST_EXTRA_BITS + 1):
+        bits_text = _count_units(count, "bit")
+        yield _Change(f"without its last {bits_text}: send fewer clocks, or shift right", frame >> count)
+        more_bits_text = _count_units(count, "more bit")
         for appended in range(1 << count):
-            change = f"with {_count_units(count, 'more bit')} at its end, {appended:0{count}b}: send more clocks"
-            yield change, ((frame << count) | appended) & highest
+            description = f"with {more_bits_text} at its end, {appended:0{count}b}: send more clocks"
+            yield _Change(description, ((frame << count) | appended) & mask)
 
 
 def _try_flipped_bits(
     encoder: Sender, flipped_frames: Iterable[object], name_of_bit: Callable[[int], str]
-) -> Iterator[tuple[str, object]]:
+) -> Iterator[_Change]:
     """Yield a frame that is valid with one bit inverted, if there is one. The bit is named if only one is possible.
 
     ``flipped_frames`` are the frames with bit 0, 1, … inverted, and ``name_of_bit`` returns the name of a bit.
@@ -158,7 +190,7 @@ def _try_flipped_bits(
         # All of them are valid, so the first one is as good as any.
         bit, frame = valid_flips[0]
         bit_text = name_of_bit(bit) if len(valid_flips) == 1 else f"one of {len(valid_flips)} bits"
-        yield f"with {bit_text} inverted: a disturbed bit if only some frames fail", frame
+        yield _Change(f"with {bit_text} inverted: a disturbed bit if only some frames fail", frame)
 
 
 def _count_frame_bits(encoder: Sender) -> int:

@@ -84,6 +84,18 @@ _READS: Final = 0x00014000
 _WRITES: Final = 0x0000C000
 
 
+#: Numbers of bits: of CTS, ID and ADR, of a CRC, of an answer up to W, and of a request or an answer as a word.
+HEAD_BITS: Final = 11
+CRC_BITS: Final = 4
+_ECHO_BITS: Final = 18
+_WORD_BITS: Final = 32
+#: The bits R W of an access.
+_READ_BITS: Final = 0b10
+_WRITE_BITS: Final = 0b01
+#: Answers up to W that are all 1.
+_ALL_ONES: Final = 0x3FFFF
+
+
 class Outcome(Enum):
     """State or result of an access."""
 
@@ -127,6 +139,43 @@ def crc(value: int, bits: int) -> int:
     return register ^ 0xF
 
 
+def bit_at(bits: int, place: int) -> int:
+    """Return a bit of a number. The lowest one is at place 0."""
+    return (bits >> place) & 1
+
+
+def append_bit(bits: int, bit: int) -> int:
+    """Return bits that were received so far with one more, which becomes the lowest."""
+    return (bits << 1) | bit
+
+
+@dataclass(frozen=True)
+class ControlHead:
+    """First bits of a control frame: CTS, ID2..0 and ADR6..0.
+
+    Attributes:
+        is_register_access: CTS. False for a command.
+        slave_id: ID of the slave.
+        address: Address of the register.
+    """
+
+    is_register_access: bool
+    slave_id: int
+    address: int
+
+    @classmethod
+    def decode(cls, bits: int) -> ControlHead:
+        """Split the 11 bits."""
+        return cls(is_register_access=bool(bit_at(bits, 10)), slave_id=(bits >> 7) & 0x7, address=bits & 0x7F)
+
+    @classmethod
+    def decode_with_crc(cls, bits: int) -> ControlHead | None:
+        """Split the 11 bits in front of their CRC of 4 bits. Return None if the CRC is wrong."""
+        head_bits = bits >> CRC_BITS
+        received_crc = bits & 0xF
+        return cls.decode(head_bits) if received_crc == crc(head_bits, HEAD_BITS) else None
+
+
 def encode_byte(value: int) -> int:
     """Append the CRC to a byte of data.
 
@@ -157,11 +206,14 @@ def decode_byte(bits: int) -> int:
         CrcError: The CRC does not match.
     """
     bits = whole_number("bits", bits)
-    if not 0 <= bits < 1 << 12:
-        raise LengthError(12, bits.bit_length(), "bits")
-    if bits & 0xF != crc(bits >> 4, 8):
-        raise CrcError(bits & 0xF, crc(bits >> 4, 8))
-    return bits >> 4
+    if not 0 <= bits < 1 << BYTE_BITS:
+        raise LengthError(BYTE_BITS, bits.bit_length(), "bits")
+    value = bits >> CRC_BITS
+    received_crc = bits & 0xF
+    computed_crc = crc(value, 8)
+    if received_crc != computed_crc:
+        raise CrcError(received_crc, computed_crc)
+    return value
 
 
 @dataclass(frozen=True)
@@ -189,10 +241,11 @@ class Request:
             RangeError: The ID, the address or the value is out of range.
         """
         slave_id = check_width("slave_id", self.slave_id, 3)
-        # CTS, ID and ADR: 11 bits. The comment in decode() shows the whole word.
-        head = 0x400 | (slave_id << 7) | check_width("address", self.address, 7)
-        access = _READS if self.value is None else _WRITES | (encode_byte(self.value) << 2)
-        return (head << 21) | (crc(head, 11) << 17) | access
+        address = check_width("address", self.address, 7)
+        # The comment in decode() shows the places of these bits. CTS is 1.
+        head_bits = (1 << 10) | (slave_id << 7) | address
+        access_bits = _READS if self.value is None else _WRITES | (encode_byte(self.value) << 2)
+        return (head_bits << 21) | (crc(head_bits, HEAD_BITS) << 17) | access_bits
 
     @classmethod
     def decode(cls, word: int) -> Request:
@@ -210,47 +263,55 @@ class Request:
             ConstantError: CTS or S is 0, R W is neither 10 nor 01, or the zeros at the end are not all 0.
         """
         word = whole_number("word", word)
-        if not 0 <= word < 1 << 32:
-            raise LengthError(32, word.bit_length(), "bits")
+        if not 0 <= word < 1 << _WORD_BITS:
+            raise LengthError(_WORD_BITS, word.bit_length(), "bits")
         # bit  31   30..28  27..21  20..17  16..14  13..6  5..2  1..0
         #      CTS  ID      ADR     CRC     R W S   DATA   CRC   P and 0
         #      `------- head ----'
         # To read, bits 13 to 0 are all 0.
-        head = word >> 21
-        received = (word >> 17) & 0xF
-        access = word & (_READS | _WRITES)
-        if received != crc(head, 11):
-            raise CrcError(received, crc(head, 11))
-        value = decode_byte((word >> 2) & 0xFFF) if access == _WRITES else None
-        if not head >> 10:
+        head_bits = word >> 21
+        head = ControlHead.decode(head_bits)
+        received_crc = (word >> 17) & 0xF
+        computed_crc = crc(head_bits, HEAD_BITS)
+        if received_crc != computed_crc:
+            raise CrcError(received_crc, computed_crc)
+        access_bits = word & (_READS | _WRITES)
+        is_write = access_bits == _WRITES
+        value = decode_byte((word >> 2) & 0xFFF) if is_write else None
+        if not head.is_register_access:
             raise ConstantError("CTS", 0, 1)
-        if access not in (_READS, _WRITES):
-            raise ConstantError("R W S", access >> 14, _READS >> 14)
-        trailing_bits = word & (0x3FFF if value is None else 0x3)
-        if trailing_bits:
-            raise ConstantError("the zeros at the end", trailing_bits, 0)
-        return cls((head >> 7) & 0x7, head & 0x7F, value)
+        if access_bits not in (_READS, _WRITES):
+            raise ConstantError("R W S", access_bits >> 14, _READS >> 14)
+        trailing_zeros = word & (0x3 if is_write else 0x3FFF)
+        if trailing_zeros:
+            raise ConstantError("the zeros at the end", trailing_zeros, 0)
+        return cls(head.slave_id, head.address, value)
 
     def bits(self) -> tuple[int, ...]:
         """Return the CDM bits of the whole access, one for each BiSS frame, for a slave that is never busy."""
         word = self.encode()
-        return (0,) * ZEROS + (1,) + tuple((word >> bit) & 1 for bit in range(31, -1, -1))
+        word_bits = tuple(bit_at(word, place) for place in reversed(range(_WORD_BITS)))
+        start_bit = (1,)
+        return (0,) * ZEROS + start_bit + word_bits
 
     def _check_echo(self, answers: int) -> Outcome:
         """Return the outcome of 18 answers, from IDL0 in bit 17 to W in bit 0. RUNNING if the slave participates."""
-        # With all answers 1, CDS never changes. With the IDL bit of the ID at 0, no slave has taken this ID.
-        if answers == 0x3FFFF or not (answers >> (17 - self.slave_id)) & 1:
+        # With all answers 1, CDS never changes. IDL0 is the first answer, followed by those of the other IDs.
+        has_taken_id = bit_at(answers, _ECHO_BITS - 1 - self.slave_id)
+        if answers == _ALL_ONES or not has_taken_id:
             return Outcome.NO_ANSWER
         # R and W, the last two answers:   accepted   refused (W inverted)
         #                        to read   10         11
         #                        to write  01         00
-        expected = 0b10 if self.value is None else 0b01
-        if answers & 0b11 == expected:
+        accepted_bits = _READ_BITS if self.value is None else _WRITE_BITS
+        refused_bits = accepted_bits ^ 0b01
+        access_bits = answers & 0b11
+        if access_bits == accepted_bits:
             return Outcome.RUNNING
-        if answers & 0b11 == expected ^ 0b01:
+        if access_bits == refused_bits:
             return Outcome.REFUSED
         # Only a read gets here with 00.
-        return Outcome.NO_ANSWER if answers & 0b11 == 0 else Outcome.BAD_ECHO
+        return Outcome.NO_ANSWER if access_bits == 0 else Outcome.BAD_ECHO
 
     def _check_data(self, answers: int) -> tuple[Outcome, int | None]:
         """Return the outcome of the 12 answers to DATA and CRC, and the byte that was read, otherwise None.
@@ -258,7 +319,8 @@ class Request:
         A write is done if the slave has echoed the byte and its CRC.
         """
         if self.value is not None:
-            return (Outcome.DONE if answers == encode_byte(self.value) else Outcome.BAD_ECHO), None
+            is_repeated = answers == encode_byte(self.value)
+            return (Outcome.DONE if is_repeated else Outcome.BAD_ECHO), None
         try:
             return Outcome.DONE, decode_byte(answers)
         except CrcError:
@@ -298,15 +360,16 @@ class Answer:
         """
         request.encode()
         cds = whole_number("cds", cds)
-        if not 0 <= cds < 1 << 32:
-            raise LengthError(32, cds.bit_length(), "bits")
+        if not 0 <= cds < 1 << _WORD_BITS:
+            raise LengthError(_WORD_BITS, cds.bit_length(), "bits")
         # bit  31..16   15  14  13  12..5  4..1  0
         #      IDL0..15  R   W   S  DATA   CRC   P
         slaves = _count_slaves(cds >> 16)
         echo = request._check_echo(cds >> 14)
         if echo is not Outcome.RUNNING:
             return cls(echo, slaves)
-        if not (cds >> 13) & 1:
+        start_bit = bit_at(cds, 13)
+        if not start_bit:
             return cls(Outcome.BUSY, slaves)
         outcome, value = request._check_data((cds >> 1) & 0xFFF)
         return cls(outcome, slaves, value)
@@ -400,7 +463,8 @@ class Master:
         slave_id = whole_number("slave_id", slave_id)
         address = whole_number("address", address)
         head = Request(slave_id, address, values[0] if values else None).encode()
-        count_limit = REGISTERS - (address & 0x3F)
+        # The access ends at 3Fh or 7Fh.
+        count_limit = REGISTERS - address % REGISTERS
         if not 0 < len(values) <= count_limit:
             raise RangeError("the number of registers", len(values), f"1 to {count_limit} from address {address:02X}h")
         self.outcome = Outcome.RUNNING
@@ -453,11 +517,12 @@ class Master:
 
     def _follow_header(self, cds: int) -> int:
         """Return the bits of steps 2 and 3 (CTS to W), then S once R W is answered."""
-        self._answer_bits = (self._answer_bits << 1) | cds
+        self._answer_bits = append_bit(self._answer_bits, cds)
         self._bit_count += 1
         if self._bit_count <= HEADER_BITS:
             # The first call, with one answer, returns CTS, the highest bit.
-            return (self._bits_to_send >> (HEADER_BITS - self._bit_count)) & 1
+            return bit_at(self._bits_to_send, HEADER_BITS - self._bit_count)
+        # R and W follow the IDL bits.
         self.slaves = _count_slaves(self._answer_bits >> 2)
         echo = self._requests[0]._check_echo(self._answer_bits)
         if echo is not Outcome.RUNNING:
@@ -484,25 +549,31 @@ class Master:
         self._bit_count = self._answer_bits = 0
         value = self._requests[self.done].value
         self._bits_to_send = 0 if value is None else encode_byte(value)
-        return (self._bits_to_send >> 11) & 1
+        return bit_at(self._bits_to_send, BYTE_BITS - 1)
 
     def _follow_byte(self, cds: int) -> int:
         """Return the bits of steps 5 to 7: the rest of DATA and CRC, P, and S if a register follows."""
-        if self._bit_count == BYTE_BITS:
+        has_sent_p = self._bit_count == BYTE_BITS
+        if has_sent_p:
             # This answer is that to P: 1 refuses the next register.
             return self._end_access(Outcome.REFUSED) if cds else self._request_register()
-        self._answer_bits = (self._answer_bits << 1) | cds
+        self._answer_bits = append_bit(self._answer_bits, cds)
         self._bit_count += 1
         if self._bit_count < BYTE_BITS:
-            return (self._bits_to_send >> (BYTE_BITS - 1 - self._bit_count)) & 1
-        outcome, value = self._requests[self.done]._check_data(self._answer_bits)
+            return bit_at(self._bits_to_send, BYTE_BITS - 1 - self._bit_count)
+        request = self._requests[self.done]
+        outcome, value_read = request._check_data(self._answer_bits)
         if outcome is not Outcome.DONE:
             return self._end_access(outcome)
-        if value is not None:
-            self.data += bytes([value])
+        if value_read is not None:
+            self.data += bytes([value_read])
         self.done += 1
-        # The answer to the last P does not matter, because it concerns a register that was not requested.
-        return self._end_access(outcome) if self.done == len(self._requests) else 0
+        is_last = self.done == len(self._requests)
+        if is_last:
+            # The answer to its P does not matter, because it concerns a register that was not requested.
+            return self._end_access(Outcome.DONE)
+        # P is 0.
+        return 0
 
 
 class AccessError(RuntimeError):
@@ -715,24 +786,30 @@ class Slave:
 
     def _follow_header(self, cdm: int, upstream: int) -> int:
         """Return the answer of steps 2 and 3 to a bit: first the IDL bits up to the CRC, then R and W."""
-        self._received = (self._received << 1) | cdm
+        self._received = append_bit(self._received, cdm)
         self._bit_count += 1
         if self._bit_count <= ADDRESS_BITS:
             cds = self._answer_id_bit(upstream)
-            if self._bit_count < ADDRESS_BITS:
-                return cds
-            # All 15 bits are here: CTS, ID and ADR, then the CRC. Other slaves and commands are not for this slave.
-            head = self._received >> 4
-            received = self._received & 0xF
-            if not head >> 10 or received != crc(head, 11) or (head >> 7) & 0x7 != self.slave_id:
-                self._leave_frame()
-                return cds
-            self._register_address = head & 0x7F
+            if self._bit_count == ADDRESS_BITS:
+                self._take_address()
             return cds
-        if self._bit_count == HEADER_BITS - 1:
-            return cdm
+        is_r_bit = self._bit_count == HEADER_BITS - 1
+        return cdm if is_r_bit else self._answer_w_bit(cdm)
+
+    def _take_address(self) -> None:
+        """Take the address from CTS, ID, ADR and their CRC. Leave the frame if it is not for this slave."""
+        head = ControlHead.decode_with_crc(self._received)
+        is_for_this_slave = head is not None and head.is_register_access and head.slave_id == self.slave_id
+        if head is None or not is_for_this_slave:
+            self._leave_frame()
+            return
+        self._register_address = head.address
+
+    def _answer_w_bit(self, cdm: int) -> int:
+        """Return the answer to W: the same bit, or the inverse to refuse the register."""
+        r_bit = bit_at(self._received, 1)
         self._is_write = bool(cdm)
-        if (self._received >> 1) & 1 == cdm:
+        if r_bit == cdm:
             # R W is neither 10 nor 01. It is echoed as received, to inform the master.
             self._leave_frame()
             return cdm
@@ -760,26 +837,37 @@ class Slave:
         In a read, it is a bit of the byte and its CRC, in a write the received bit. Then P is 1 to refuse the next
         register.
         """
-        self._received = (self._received << 1) | cdm
+        self._received = append_bit(self._received, cdm)
         self._bit_count += 1
         if self._bit_count > BYTE_BITS:
-            # This bit is P. A control frame cannot go beyond 3Fh or 7Fh.
-            is_last = self._register_address & 0x3F == 0x3F
-            self._register_address += not is_last
-            if cdm or is_last or not self._may_access_register():
-                self._leave_frame()
-                return 1
-            self._await_start()
-            return 0
+            return self._answer_p_bit(cdm)
         if self._byte_to_send is not None:
-            return (self._byte_to_send >> (BYTE_BITS - self._bit_count)) & 1
+            return bit_at(self._byte_to_send, BYTE_BITS - self._bit_count)
         if self._bit_count == BYTE_BITS:
-            try:
-                self.value = decode_byte(self._received)
-            except CrcError:
-                # The byte has a CRC error and is not stored. The master notices by the echo.
-                self._leave_frame()
-                return cdm
-            self.wants = Wants.STORE
-            self.address = self._register_address
+            self._take_byte()
         return cdm
+
+    def _answer_p_bit(self, cdm: int) -> int:
+        """Return the answer to P: 0 if the next register can be accessed, 1 to refuse it."""
+        # A control frame cannot go beyond 3Fh or 7Fh.
+        is_last = self._register_address % REGISTERS == REGISTERS - 1
+        if not is_last:
+            self._register_address += 1
+        if cdm or is_last or not self._may_access_register():
+            self._leave_frame()
+            return 1
+        self._await_start()
+        return 0
+
+    def _take_byte(self) -> None:
+        """Ask the program to store the byte that was received. With a CRC error, leave the frame instead.
+
+        The master notices the error by the echo.
+        """
+        try:
+            self.value = decode_byte(self._received)
+        except CrcError:
+            self._leave_frame()
+            return
+        self.wants = Wants.STORE
+        self.address = self._register_address

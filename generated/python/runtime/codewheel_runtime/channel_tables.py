@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, Final, cast
+from typing import Any, Final, NamedTuple, cast
 
+from .bulk.chunk import bit_mask, shift_left, shift_right
 from .bulk.decode import read_rows
 from .bulk.table import Table
 from .codec import whole_number
@@ -39,7 +40,7 @@ class ChannelTable:
         for table in channels:
             fault = np.where(fault == 0, table.fault, fault)
         self.fault: Any = fault
-        self.agree: Any = _agree(layout, channels) if layout.compared else None
+        self.agree: Any = _compare_fields(layout, channels) if layout.compared else None
         self.verdict: Any = self._worst_verdict()
 
     def _worst_verdict(self) -> Any:
@@ -75,59 +76,82 @@ class ChannelTable:
 def decode_channels(layout: Any, frames: object) -> ChannelTable:
     """Decode many frames. For the arguments, see ``decode_many`` of their layout."""
     length = (layout.bits + 7) // 8
-    rows, is_wrong_length = _read(frames, layout.bits, length)
+    rows, is_wrong_length = _read_frames(frames, layout.bits, length)
     low_bit = layout.bits
     tables: list[Table] = []
     for frame_class, bits in zip(layout.kinds, layout.channel_bits, strict=True):
         low_bit -= bits
-        words = _words_in(rows, low_bit, bits)
+        words = _extract_bits(rows, low_bit, bits)
         tables.append(decode_many(words, frame_class, variant=layout.encoder))
     return ChannelTable(layout, tuple(tables), is_wrong_length)
 
 
-def _read(frames: Any, bits: int, length: int) -> tuple[Any, Any]:
-    """Return frames as rows of bytes, and True for each that is too long. Zeros replace these.
+class _Rows(NamedTuple):
+    """Frames as rows of bytes, and an array that is True for each frame of a wrong length, which zeros replace."""
 
-    A row of bytes may have zeros before the frame, which fill its first byte.
-    """
+    rows: Any
+    is_wrong_length: Any
+
+
+def _read_frames(frames: Any, bits: int, length: int) -> _Rows:
+    """Return frames of ``bits`` bits as rows of ``length`` bytes."""
     if isinstance(frames, np.ndarray) and frames.dtype.kind in "uiO" and frames.ndim == 1:
         frames = frames.tolist()
-    listed = cast(Iterable[Any], frames) if isinstance(frames, (list, tuple)) else ()
-    if isinstance(frames, (list, tuple)) and not any(isinstance(frame, bytes) for frame in listed):
-        numbers = [whole_number("the frame", frame) for frame in listed]
-        is_wrong = np.array([not 0 <= number < 1 << bits for number in numbers], bool)
-        data = b"".join(
-            (0 if wrong else number).to_bytes(length, "big") for number, wrong in zip(numbers, is_wrong, strict=True)
-        )
-        return np.frombuffer(data, np.uint8).reshape(-1, length), is_wrong
+    if isinstance(frames, (list, tuple)):
+        frame_list = list(cast(Iterable[Any], frames))
+        if not any(isinstance(frame, bytes) for frame in frame_list):
+            return _convert_numbers(frame_list, bits, length)
     rows, wrong_rows = read_rows(frames, length)
+    # The frame may not fill its first byte, which then begins with zeros.
     bits_of_first_byte = bits - 8 * (length - 1)
-    is_wrong = rows[:, 0] >= 1 << bits_of_first_byte
+    is_wrong_length = rows[:, 0] >= 1 << bits_of_first_byte
     if len(wrong_rows):
-        is_wrong[wrong_rows] = True
-    return rows, is_wrong
+        is_wrong_length[wrong_rows] = True
+    return _Rows(rows, is_wrong_length)
 
 
-def _words_in(rows: Any, low_bit: int, bits: int) -> Any:
-    """Return bits of each row as numbers. Bit 0 is the lowest bit of the last byte."""
-    words = np.zeros(len(rows), np.uint64)
-    for index in range(low_bit // 8, (low_bit + bits + 7) // 8):
-        byte = rows[:, rows.shape[1] - 1 - index].astype(np.uint64)
-        shift = 8 * index - low_bit
-        words |= byte << np.uint64(shift) if shift >= 0 else byte >> np.uint64(-shift)
-    return words & np.uint64((1 << bits) - 1)
+def _convert_numbers(frames: list[Any], bits: int, length: int) -> _Rows:
+    """Return frames that are numbers as rows of bytes."""
+    data = bytearray()
+    is_wrong_length: list[bool] = []
+    for frame in frames:
+        number = whole_number("the frame", frame)
+        fits = 0 <= number < 1 << bits
+        data += (number if fits else 0).to_bytes(length, "big")
+        is_wrong_length.append(not fits)
+    return _Rows(np.frombuffer(data, np.uint8).reshape(-1, length), np.array(is_wrong_length, bool))
 
 
-def _agree(layout: Any, channels: tuple[Table, ...]) -> Any:
-    """Return True for each frame whose compared fields agree, whether it is valid or not."""
-    highest: list[Any] = []
+def _extract_bits(rows: Any, low_bit: int, width: int) -> Any:
+    """Return ``width`` bits of each row from ``low_bit`` on as numbers. Bit 0 is the lowest bit of the last byte."""
+    numbers = np.zeros(len(rows), np.uint64)
+    last_column = rows.shape[1] - 1
+    first_byte = low_bit // 8
+    end_byte = (low_bit + width + 7) // 8
+    for byte_index in range(first_byte, end_byte):
+        byte = rows[:, last_column - byte_index].astype(np.uint64)
+        # Place of the byte in the number. A negative one means that the byte begins below the bits.
+        place = 8 * byte_index - low_bit
+        numbers |= shift_left(byte, place) if place >= 0 else shift_right(byte, -place)
+    return numbers & bit_mask(width)
+
+
+def _compare_fields(layout: Any, channels: tuple[Table, ...]) -> Any:
+    """Return True for each frame whose compared fields agree, whether it is valid or not.
+
+    Of fields with different widths, only the highest bits are compared, as many as the narrowest field has.
+    """
+    compared_values: list[Any] = []
     for field in layout.compared:
         table: Any = channels[int(field.channel)]
-        column = table[field.field].astype(np.int64)
-        highest.append(column >> (field.width - layout.compared_bits))
+        values = table[field.field].astype(np.int64)
+        compared_values.append(values >> (field.width - layout.compared_bits))
+    first_values, *other_values = compared_values
     modulus = 1 << layout.compared_bits
-    agree = np.ones(len(highest[0]), bool)
-    for numbers in highest[1:]:
-        difference = (numbers - highest[0]) % modulus
-        agree &= np.minimum(difference, modulus - difference) <= layout.tolerance
-    return agree
+    agrees = np.ones(len(first_values), bool)
+    for values in other_values:
+        # Positions wrap around, so the shorter way from one to the other counts.
+        difference = (values - first_values) % modulus
+        shorter_way = np.minimum(difference, modulus - difference)
+        agrees &= shorter_way <= layout.tolerance
+    return agrees

@@ -5,13 +5,34 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache, reduce
-from typing import Any
+from typing import Any, Final
 
 from ..packages import load
 from .shape import Check, CrcOf, Shape
 
 #: NumPy, untyped so that type checkers accept all its versions.
 np: Any = load("numpy")
+
+
+#: Number of bits of a limb, the number with all of them set, and its number of bytes.
+_LIMB_BITS: Final = 64
+_LIMB_MASK: Final = (1 << _LIMB_BITS) - 1
+_LIMB_BYTES: Final = 8
+
+
+def bit_mask(width: int) -> Any:
+    """Return the 64-bit number whose ``width`` lowest bits are 1."""
+    return np.uint64(((1 << width) - 1) & _LIMB_MASK)
+
+
+def shift_right(numbers: Any, places: int) -> Any:
+    """Return 64-bit numbers without their lowest bits."""
+    return numbers >> np.uint64(places)
+
+
+def shift_left(numbers: Any, places: int) -> Any:
+    """Return 64-bit numbers multiplied by a power of two. Bits above the highest one are lost."""
+    return numbers << np.uint64(places)
 
 
 class Chunk:
@@ -34,39 +55,45 @@ class Chunk:
         return self._before_ungray or self
 
     def byte(self, index: int) -> Any:
-        """Return the eight bits of each frame that start at bit ``8 * place``."""
+        """Return byte ``index`` of each frame: the eight bits that start at bit ``8 * index``."""
         if index not in self._bytes:
-            limb = self.limbs[index // 8]
-            shift = 8 * (index % 8)
-            self._bytes[index] = (limb >> np.uint64(shift) if shift else limb).astype(np.uint8)
+            limb_index, byte_in_limb = divmod(index, 8)
+            limb = self.limbs[limb_index]
+            if byte_in_limb:
+                limb = shift_right(limb, 8 * byte_in_limb)
+            # The conversion keeps the lowest eight bits.
+            self._bytes[index] = limb.astype(np.uint8)
         return self._bytes[index]
 
     def small(self, low: int, mask: int) -> Any:
         """Return the bits that start at ``low``, limited to ``mask``. All of them are in one byte."""
-        bits = self.byte(low // 8)
-        bits = bits >> np.uint8(low % 8) if low % 8 else bits
-        return bits if mask == 0xFF >> (low % 8) else bits & np.uint8(mask)
+        byte_index, shift = divmod(low, 8)
+        bits = self.byte(byte_index)
+        if shift:
+            bits = bits >> np.uint8(shift)
+        # After the shift, this many bits of the byte are left.
+        is_rest_of_byte = mask == 0xFF >> shift
+        return bits if is_rest_of_byte else bits & np.uint8(mask)
 
     def take(self, low: int, width: int, out: Any = None) -> Any:
         """Return the ``width`` bits of each frame that start at ``low``.
 
         With ``out``, an array of 64-bit numbers, they are written there. Without it, the type can be smaller.
         """
-        if width == 0 or low % 8 + width <= 8:
+        is_in_one_byte = low % 8 + width <= 8
+        if not width or is_in_one_byte:
             bits = self.small(low, (1 << width) - 1) if width else np.zeros(len(self.limbs[0]), np.uint8)
             return bits if out is None else np.copyto(out, bits)
-        limb_index, shift = divmod(low, 64)
+        limb_index, shift = divmod(low, _LIMB_BITS)
         number = np.right_shift(self.limbs[limb_index], np.uint64(shift), out=out)
-        # Other bits above the field must be set to 0.
-        if shift + width <= 64:
-            # Nothing is above the last bits of a limb or of the frame.
-            has_bits_above = shift + width not in (64, self.bits - 64 * limb_index)
-        else:
+        end_in_limb = shift + width
+        if end_in_limb > _LIMB_BITS:
             # The field continues in the next limb.
-            number |= self.limbs[limb_index + 1] << np.uint64(64 - shift)
-            has_bits_above = low + width != self.bits and width != 64
-        if has_bits_above:
-            number &= np.uint64((1 << width) - 1)
+            number |= shift_left(self.limbs[limb_index + 1], _LIMB_BITS - shift)
+        # Nothing is above the last bits of a limb or of the frame.
+        has_bits_above = end_in_limb != _LIMB_BITS and low + width != self.bits
+        if has_bits_above and width != _LIMB_BITS:
+            number &= bit_mask(width)
         return number
 
     def flag(self, low: int, width: int, active: bool, out: Any) -> None:
@@ -79,67 +106,78 @@ class Chunk:
 
     def ungray(self, low: int, width: int, excess: int) -> None:
         """Convert the ``width`` bits from ``low`` on from Gray code to binary, minus ``excess``. The others stay."""
-        mask = np.uint64(((1 << width) - 1) << low)
+        mask = shift_left(bit_mask(width), low)
         gray = self.limbs[0] & mask
         # Bit n is the XOR of all Gray bits from n on, which doubling shifts collect.
         binary = gray
         shift = 1
         while shift < width:
-            binary = binary ^ ((binary >> np.uint64(shift)) & mask)
+            binary = binary ^ (shift_right(binary, shift) & mask)
             shift *= 2
         if excess:
             binary = (binary - np.uint64(excess << low)) & mask
         self._before_ungray = Chunk(self.limbs, self.bits)
+        # The XOR with ``gray`` clears its bits, and that with ``binary`` sets the converted ones.
         self.limbs = [self.limbs[0] ^ gray ^ binary]
         self._bytes.clear()
 
 
 def limbs_of(rows: Any, shape: Shape) -> list[Any]:
-    """Return rows of bytes as limbs, read eight bytes at a time, the lowest limb first.
+    """Return rows of bytes as limbs, the lowest limb first.
 
-    The highest limb also has eight bytes, so that it overlaps the next one. The bytes of that are shifted out.
+    Each limb is read as one number of eight bytes. The highest one can have fewer bytes in the row. It is then read
+    together with bytes of the limb below, which are shifted out.
     """
-    rows = np.ascontiguousarray(rows)
-    count, length = rows.shape
+    contiguous_rows = np.ascontiguousarray(rows)
+    row_bytes = contiguous_rows.shape[1]
     is_little = shape.order == "little"
-    dtype = "<u8" if is_little else ">u8"
-    if length < 8:
-        return [_take_from_bytes(rows, dtype, is_little)]
+    if row_bytes < _LIMB_BYTES:
+        return [_read_short_rows(contiguous_rows, is_little)]
     limbs: list[Any] = []
-    for low in range(0, length, 8):
+    for low_byte in range(0, row_bytes, _LIMB_BYTES):
         # Number of bytes of the highest limb that belong to the limb below.
-        overlap = max(low + 8 - length, 0)
-        first_byte = low - overlap
-        # In the other byte order, the lowest byte is the last one of the row.
-        offset = first_byte if is_little else length - 8 - first_byte
-        # A view: one number of eight bytes in each row, from this offset on.
-        limb = np.ndarray((count,), dtype, rows, offset, (length,)).astype(np.uint64)
+        overlap = max(low_byte + _LIMB_BYTES - row_bytes, 0)
+        first_byte = low_byte - overlap
+        # In big-endian order, the lowest byte is the last one of the row.
+        offset = first_byte if is_little else row_bytes - _LIMB_BYTES - first_byte
+        limb = _view_limb(contiguous_rows, len(contiguous_rows), offset, is_little).astype(np.uint64)
         if overlap:
             limb >>= np.uint64(8 * overlap)
         limbs.append(limb)
     return limbs
 
 
-def _take_from_bytes(rows: Any, dtype: str, is_little: bool) -> Any:
+def _view_limb(rows: Any, row_count: int, offset: int, is_little: bool) -> Any:
+    """Return a view of the first rows: one number of eight bytes in each row, from the byte ``offset`` on."""
+    row_bytes = rows.shape[1]
+    return np.ndarray((row_count,), _get_limb_type(is_little), rows, offset, strides=(row_bytes,))
+
+
+def _get_limb_type(is_little: bool) -> str:
+    """Return NumPy's name for a number of eight bytes in little-endian or big-endian order."""
+    return "<u8" if is_little else ">u8"
+
+
+def _read_short_rows(rows: Any, is_little: bool) -> Any:
     """Return rows of fewer than eight bytes as numbers.
 
     Eight bytes are read for each row. Those of the last rows would be outside the array, so these rows are copied.
     """
-    count, length = rows.shape
+    row_count, row_bytes = rows.shape
     # After these rows, at least eight bytes follow.
-    direct_count = max(count - 8, 0)
-    limb = np.empty(count, np.uint64)
+    direct_count = max(row_count - _LIMB_BYTES, 0)
+    numbers = np.empty(row_count, np.uint64)
     if direct_count:
-        limb[:direct_count] = np.ndarray((direct_count,), dtype, rows, 0, (length,))
-    padded = np.zeros((count - direct_count, 8), np.uint8)
-    padded[:, :length] = rows[direct_count:]
-    limb[direct_count:] = padded.view(dtype)[:, 0]
+        numbers[:direct_count] = _view_limb(rows, direct_count, 0, is_little)
+    padded_rows = np.zeros((row_count - direct_count, _LIMB_BYTES), np.uint8)
+    padded_rows[:, :row_bytes] = rows[direct_count:]
+    numbers[direct_count:] = padded_rows.view(_get_limb_type(is_little))[:, 0]
     # The bytes of the next row are the high ones in little-endian order, otherwise the low ones.
     if is_little:
-        limb &= np.uint64((1 << (8 * length)) - 1)
+        numbers &= bit_mask(8 * row_bytes)
     else:
-        limb >>= np.uint64(8 * (8 - length))
-    return limb
+        numbers >>= np.uint64(8 * (_LIMB_BYTES - row_bytes))
+    return numbers
 
 
 def are_within(bits: Any, check: Check, limit: int) -> Any:
@@ -159,63 +197,75 @@ def compute_parity(chunk: Chunk, check: Check) -> Any:
     """
     if not check.width:
         return np.zeros(len(chunk.limbs[0]), np.uint8)
-    # The parity of several fields is the parity of their XOR.
     fields = [chunk.sent.take(low, width) for low, width in check.parity_of]
-    bits = fields[0]
-    if len(fields) > 1:
-        bits = np.bitwise_xor.reduce([field.astype(np.uint64) for field in fields])
     width = max(width for _, width in check.parity_of)
+    # The parity of several fields is the parity of their XOR.
+    bits = fields[0] if len(fields) == 1 else np.bitwise_xor.reduce([field.astype(np.uint64) for field in fields])
     bits_type = bits.dtype.type
     if check.mask:
         bits = bits & bits_type(check.mask & ((1 << width) - 1))
-    # Fold the upper half of the bits onto the lower half until one bit is left.
+    parity = _fold_to_one_bit(bits, width)
+    return parity ^ bits_type(check.odd)
+
+
+def _fold_to_one_bit(bits: Any, width: int) -> Any:
+    """Return the XOR of the ``width`` bits of each number, by folding their upper half onto their lower half."""
+    bits_type = bits.dtype.type
+    # Half of the smallest power of two that is not below the width.
     half = (1 << max(width - 1, 0).bit_length()) // 2
     while half:
         bits = bits ^ (bits >> bits_type(half))
         half //= 2
-    return (bits & bits_type(1)) ^ bits_type(check.odd)
+    return bits & bits_type(1)
 
 
 def compare_crc(chunk: Chunk, crc: CrcOf) -> Any:
     """Return the bits in which each CRC differs from the computed one, 0 if it matches."""
     if crc.steps:
-        return _fold(chunk.limbs[0], crc, chunk.bits)
+        return _fold_crc(chunk.limbs[0], crc, chunk.bits)
     if crc.is_xor:
-        # The XOR of all bytes, with the CRC among them: 64, 32, 16, then 8 bits.
-        number = reduce(np.bitwise_xor, chunk.limbs)
-        half = (number ^ (number >> np.uint64(32))).astype(np.uint32)
-        half ^= half >> np.uint32(16)
-        half ^= half >> np.uint32(8)
-        difference = half.astype(np.uint8)
-        return difference ^ np.uint8(crc.xorout) if crc.xorout else difference
+        return _xor_bytes(chunk, crc.xorout)
     # For other CRCs, each byte of the frame contributes an entry of its table.
-    tables = _tables_of_folds(crc.differs, chunk.bits)
-    difference = tables[0][chunk.byte(0)]
-    for index, table in enumerate(tables[1:], 1):
-        difference ^= table[chunk.byte(index)]
+    first_table, *other_tables = _make_crc_tables(crc.differs, chunk.bits)
+    difference = first_table[chunk.byte(0)]
+    for byte_index, table in enumerate(other_tables, 1):
+        difference ^= table[chunk.byte(byte_index)]
     return difference
 
 
-def _fold(number: Any, crc: CrcOf, bits: int) -> Any:
-    """Return the remainders of numbers with their CRC, 0 if it matches.
+def _xor_bytes(chunk: Chunk, xorout: int) -> Any:
+    """Return the XOR of all bytes of each frame, the CRC among them: of 64 bits, then 32, 16 and 8."""
+    number = reduce(np.bitwise_xor, chunk.limbs)
+    half = (number ^ shift_right(number, 32)).astype(np.uint32)
+    half ^= half >> np.uint32(16)
+    half ^= half >> np.uint32(8)
+    difference = half.astype(np.uint8)
+    return difference ^ np.uint8(xorout) if xorout else difference
 
-    Each step folds the high bits onto lower ones, in 32 bits as soon as the numbers fit.
+
+def _fold_crc(number: Any, crc: CrcOf, bits: int) -> Any:
+    """Return the remainders of numbers of ``bits`` bits with their CRC, 0 if it matches.
+
+    A step removes the bits from ``step.shift`` on, and adds them to the lower ones (``step.mask``) twice: from bit 0
+    on, and from bit ``step.back`` on. The remainder of the division by the polynomial stays the same. Numbers that fit
+    into 32 bits are computed in 32 bits, which takes half the time.
     """
     remainder = number ^ np.uint64(crc.xorout) if crc.xorout else number
     word_type = np.uint64
+    remaining_bits = bits
     for step in crc.steps:
-        # The number has no bits that this step would fold.
-        if bits <= step.shift:
+        has_bits_to_fold = remaining_bits > step.shift
+        if not has_bits_to_fold:
             continue
         high = remainder >> word_type(step.shift)
         remainder = remainder & word_type(step.mask)
         # The width of the remainder: that of the low bits, or of the folded high bits.
-        bits = max(step.shift, bits - step.shift + step.back)
-        # Operations on 32 bits take half the time.
-        if word_type is np.uint64 and bits <= 32:
-            remainder = remainder.astype(np.uint32)
-            high = high.astype(np.uint32)
+        folded_bits = remaining_bits - step.shift + step.back
+        remaining_bits = max(step.shift, folded_bits)
+        if word_type is np.uint64 and remaining_bits <= 32:
             word_type = np.uint32
+            remainder = remainder.astype(word_type)
+            high = high.astype(word_type)
         remainder ^= high
         if step.back:
             high <<= word_type(step.back)
@@ -224,18 +274,19 @@ def _fold(number: Any, crc: CrcOf, bits: int) -> Any:
 
 
 @lru_cache(maxsize=64)
-def _tables_of_folds(differs: Callable[[int], int], bits: int) -> tuple[Any, ...]:
+def _make_crc_tables(differs: Callable[[int], int], bits: int) -> tuple[Any, ...]:
     """Return one table per byte of a number, with the contribution of each value of the byte to the CRC difference.
 
-    The entries of the first table also include the difference of the number 0.
+    ``differs`` computes the difference of a number. The entries of the first table also include that of the number 0.
     """
     zero_difference = differs(0)
     tables: list[Any] = []
-    for low in range(0, bits, 8):
-        table = np.array([zero_difference if low == 0 else 0], np.uint64)
+    for lowest_bit in range(0, bits, 8):
+        first_entry = 0 if tables else zero_difference
+        table = np.array([first_entry], np.uint64)
         # Each bit doubles the table: its second half has the entries with this bit set.
-        for bit in range(low, low + 8):
-            change = differs(1 << bit) ^ zero_difference if bit < bits else 0
-            table = np.concatenate([table, table ^ np.uint64(change)])
+        for bit in range(lowest_bit, lowest_bit + 8):
+            contribution = differs(1 << bit) ^ zero_difference if bit < bits else 0
+            table = np.concatenate([table, table ^ np.uint64(contribution)])
         tables.append(table)
     return tuple(tables)

@@ -5,12 +5,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from functools import reduce
-from typing import Any, Final, cast
+from typing import Any, Final, NamedTuple, cast
 
 from ..codec import as_bytes, assert_never, whole_number
 from ..errors import ErrorKind
 from ..reports import Verdict
-from .chunk import Chunk, are_within, compare_crc, compute_parity, limbs_of, np
+from .chunk import Chunk, are_within, bit_mask, compare_crc, compute_parity, limbs_of, np, shift_left, shift_right
 from .shape import (
     Check,
     Column,
@@ -31,6 +31,8 @@ from .words import read_floats
 
 #: Number of frames decoded at once: small enough for the cache, large enough to keep the overhead of calls low.
 CHUNK: Final = 32_768
+#: Number of values above which a search is faster than comparisons.
+_MANY_VALUES: Final = 16
 
 
 def decode_many(frames: object, shape: Shape, encoder: FrameSource | None) -> Table:
@@ -57,6 +59,7 @@ def decode_many(frames: object, shape: Shape, encoder: FrameSource | None) -> Ta
     if verdicts is not None and len(wrong_rows):
         # The verdict "not usable".
         verdicts[wrong_rows] = 0
+    # Fields of joined numbers: the name of the number, the lowest bit in it, and the width.
     parts: dict[str, tuple[str, int, int]] = {}
     for join in shape.joins:
         parts |= {name: (join.name, low, width) for name, low, width in find_deferred_fields(shape, join)}
@@ -96,54 +99,88 @@ def _allocate_columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
     return {name: columns[name] for name in wanted}
 
 
-def read_rows(frames: Any, length: int) -> tuple[Any, Any]:
-    """Return frames as rows of bytes, and the indices of those with the wrong length.
+class ReadFrames(NamedTuple):
+    """Frames as an array of rows of bytes or of 64-bit numbers, and the indices of those with a wrong length.
 
-    A missing frame counts as one of 0 bytes. Zeros replace these frames. Arrays have frames of one length only.
+    Zeros replace frames with a wrong length.
+    """
+
+    frames: Any
+    wrong_rows: Any
+
+
+def read_rows(frames: Any, length: int) -> ReadFrames:
+    """Return frames as rows of bytes.
+
+    A missing frame counts as one of 0 bytes. Arrays have frames of one length only.
     """
     if isinstance(frames, (list, tuple)):
-        rows = [b"" if _is_missing(frame) else as_bytes(frame) for frame in cast(Iterable[Any], frames)]
-        wrong_rows = [index for index, row in enumerate(rows) if len(row) != length]
-        for index in wrong_rows:
-            rows[index] = bytes(length)
-        return np.frombuffer(b"".join(rows), np.uint8).reshape(-1, length), np.array(wrong_rows, np.intp)
+        return _read_list_of_rows(cast(Iterable[Any], frames), length)
     if isinstance(frames, np.ndarray) and frames.dtype.kind == "O":
         return read_rows(frames.tolist(), length)
-    array: Any = np.frombuffer(frames, np.uint8) if isinstance(frames, (bytes, bytearray, memoryview)) else frames
+    is_buffer = isinstance(frames, (bytes, bytearray, memoryview))
+    array: Any = np.frombuffer(frames, np.uint8) if is_buffer else frames
     if not isinstance(array, np.ndarray) or array.dtype != np.uint8:
         raise TypeError(f"frames must be rows of {length} bytes, got {type(array).__name__} of other items")
     if array.ndim == 1 and len(array) % length == 0:
         array = array.reshape(-1, length)
     if array.ndim != 2 or array.shape[1] != length:
         raise ValueError(f"expected complete frames of {length} bytes, got an array of the shape {array.shape}")
-    return array, ()
+    return ReadFrames(array, wrong_rows=())
 
 
-def _read_words(frames: Any, bits: int) -> tuple[Any, Any]:
-    """Return frames as 64-bit numbers, and the indices of those that are longer or missing. Zeros replace these."""
+def _read_list_of_rows(frames: Iterable[Any], length: int) -> ReadFrames:
+    """Return a list of byte strings as rows of bytes. The strings can have different lengths."""
+    rows: list[bytes] = []
+    wrong_rows: list[int] = []
+    for index, frame in enumerate(frames):
+        row = b"" if _is_missing(frame) else as_bytes(frame)
+        if len(row) != length:
+            wrong_rows.append(index)
+            row = bytes(length)
+        rows.append(row)
+    array = np.frombuffer(b"".join(rows), np.uint8).reshape(-1, length)
+    return ReadFrames(array, np.array(wrong_rows, np.intp))
+
+
+def _read_words(frames: Any, bits: int) -> ReadFrames:
+    """Return frames as 64-bit numbers. A missing frame has a wrong length."""
     if isinstance(frames, (bytes, bytearray, memoryview)):
         data = cast(Any, frames)
         if len(data) % 8:
             raise ValueError(f"expected eight bytes per frame, got {len(data)} bytes")
-        return np.frombuffer(frames, "<u8").astype(np.uint64, copy=False), ()
+        return ReadFrames(np.frombuffer(frames, "<u8").astype(np.uint64, copy=False), wrong_rows=())
     if isinstance(frames, np.ndarray) and frames.dtype.kind != "O":
-        if frames.dtype.kind == "f" and frames.ndim == 1:
-            frames = read_floats(frames, bits)
-        if frames.dtype.kind not in "ui" or frames.ndim != 1:
-            raise TypeError(f"frames must be integers in one dimension, got an array of {frames.dtype} {frames.shape}")
-        if isinstance(frames, np.ma.MaskedArray):
-            return frames.filled(0).astype(np.uint64, copy=False), np.flatnonzero(np.ma.getmaskarray(frames))
-        return frames.astype(np.uint64, copy=False), ()
+        return _read_array_of_words(frames, bits)
     if not isinstance(frames, Iterable) or isinstance(frames, str):
         raise TypeError(f"frames must be numbers or packed bytes, got {type(frames).__name__}")
+    return _read_list_of_words(cast(list[Any], frames))
+
+
+def _read_array_of_words(frames: Any, bits: int) -> ReadFrames:
+    """Return an array of integers, or of floating-point numbers without fractions, as 64-bit numbers."""
+    if frames.dtype.kind == "f" and frames.ndim == 1:
+        frames = read_floats(frames, bits)
+    if frames.dtype.kind not in "ui" or frames.ndim != 1:
+        raise TypeError(f"frames must be integers in one dimension, got an array of {frames.dtype} {frames.shape}")
+    if isinstance(frames, np.ma.MaskedArray):
+        missing_rows = np.flatnonzero(np.ma.getmaskarray(frames))
+        return ReadFrames(frames.filled(0).astype(np.uint64, copy=False), missing_rows)
+    return ReadFrames(frames.astype(np.uint64, copy=False), wrong_rows=())
+
+
+def _read_list_of_words(frames: Iterable[Any]) -> ReadFrames:
+    """Return a list of numbers as 64-bit numbers."""
     words: list[int] = []
-    for index, frame in enumerate(cast(list[Any], frames)):
-        # A missing frame is replaced by -1, because both have a length error.
-        words.append(-1 if _is_missing(frame) else whole_number(f"the frame at index {index}", frame))
-    wrong_rows = [index for index, word in enumerate(words) if not 0 <= word < 1 << 64]
-    for index in wrong_rows:
-        words[index] = 0
-    return np.array(words, np.uint64), np.array(wrong_rows, np.intp)
+    wrong_rows: list[int] = []
+    for index, frame in enumerate(frames):
+        is_missing = _is_missing(frame)
+        word = 0 if is_missing else whole_number(f"the frame at index {index}", frame)
+        if is_missing or not 0 <= word < 1 << 64:
+            wrong_rows.append(index)
+            word = 0
+        words.append(word)
+    return ReadFrames(np.array(words, np.uint64), np.array(wrong_rows, np.intp))
 
 
 def _is_missing(frame: object) -> bool:
@@ -167,10 +204,10 @@ def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> No
         limbs = limbs_of(source, shape)
     else:
         limbs = [source]
-        is_too_long = shape.bits < 64 and int(source.max()) >> shape.bits
-        if is_too_long:
-            doubts.append(source >> np.uint64(shape.bits))
-            limbs = [source & np.uint64((1 << shape.bits) - 1)]
+        has_long_words = shape.bits < 64 and int(source.max()) >> shape.bits
+        if has_long_words:
+            doubts.append(shift_right(source, shape.bits))
+            limbs = [source & bit_mask(shape.bits)]
     chunk = Chunk(limbs, shape.bits)
     if shape.crc is not None:
         doubts.append(compare_crc(chunk, shape.crc))
@@ -181,19 +218,13 @@ def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> No
     _write(chunk, shape, out)
     if shape.default_verdict is not None:
         _judge(shape, out)
-    if doubtful:
-        where = np.flatnonzero(reduce(np.logical_or, doubtful))
-        _write_faults(source.take(where, 0), [limb.take(where) for limb in limbs], where, shape, out, fault)
-
-
-def _write_faults(source: Any, limbs: list[Any], where: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
-    """Write the errors of the frames with the indexes ``where``.
-
-    ``source`` and ``limbs`` hold only these frames. One with an error gets verdict 0, so its position is not usable.
-    """
-    fault[where] = _find_faults(source, limbs, shape)
+    if not doubtful:
+        return
+    doubtful_rows = np.flatnonzero(reduce(np.logical_or, doubtful))
+    doubtful_limbs = [limb.take(doubtful_rows) for limb in limbs]
+    fault[doubtful_rows] = _find_faults(source.take(doubtful_rows, axis=0), doubtful_limbs, shape)
     if shape.default_verdict is not None:
-        # In place: True and False multiply by 1 and 0.
+        # A frame with an error gets verdict 0, so its position is not usable. True and False multiply by 1 and 0.
         verdicts: Any = out["verdict"]
         verdicts *= fault == 0
 
@@ -220,18 +251,22 @@ def _find_faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
     This is the one with the lowest ``ErrorKind``, because ``decode`` checks in the order of these numbers.
     """
     chunk = Chunk(limbs, shape.bits)
-    errors = [(ErrorKind.CRC, compare_crc(chunk, shape.crc) != 0)] if shape.crc is not None else []
+    # Each kind of error, with an array that is True for the frames that have it.
+    errors: list[tuple[ErrorKind, Any]] = []
+    if shape.crc is not None:
+        errors.append((ErrorKind.CRC, compare_crc(chunk, shape.crc) != 0))
     if shape.gray is not None:
         chunk.ungray(*shape.gray, shape.excess)
     errors += [(check.fault, np.logical_not(_is_met(chunk, check))) for check in shape.checks]
     if not shape.length and shape.bits < 64:
-        errors.append((ErrorKind.LENGTH, source >> np.uint64(shape.bits) != 0))
-    fault = np.zeros(len(source), np.uint8)
+        errors.append((ErrorKind.LENGTH, shift_right(source, shape.bits) != 0))
+    faults = np.zeros(len(source), np.uint8)
     # The highest kind comes first, so that lower ones replace it.
-    for error_kind, where in sorted(errors, key=lambda error: -error[0]):
-        fault *= np.logical_not(where)
-        fault += where * np.uint8(error_kind)
-    return fault
+    for error_kind, has_error in sorted(errors, key=lambda error: -error[0]):
+        # In the frames with this error, its number replaces an earlier one.
+        faults *= np.logical_not(has_error)
+        faults += has_error * np.uint8(error_kind)
+    return faults
 
 
 def _is_met(chunk: Chunk, check: Check) -> Any:
@@ -241,9 +276,10 @@ def _is_met(chunk: Chunk, check: Check) -> Any:
         return bits == compute_parity(chunk, check)
     if check.limit is not None:
         return are_within(bits, check, check.limit)
+    # A value that needs more bits than the field never occurs in it.
     values = [value for value in check.values if not value >> check.width]
     # For many values, a search takes less time than one comparison for each.
-    if len(values) > 16:
+    if len(values) > _MANY_VALUES:
         return np.isin(bits, np.array(values, bits.dtype))
     is_allowed = np.zeros(len(bits), bool)
     for value in values:
@@ -275,13 +311,13 @@ def _write_join(chunk: Chunk, shape: Shape, join: Join, columns: Mapping[str, Co
     are_adjacent = all(columns[name].low == first.low + offset for name, offset in join.fields)
     if are_adjacent:
         # The fields have the same order in the frame, so they are one number there.
-        chunk.take(first.low, find_width(shape, join), number)
+        chunk.take(first.low, find_width(shape, join), out=number)
         return
-    chunk.take(first.low, first.width, number)
+    chunk.take(first.low, first.width, out=number)
     for name, offset in join.fields[1:]:
         column = columns[name]
         part = chunk.take(column.low, column.width).astype(np.uint64, copy=False)
-        number |= part << np.uint64(offset)
+        number |= shift_left(part, offset)
 
 
 def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:
@@ -293,8 +329,8 @@ def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:
     number = bits_type(0)
     for group in group_unused_bits(shape):
         width = group.mask.bit_length()
-        # Within a byte of the frame, the bits are taken from the byte.
-        if group.low % 8 + width <= 8:
+        is_in_one_byte = group.low % 8 + width <= 8
+        if is_in_one_byte:
             differing = chunk.small(group.low, group.mask)
         else:
             differing = chunk.take(group.low, width) & np.uint64(group.mask)
@@ -311,28 +347,30 @@ def _write_column(chunk: Chunk, column: Column, out: Mapping[str, Any]) -> None:
     """Write the values of a field to its columns."""
     match column.kind:
         case "flag" | "not_flag":
-            chunk.flag(column.low, column.width, column.kind == "flag", out[column.name])
+            is_active_high = column.kind == "flag"
+            chunk.flag(column.low, column.width, active=is_active_high, out=out[column.name])
         case "choice":
             out[column.name][:] = chunk.take(column.low, column.width)
         case "digits":
             bits = chunk.take(column.low, column.width).astype(np.uint64, copy=False)
             for name, divisor, modulus in column.runs:
-                out[name][:] = bits // np.uint64(divisor) % np.uint64(modulus)
+                shifted_digits = bits // np.uint64(divisor)
+                out[name][:] = shifted_digits % np.uint64(modulus)
         case "text":
             out[column.name][:] = _read_text(chunk, column)
         case "number":
             number = out[column.name].view(np.uint64)
-            chunk.take(column.low, column.width, number)
+            chunk.take(column.low, column.width, out=number)
             if column.zero_means:
                 number[number == 0] = column.zero_means
         case "signed":
             number = out[column.name].view(np.uint64)
-            chunk.take(column.low, column.width, number)
+            chunk.take(column.low, column.width, out=number)
             if column.width:
-                # In two's complement, this extends the sign to 64 bits: n ^ top - top.
-                top = np.uint64(1 << (column.width - 1))
-                number ^= top
-                number -= top
+                # In two's complement, (n ^ sign_bit) - sign_bit extends the sign to 64 bits.
+                sign_bit = np.uint64(1 << (column.width - 1))
+                number ^= sign_bit
+                number -= sign_bit
         case _:
             assert_never(column.kind)
 
@@ -342,7 +380,8 @@ def _read_text(chunk: Chunk, column: Column) -> Any:
     length = column.width // 8
     rows = np.empty((len(chunk.limbs[0]), length), np.uint8)
     for index in range(length):
-        rows[:, index] = chunk.take(column.low + 8 * (length - 1 - index), 8)
+        following_characters = length - 1 - index
+        rows[:, index] = chunk.take(column.low + 8 * following_characters, width=8)
     return rows.view(f"S{length}")[:, 0]
 
 
@@ -355,9 +394,29 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
     """
     default = VERDICTS.index(shape.default_verdict)
     verdicts = out["verdict"]
+    verdicts[:] = default
+    active_by_verdict = _find_active_conditions(shape, out)
+    warnings = active_by_verdict.get(Verdict.USABLE_WITH_WARNING)
+    # A warning does not improve on an unknown position.
+    if warnings and shape.default_verdict is not Verdict.UNKNOWN:
+        # Subtracting this from the default gives the verdict of a warning.
+        decrease = np.uint8((default - VERDICTS.index(Verdict.USABLE_WITH_WARNING)) % 256)
+        has_warning = reduce(np.logical_or, warnings)
+        verdicts -= has_warning.view(np.uint8) * decrease
+    errors = active_by_verdict.get(Verdict.NOT_USABLE)
+    if errors:
+        # NOT_USABLE has the index 0.
+        is_usable = np.logical_not(reduce(np.logical_or, errors))
+        verdicts *= is_usable.view(np.uint8)
+
+
+def _find_active_conditions(shape: Shape, out: Mapping[str, Any]) -> dict[Verdict, list[Any]]:
+    """Return the conditions of each verdict: arrays that are True for the frames that meet one.
+
+    Conditions that no frame can meet are left out.
+    """
     unused: Any = out.get("unused")
     any_unused_differs = bool(shape.unused) and unused.any()
-    # For each verdict, an array for each condition that can apply: True for the frames to which it does.
     active_by_verdict: dict[Verdict, list[Any]] = {}
     for condition in shape.verdict_causes:
         if condition.when:
@@ -368,19 +427,13 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
                 # For bools, this is "where and not out[name]".
                 is_active = np.greater(is_active, out[name])
         elif any_unused_differs:
-            is_active = unused & unused.dtype.type(condition.mask & ((1 << (8 * unused.itemsize)) - 1)) != 0
+            # Bits of the mask above the type of the column do not occur.
+            possible_mask = condition.mask & ((1 << (8 * unused.itemsize)) - 1)
+            is_active = unused & unused.dtype.type(possible_mask) != 0
         else:
             continue
         active_by_verdict.setdefault(condition.verdict, []).append(is_active)
-    verdicts[:] = default
-    # A warning does not improve on an unknown position.
-    if Verdict.USABLE_WITH_WARNING in active_by_verdict and shape.default_verdict is not Verdict.UNKNOWN:
-        # Subtracting this from the default gives the verdict of a warning.
-        decrease = np.uint8((default - VERDICTS.index(Verdict.USABLE_WITH_WARNING)) % 256)
-        verdicts -= reduce(np.logical_or, active_by_verdict[Verdict.USABLE_WITH_WARNING]).view(np.uint8) * decrease
-    # NOT_USABLE has the index 0.
-    if Verdict.NOT_USABLE in active_by_verdict:
-        verdicts *= np.logical_not(reduce(np.logical_or, active_by_verdict[Verdict.NOT_USABLE])).view(np.uint8)
+    return active_by_verdict
 
 
 #: Verdicts in the order of their numbers in a column. The worst is 0.

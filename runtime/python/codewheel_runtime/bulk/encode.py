@@ -4,11 +4,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from ..codec import NO_SUCH_FLAG, assert_never
 from ..errors import RangeError
-from .chunk import Chunk, are_within, compare_crc, compute_parity, np
+from .chunk import Chunk, are_within, bit_mask, compare_crc, compute_parity, np, shift_left, shift_right
 from .decode import CHUNK
 from .shape import Column, Join, Shape, find_scales, find_width
 from .table import Table
@@ -27,6 +27,11 @@ class RowError(RangeError):
 
     def __str__(self) -> str:
         return f"row {self.row}: {super().__str__()}"
+
+
+#: Bits of a character in a frame, and the number of the last character of Latin-1.
+_CHARACTER_BITS: Final = 8
+_LAST_LATIN_1: Final = 0xFF
 
 
 class FirstError:
@@ -157,22 +162,32 @@ def list_names(column: Column) -> tuple[str, ...]:
     return tuple(name for name, _, _ in column.runs) or (column.name,)
 
 
+def _make_limbs_of_constants(shape: Shape, row_count: int) -> list[Any]:
+    """Return limbs of frames in which only the constant bits are set, the lowest limb first."""
+    limbs: list[Any] = []
+    for low in range(0, shape.bits, 64):
+        constant = np.uint64((shape.fixed >> low) & ((1 << 64) - 1))
+        limbs.append(np.full(row_count, constant))
+    return limbs
+
+
 def _encode_rows(arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> list[Any]:
     """Return the frames as numbers in 64-bit limbs: a list of arrays, the lowest limb first.
 
     Each array has an element for each frame. Errors in the values are added to ``first_error``.
     """
-    count = len(next(iter(arrays.values())))
-    limbs = [np.full(count, (shape.fixed >> low) & ((1 << 64) - 1), np.uint64) for low in range(0, shape.bits, 64)]
+    row_count = len(next(iter(arrays.values())))
+    limbs = _make_limbs_of_constants(shape, row_count)
     if "fault" in arrays:
-        first_error.add(arrays["fault"] != 0, "fault", arrays["fault"], "0 (a frame with an error has no values)")
+        faults = arrays["fault"]
+        first_error.add(faults != 0, "fault", faults, allowed="0 (a frame with an error has no values)")
     for column in shape.columns:
         if all(name in arrays for name in list_names(column)):
-            for low, width, bits in _encode_field(arrays, column, first_error):
-                _insert(limbs, low, width, bits)
+            for piece in _encode_field(arrays, column, first_error):
+                _insert(limbs, piece.low, piece.width, piece.bits)
         elif column.kind == "not_flag":
             # A missing flag is inactive. For an active-low one, the bit is 1.
-            _insert(limbs, column.low, column.width, np.ones(count, np.uint64))
+            _insert(limbs, column.low, column.width, np.ones(row_count, np.uint64))
     for join in shape.joins:
         if join.name in arrays:
             _insert_join(limbs, arrays, shape, join, first_error)
@@ -186,46 +201,76 @@ def _insert(limbs: list[Any], low: int, width: int, bits: Any) -> None:
     """Insert ``width`` bits of each frame from bit ``low`` on, where all bits are still 0."""
     limb_index, shift = divmod(low, 64)
     if width:
-        limbs[limb_index] |= bits << np.uint64(shift)
+        limbs[limb_index] |= shift_left(bits, shift)
     # The field can continue in the next limb.
     if shift + width > 64:
-        limbs[limb_index + 1] |= bits >> np.uint64(64 - shift)
+        limbs[limb_index + 1] |= shift_right(bits, 64 - shift)
 
 
-def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstError) -> Iterator[tuple[int, int, Any]]:
-    """Yield the pieces of a field: lowest bit in the frame, width, and an array with the bits of each frame.
+class _Piece(NamedTuple):
+    """Piece of a field: its lowest bit in the frame, its width, and an array with the bits of each frame."""
 
-    A string has one piece for each character, and any other field one. Wrong values are added to ``first_error``.
+    low: int
+    width: int
+    bits: Any
+
+
+def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstError) -> Iterator[_Piece]:
+    """Yield the pieces of a field. Wrong values are added to ``first_error``.
+
+    A string has one piece for each character, and any other field one.
     """
     values = arrays[list_names(column)[0]]
     match column.kind:
         case "flag" | "not_flag":
-            if values.dtype.kind != "b":
-                first_error.add((values != 0) & (values != 1), column.name, values, "True or False")
-            if not column.width:
-                first_error.add(values != 0, column.name, values, NO_SUCH_FLAG)
-            yield column.low, column.width, ((values != 0) == (column.kind == "flag")).astype(np.uint64)
+            bits = _encode_flag(values, column, first_error)
         case "digits":
-            number = np.zeros(len(values), np.uint64)
-            for name, divisor, modulus in column.runs:
-                digits = _check_unsigned(arrays[name], first_error, name, modulus - 1)
-                number += digits * np.uint64(divisor)
-            yield column.low, column.width, _check_fit(number, column.width, number, first_error, column.name)
+            bits = _encode_digits(arrays, column, first_error)
         case "text":
             yield from _encode_text(values, column, first_error)
+            return
         case "signed":
-            sign_bit = (1 << column.width) >> 1
-            # A field without bits has only the value 0.
-            highest = max(sign_bit, 1) - 1
-            is_wrong = values > highest if sign_bit else values != 0
-            if values.dtype.kind == "i":
-                is_wrong = is_wrong | (values < -sign_bit)
-            first_error.add(is_wrong, column.name, values, f"{-sign_bit} to {highest}")
-            yield column.low, column.width, values.astype(np.int64).view(np.uint64) & np.uint64((1 << column.width) - 1)
+            bits = _encode_signed(values, column, first_error)
         case "number" | "choice":
-            yield column.low, column.width, _encode_number(values, column, first_error)
+            bits = _encode_number(values, column, first_error)
         case _:
             assert_never(column.kind)
+    yield _Piece(column.low, column.width, bits)
+
+
+def _encode_flag(values: Any, column: Column, first_error: FirstError) -> Any:
+    """Return the bits of a flag: 1 for True, or for False if the flag is active low."""
+    is_active = values != 0
+    if values.dtype.kind != "b":
+        first_error.add(is_active & (values != 1), column.name, values, allowed="True or False")
+    if not column.width:
+        first_error.add(is_active, column.name, values, allowed=NO_SUCH_FLAG)
+    level_if_active = column.kind == "flag"
+    return (is_active == level_if_active).astype(np.uint64)
+
+
+def _encode_digits(arrays: Mapping[str, Any], column: Column, first_error: FirstError) -> Any:
+    """Return the number that groups of decimal digits form. Each group has a column of its own."""
+    number = np.zeros(len(next(iter(arrays.values()))), np.uint64)
+    for name, divisor, modulus in column.runs:
+        digits = _check_unsigned(arrays[name], first_error, name, modulus - 1)
+        number += digits * np.uint64(divisor)
+    if column.width < 64:
+        allowed = f"0 to {(1 << column.width) - 1}"
+        first_error.add(shift_right(number, column.width) != 0, column.name, number, allowed)
+    return number
+
+
+def _encode_signed(values: Any, column: Column, first_error: FirstError) -> Any:
+    """Return the bits of a signed number in two's complement."""
+    sign_bit = (1 << column.width) >> 1
+    # A field without bits has only the value 0.
+    highest = max(sign_bit, 1) - 1
+    is_wrong = values > highest if sign_bit else values != 0
+    if values.dtype.kind == "i":
+        is_wrong = is_wrong | (values < -sign_bit)
+    first_error.add(is_wrong, column.name, values, allowed=f"{-sign_bit} to {highest}")
+    return values.astype(np.int64).view(np.uint64) & bit_mask(column.width)
 
 
 def _encode_number(values: Any, column: Column, first_error: FirstError) -> Any:
@@ -235,10 +280,11 @@ def _encode_number(values: Any, column: Column, first_error: FirstError) -> Any:
     """
     if column.power_of_two:
         # A power of two has a single bit, which subtracting 1 clears.
-        is_wrong = (values < 1) | (values & (values - values.dtype.type(1)) != 0)
-        first_error.add(is_wrong, column.name, values, "a power of two")
+        without_lowest_bit = values & (values - values.dtype.type(1))
+        is_wrong = (values < 1) | (without_lowest_bit != 0)
+        first_error.add(is_wrong, column.name, values, allowed="a power of two")
     if column.zero_means:
-        first_error.add(values == 0, column.name, values, f"1 to {column.zero_means}")
+        first_error.add(values == 0, column.name, values, allowed=f"1 to {column.zero_means}")
         values = np.where(values == column.zero_means, values.dtype.type(0), values)
     return _check_unsigned(values, first_error, column.name, (1 << column.width) - 1)
 
@@ -249,24 +295,17 @@ def _check_unsigned(values: Any, first_error: FirstError, name: str, highest: in
     bits = values.astype(np.uint64)
     if highest < (1 << 64) - 1:
         is_wrong = is_wrong | (bits > np.uint64(highest))
-    first_error.add(is_wrong, name, values, f"0 to {highest}")
+    first_error.add(is_wrong, name, values, allowed=f"0 to {highest}")
     return bits
 
 
-def _check_fit(bits: Any, width: int, values: Any, first_error: FirstError, name: str) -> Any:
-    """Return ``bits`` unchanged. If they do not fit into ``width`` bits, ``values`` are added to ``first_error``."""
-    if width < 64:
-        first_error.add(bits >> np.uint64(width) != 0, name, values, f"0 to {(1 << width) - 1}")
-    return bits
-
-
-def _encode_text(values: Any, column: Column, first_error: FirstError) -> Iterator[tuple[int, int, Any]]:
-    """Yield the characters of strings as pieces of 8 bits: lowest bit in the frame, 8, and a character of each frame.
+def _encode_text(values: Any, column: Column, first_error: FirstError) -> Iterator[_Piece]:
+    """Yield the characters of strings as pieces of 8 bits.
 
     The first character is the most significant. Trailing NUL characters may be omitted. A longer string, or one with a
     character that is not Latin-1, is an error.
     """
-    length = column.width // 8
+    length = column.width // _CHARACTER_BITS
     # NumPy stores the characters of a bytes array (S) in one byte each, and those of a text array (U) in four.
     character_type = np.dtype(np.uint8 if values.dtype.kind == "S" else np.uint32)
     stored_count = values.dtype.itemsize // character_type.itemsize
@@ -275,10 +314,13 @@ def _encode_text(values: Any, column: Column, first_error: FirstError) -> Iterat
     # Without gaps and in the byte order of this machine, the memory of the strings can be viewed as characters.
     contiguous_values = np.ascontiguousarray(values, values.dtype.newbyteorder("="))
     letters[:, :stored_count] = contiguous_values.view(character_type).reshape(len(values), stored_count)
-    is_wrong = (letters > 255).any(1) | letters[:, length:].any(1)
-    first_error.add(is_wrong, column.name, values, f"{length} Latin-1 characters")
+    is_not_latin_1 = (letters > _LAST_LATIN_1).any(axis=1)
+    is_too_long = letters[:, length:].any(axis=1)
+    first_error.add(is_not_latin_1 | is_too_long, column.name, values, allowed=f"{length} Latin-1 characters")
     for index in range(length):
-        yield column.low + 8 * (length - 1 - index), 8, letters[:, index].astype(np.uint64)
+        following_characters = length - 1 - index
+        low = column.low + _CHARACTER_BITS * following_characters
+        yield _Piece(low, _CHARACTER_BITS, letters[:, index].astype(np.uint64))
 
 
 def _insert_join(
@@ -295,10 +337,11 @@ def _insert_join(
         column = by_name[name]
         if not column.width:
             continue
-        bits = (joined_numbers >> np.uint64(offset)) & np.uint64((1 << column.width) - 1)
-        if all(field_name in arrays for field_name in list_names(column)):
+        bits = shift_right(joined_numbers, offset) & bit_mask(column.width)
+        is_given_separately = all(field_name in arrays for field_name in list_names(column))
+        if is_given_separately:
             separate_bits = Chunk(limbs, shape.bits).take(column.low, column.width)
-            first_error.add(separate_bits != bits, join.name, arrays[join.name], "equal to its fields")
+            first_error.add(separate_bits != bits, join.name, arrays[join.name], allowed="equal to its fields")
         else:
             _insert(limbs, column.low, column.width, bits)
 
@@ -308,15 +351,16 @@ def _insert_unused(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, fi
 
     The column has all unused bits side by side: ``place`` is a position in it, and ``low`` one in the frame.
     """
-    values = arrays.get("unused", np.zeros(len(limbs[0]), np.uint8))
-    bits = values.astype(np.uint64)
+    no_differences = np.zeros(len(limbs[0]), np.uint8)
+    differences = arrays.get("unused", no_differences)
+    difference_bits = differences.astype(np.uint64)
     unused_mask = sum(((1 << unused.width) - 1) << unused.place for unused in shape.unused)
-    is_outside = bits & np.uint64(~unused_mask & ((1 << 64) - 1)) != 0
-    first_error.add(is_outside, "unused", values, f"within the mask {unused_mask:#x}")
+    is_outside = difference_bits & ~np.uint64(unused_mask & ((1 << 64) - 1)) != 0
+    first_error.add(is_outside, "unused", differences, allowed=f"within the mask {unused_mask:#x}")
     for unused in shape.unused:
-        differing = bits >> np.uint64(unused.place)
-        sent = (differing ^ np.uint64(unused.value)) & np.uint64((1 << unused.width) - 1)
-        _insert(limbs, unused.low, unused.width, sent)
+        bits_in_manual = np.uint64(unused.value)
+        bits_to_send = shift_right(difference_bits, unused.place) ^ bits_in_manual
+        _insert(limbs, unused.low, unused.width, bits_to_send & bit_mask(unused.width))
 
 
 def _check_values(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:
@@ -333,24 +377,19 @@ def _check_values(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, fir
             possible_values = [value for value in check.values if not value >> check.width]
             allowed = "one of " + ", ".join(map(str, check.values))
             values = arrays.get(column.name, bits)
-            first_error.add(~np.isin(bits, possible_values), column.name, values, allowed)
+            first_error.add(~np.isin(bits, possible_values), column.name, values, allowed=allowed)
             continue
         is_within = are_within(bits, check, check.limit)
         if column.kind == "signed":
-            first_error.add(~is_within, column.name, arrays[column.name], f"{check.lowest} to {check.limit}")
+            first_error.add(~is_within, column.name, arrays[column.name], allowed=f"{check.lowest} to {check.limit}")
         else:
-            first_error.add(~is_within, column.name, bits, f"at most {check.limit}")
+            first_error.add(~is_within, column.name, bits, allowed=f"at most {check.limit}")
 
 
 def _finish(limbs: list[Any], shape: Shape) -> None:
     """Apply Gray code, then insert the parity bits, which cover it, and the CRC, which covers both."""
     if shape.gray is not None:
-        low, width = shape.gray
-        if shape.excess:  # No position and its excess together are wider than the bits.
-            limbs[0] += np.uint64(shape.excess << low)
-        # The Gray code of n is n ^ n >> 1.
-        number = (limbs[0] >> np.uint64(low)) & np.uint64((1 << width) - 1)
-        limbs[0] ^= (number >> np.uint64(1)) << np.uint64(low)
+        _convert_to_gray(limbs, *shape.gray, excess=shape.excess)
     chunk = Chunk(limbs, shape.bits)
     for check in shape.parities:
         _insert(limbs, check.low, check.width, compute_parity(chunk, check).astype(np.uint64))
@@ -358,6 +397,16 @@ def _finish(limbs: list[Any], shape: Shape) -> None:
         # The CRC bits are still 0, so the difference from them is the CRC.
         crc_bits = compare_crc(Chunk(limbs, shape.bits), shape.crc).astype(np.uint64)
         _insert(limbs, shape.crc.low, shape.crc.width, crc_bits)
+
+
+def _convert_to_gray(limbs: list[Any], low: int, width: int, excess: int) -> None:
+    """Add ``excess`` to the ``width`` bits from ``low`` on, and convert them to Gray code."""
+    if excess:
+        # No position and its excess together are wider than the bits.
+        limbs[0] += np.uint64(excess << low)
+    binary = shift_right(limbs[0], low) & bit_mask(width)
+    # The Gray code of n is n ^ n >> 1.
+    limbs[0] ^= shift_left(shift_right(binary, 1), low)
 
 
 def _convert_to_rows(limbs: list[Any], shape: Shape) -> Any:

@@ -6,7 +6,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from ..biss import ADDRESS_BITS, BYTE_BITS, HEADER_BITS, ZEROS, Outcome, Request, crc, decode_byte
+from ..biss import (
+    ADDRESS_BITS,
+    BYTE_BITS,
+    CRC_BITS,
+    HEADER_BITS,
+    ZEROS,
+    ControlHead,
+    Outcome,
+    Request,
+    append_bit,
+    decode_byte,
+)
 from ..errors import CrcError
 from ..packages import load
 
@@ -146,11 +157,11 @@ class Accesses:
     def _make_access(self, value: int | None, result: str, done: bool = False) -> Access:
         """Return the access with the ID and the address that were transmitted, and this value and result."""
         is_head_complete = self._state != self._follow_header or self._bit_count > ADDRESS_BITS
-        head = self._head if is_head_complete else self._sent >> 4
+        head = ControlHead.decode(self._head if is_head_complete else self._sent >> CRC_BITS)
         return Access(
             time=self._time,
-            slave_id=(head >> 7) & 7,
-            address=head & 0x7F,
+            slave_id=head.slave_id,
+            address=head.address,
             is_write=self._is_write,
             value=value,
             done=done,
@@ -163,28 +174,35 @@ class Accesses:
         The CDS bit of a cycle answers the CDM bit of the cycle before, so the header ends one cycle after W.
         """
         self._bit_count += 1
-        self._answers = (self._answers << 1) | cds
+        self._answers = append_bit(self._answers, cds)
         if self._bit_count <= HEADER_BITS:
-            self._sent = (self._sent << 1) | cdm
+            self._sent = append_bit(self._sent, cdm)
         if self._bit_count == ADDRESS_BITS:
-            self._head = self._sent >> 4
+            self._head = self._sent >> CRC_BITS
+            head = ControlHead.decode_with_crc(self._sent)
             # Commands have no registers, and a damaged header reaches no slave.
-            if self._sent & 0xF != crc(self._head, 11) or not self._head >> 10:
+            if head is None or not head.is_register_access:
                 self._end_access()
         elif self._bit_count == HEADER_BITS:
-            self._is_write = self._sent & 0b11 == 0b01
+            r_and_w = self._sent & 0b11
+            self._is_write = r_and_w == 0b01
         elif self._bit_count == HEADER_BITS + 1:
-            # The value is not known yet. Any value makes it a write.
-            request = Request((self._head >> 7) & 7, self._head & 0x7F, 0 if self._is_write else None)
-            outcome = request._check_echo(self._answers)
+            outcome = self._check_echo()
             if outcome is not Outcome.RUNNING:
                 yield self._make_access(None, outcome.value)
                 self._end_access()
-            else:
-                # The master continues with S, or ends the control frame.
-                self._state = self._follow_start
-                if not cdm:
-                    self._end_access()
+                return
+            # The master continues with S, or ends the control frame.
+            self._state = self._follow_start
+            if not cdm:
+                self._end_access()
+
+    def _check_echo(self) -> Outcome:
+        """Return the outcome of the answers to the header. RUNNING if the slave participates."""
+        head = ControlHead.decode(self._head)
+        # The value is not known yet. Any value makes it a write.
+        value = 0 if self._is_write else None
+        return Request(head.slave_id, head.address, value)._check_echo(self._answers)
 
     def _follow_start(self, cds: int, cdm: int) -> Iterator[Access]:
         """Follow the bits before a byte. The slave is busy until its start bit."""
@@ -205,19 +223,16 @@ class Accesses:
         """
         self._bit_count += 1
         if self._bit_count < BYTE_BITS:
-            self._answers = (self._answers << 1) | cds
-            self._sent = (self._sent << 1) | cdm
+            self._answers = append_bit(self._answers, cds)
+            self._sent = append_bit(self._sent, cdm)
         elif self._bit_count == BYTE_BITS:
-            self._answers = (self._answers << 1) | cds
+            self._answers = append_bit(self._answers, cds)
             value = _decode_value(self._sent if self._is_write else self._answers)
-            if self._is_write:
-                is_repeated = self._answers == self._sent
-                outcome = Outcome.DONE if is_repeated and value is not None else Outcome.BAD_ECHO
-            else:
-                outcome = Outcome.DONE if value is not None else Outcome.BAD_CRC
-            yield self._make_access(value, outcome.value, outcome is Outcome.DONE)
+            outcome = self._judge_byte(value)
+            is_done = outcome is Outcome.DONE
+            yield self._make_access(value, outcome.value, done=is_done)
             # This CDM bit is P. The control frame ends if it is 1.
-            if outcome is not Outcome.DONE or cdm:
+            if not is_done or cdm:
                 self._end_access()
         elif cdm:
             # The master continues with the next register.
@@ -225,6 +240,13 @@ class Accesses:
             self._state = self._follow_start
         else:
             self._end_access()
+
+    def _judge_byte(self, value: int | None) -> Outcome:
+        """Return the outcome of a byte, which is None if it has a CRC error. The slave must repeat a byte to write."""
+        if not self._is_write:
+            return Outcome.BAD_CRC if value is None else Outcome.DONE
+        is_repeated = self._answers == self._sent
+        return Outcome.DONE if is_repeated and value is not None else Outcome.BAD_ECHO
 
 
 def _decode_value(bits: int) -> int | None:

@@ -29,8 +29,8 @@ from ..files.stream import (
     decode_parts,
     find_target_format,
     make_plan,
-    open_for_writing,
 )
+from ..files.targets import open_for_writing
 from ..packages import load
 from ..reports import Interface
 from .accesses import Access, Accesses
@@ -43,6 +43,9 @@ from .uart import Kinds, find_exported_columns, find_replies, read_exported_byte
 __all__ = ["Access", "BissLayout", "Capture", "CaptureSummary", "Lost", "Probes"]
 
 np: Any = load("numpy")
+
+#: Digits of a time after the decimal point, in seconds: picoseconds.
+_TIME_DIGITS: Final = 12
 
 _NO_ANSWERS: Final[Mapping[str, Enum | str]] = MappingProxyType({})
 #: Maximum number of lost cycles and of accesses that a summary lists.
@@ -438,7 +441,7 @@ def _read_capture(
             for stretch in opened.stretches:
                 log.add(stretch)
                 frames.append(stretch.frames)
-                times.append(stretch.times)
+                times.append(_round_times(stretch.times))
         except InputError:
             _report_exchanged_lines(encoder, source, probes, layout, answers)
             raise
@@ -529,4 +532,9 @@ def _convert_stretches(opened: _CaptureFrames, log: _Log) -> Generator[Part, Non
     """Yield the frames with the column of their times, and add each stretch to the log."""
     for stretch in opened.stretches:
         log.add(stretch)
-        yield Part(stretch.frames, stretch.done, {opened.time: stretch.times})
+        yield Part(stretch.frames, stretch.done, {opened.time: _round_times(stretch.times)})
+
+
+def _round_times(seconds: Any) -> Any:
+    """Return times without the digits that computing them has added, such as 3e-05 for 2.9999999999999997e-05."""
+    return np.round(seconds, _TIME_DIGITS)

@@ -20,8 +20,9 @@ from typing import Any, BinaryIO, Final, NamedTuple
 from ..bulk.words import listed, short
 from ..errors import InputError, UsageError
 from ..packages import load
-from .signal_text import HEADER, HINT, measure_size, parse_rate, read_table_signals, read_vcd_signals
+from .signal_text import Voltages, measure_size, read_table_signals, read_vcd_signals
 from .signals import SAMPLES, Names, Signals, merge_edges, pack_bits, read_array, read_samples
+from .table_forms import HEADER, HINT, parse_rate
 
 np: Any = load("numpy")
 
@@ -80,7 +81,7 @@ def _open_single_file(
     head = file.read(HEADER)
     file.seek(0)
     if head.startswith(b"PK"):
-        return _read_session(stack, file, path, names, rate)
+        return _read_archive(stack, file, path, names, rate, threshold)
     if head.startswith(b"\x93NUMPY"):
         return _read_array_file(file, path, names, rate)
     if not head:
@@ -100,12 +101,24 @@ _MOST_UNPACKED: Final = 1 << 32
 _DAMAGED: Final = (zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError, OverflowError, RuntimeError)
 
 
-def _read_session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: float | None) -> Signals:
-    """Return the signals of a session: a ZIP file with metadata, and samples in files of a few megabytes."""
+def _read_archive(
+    stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: float | None, threshold: float | None
+) -> Signals:
+    """Return the signals of a ZIP file: a session of sigrok, or arrays of NumPy."""
     try:
         archive = stack.enter_context(zipfile.ZipFile(file))
-        if "metadata" not in archive.namelist() and any(name.endswith(".npy") for name in archive.namelist()):
-            return _read_array_archive(archive, path, names, rate)
+        file_names = archive.namelist()
+    except _DAMAGED:
+        raise InputError(path, "", "this is not a valid sigrok session") from None
+    has_arrays = any(file_name.endswith(".npy") for file_name in file_names)
+    if has_arrays and "metadata" not in file_names:
+        return _read_array_archive(archive, path, names, rate, threshold)
+    return _read_session(archive, path, names, rate)
+
+
+def _read_session(archive: zipfile.ZipFile, path: str, names: Names, rate: float | None) -> Signals:
+    """Return the signals of a session: a ZIP file with metadata, and samples in files of a few megabytes."""
+    try:
         with archive.open("metadata") as metadata:
             text = metadata.read(HEADER).decode("utf-8", "replace")
         config = ConfigParser(interpolation=None, strict=False)
@@ -267,36 +280,72 @@ def _read_array_parts(
         yield samples.astype(f"u{dtype.itemsize}", copy=False), done, None
 
 
-def _read_array_archive(archive: zipfile.ZipFile, path: str, names: Names, rate: float | None) -> Signals:
-    """Return the signals of an ``.npz`` file: one array of samples, or an array of 0 and 1 for each channel.
+class _Arrays(NamedTuple):
+    """Arrays of an ``.npz`` file: the channels by name, and the times and the sample rate in Hz, if it has them."""
 
-    The names of the arrays are those of the channels. A single number can give the sample rate, see ``_RATES``.
+    channels: dict[str, Any]
+    times: Any
+    rate: float | None
+
+
+def _load_arrays(archive: zipfile.ZipFile, path: str) -> _Arrays:
+    """Return the arrays of an ``.npz`` file. Raises InputError if one does not have numbers."""
+    channels: dict[str, Any] = {}
+    times: Any = None
+    rate: float | None = None
+    for file_name in archive.namelist():
+        name = file_name.removesuffix(".npy")
+        array = _read_array_in(archive, file_name, path)
+        if array.dtype.kind not in "uibf":
+            raise InputError(path, "", f"expected numbers in {short(name)}, got {array.dtype}")
+        if array.ndim == 1 and name.lower() in _TIMES:
+            times = array.astype(np.float64)
+        elif array.ndim:
+            channels[name] = array
+        elif name.lower() in _RATES and array > 0:
+            # An array without dimensions is a single number.
+            rate = rate or float(array)
+    return _Arrays(channels, times, rate)
+
+
+def _read_array_archive(
+    archive: zipfile.ZipFile, path: str, names: Names, rate: float | None, threshold: float | None
+) -> Signals:
+    """Return the signals of an ``.npz`` file: one array of samples, or an array for each channel.
+
+    The names of the arrays are those of the channels. A channel has levels, 0 and 1, or voltages. A single number can
+    give the sample rate, see ``_RATES``, and an array the times in seconds, see ``_TIMES``.
     """
     total = sum(info.file_size for info in archive.infolist())
     if total > _MOST_UNPACKED:
         raise InputError(path, "", f"the samples have {total / 1e9:.1f} GB unpacked: save a shorter capture")
-    arrays: dict[str, Any] = {}
-    for file_name in archive.namelist():
-        name = file_name.removesuffix(".npy")
-        array = _read_array_in(archive, file_name, path)
-        # An array without dimensions is a single number.
-        if array.ndim:
-            arrays[name] = array
-        elif name.lower() in _RATES and array.dtype.kind in "uif" and array > 0:
-            rate = rate or float(array)
-    columns = list(arrays.values())
-    are_whole_numbers = all(column.dtype.kind in "uib" for column in columns)
-    if len(columns) == 1 and are_whole_numbers:
-        return read_array(columns[0], names, rate)
-    have_one_length = len({column.shape for column in columns}) == 1
-    if not have_one_length or not are_whole_numbers or any(column.ndim != 1 for column in columns):
+    channels, times, rate_in_file = _load_arrays(archive, path)
+    sample_rate = rate or rate_in_file
+    arrays = list(channels.values())
+    if len(arrays) == 1 and arrays[0].dtype.kind != "f" and times is None:
+        return read_array(arrays[0], names, sample_rate)
+    columns = arrays if times is None else [times, *arrays]
+    if len({column.shape for column in columns}) != 1 or any(column.ndim != 1 for column in columns):
         raise InputError(
             path, "", "expected one array of samples, or an array of 0 and 1 of the same length per channel"
         )
-    places = names.places([*arrays], path)
-    samples = pack_bits(np.stack([columns[place] for place in places], 1))
+    places = names.places([*channels], path)
+    cells = np.stack([arrays[place] for place in places], 1)
+    samples = pack_bits(_convert_to_levels(cells, threshold))
     masks = tuple(1 << bit for bit in range(len(places)))
-    return Signals(read_samples([(samples, len(samples), None)], masks), 1 / rate if rate else None, True, len(samples))
+    edges = read_samples([(samples, len(samples), times)], masks)
+    if times is None:
+        return Signals(edges, seconds=1 / sample_rate if sample_rate else None, is_sampled=True, total=len(samples))
+    if not (np.diff(times) >= 0).all():
+        raise InputError(path, "", "the times are not in ascending order")
+    return Signals(edges, seconds=1.0, is_sampled=False, total=len(samples))
+
+
+def _convert_to_levels(cells: Any, threshold: float | None) -> Any:
+    """Return the levels of samples, a column for each channel. Numbers other than 0 and 1 are voltages."""
+    if threshold is None and ((cells == 0) | (cells == 1)).all():
+        return cells
+    return Voltages(cells.min(axis=0), cells.max(axis=0), threshold).levels(cells)
 
 
 def _read_array_in(archive: zipfile.ZipFile, name: str, path: str) -> Any:
@@ -309,6 +358,8 @@ def _read_array_in(archive: zipfile.ZipFile, name: str, path: str) -> Any:
 
 #: Names of a sample rate in Hz next to the arrays of a file.
 _RATES: Final = ("rate", "samplerate", "sample_rate", "fs")
+#: Names of an array of times in seconds.
+_TIMES: Final = ("time", "times", "t", "seconds")
 
 
 # Saleae's binary files

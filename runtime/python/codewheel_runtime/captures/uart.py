@@ -25,6 +25,8 @@ np: Any = load("numpy")
 _BITS: Final = 10
 #: Number of bytes that are kept until the next stretch of the capture arrives.
 _KEPT: Final = 64
+#: Most bytes after the last reply that may be an incomplete reply, with the request before it.
+_LONGEST_INCOMPLETE: Final = 4 * _KEPT
 #: Longest pause within a message, in byte times.
 _PAUSE: Final = 20
 
@@ -320,15 +322,16 @@ class _Replies:
         self, until: int, names: Sequence[str], reply_kinds: list[int], request_lengths: list[int]
     ) -> _Places:
         """Return the places of the replies that begin before ``until``, one after another, and of the gaps."""
-        count = len(self._values)
+        byte_count = len(self._values)
         starts: dict[str, list[int]] = {name: [] for name in names}
         gaps: list[tuple[int, int]] = []
-        index = gap_start = 0
+        index = 0
+        gap_start = 0
         while index < until:
             # A reply after a request takes precedence over one that seems to begin at the request, such as its echo.
-            reply_start = index + request_lengths[index]
-            if not (index < reply_start < count and reply_kinds[reply_start] >= 0):
-                reply_start = index
+            after_request = index + request_lengths[index]
+            has_reply_after = index < after_request < byte_count and reply_kinds[after_request] >= 0
+            reply_start = after_request if has_reply_after else index
             if reply_kinds[reply_start] < 0:
                 index += 1
                 continue
@@ -336,10 +339,12 @@ class _Replies:
                 gaps.append((gap_start, index))
             name = names[reply_kinds[reply_start]]
             starts[name].append(reply_start)
-            gap_start = index = reply_start + self._kinds.replies[name].length
-        end = min(max(index, gap_start), count)
+            index = reply_start + self._kinds.replies[name].length
+            gap_start = index
+        end = min(index, byte_count)
         # The last bytes may begin a reply that is not complete yet, unless the capture ends.
-        if until != count and gap_start < end <= gap_start + 4 * _KEPT:
+        is_short_gap = gap_start < end <= gap_start + _LONGEST_INCOMPLETE
+        if is_short_gap and until != byte_count:
             end = gap_start
         if gap_start < end:
             gaps.append((gap_start, end))
@@ -353,10 +358,11 @@ class _Replies:
         lost: list[Lost] = []
         reply_starts = [*places.starts.get(self.wanted, [])]
         for first, end in places.gaps:
-            # The bytes after the request, if the gap begins with one and goes on.
-            after_request = first + request_lengths[first] if request_lengths[first] < end - first else first
-            if self._is_damaged_reply(first, after_request, end):
-                reply_starts.append(after_request)
+            after_request = first + request_lengths[first]
+            # A gap can be a request alone.
+            reply_start = after_request if after_request < end else first
+            if self._is_damaged_reply(first, reply_start, end):
+                reply_starts.append(reply_start)
             else:
                 lost.append(Lost(float(self._times[first]), self._explain_loss(first, end, request_lengths)))
         reply_starts.sort()

@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Commands for the bench: decode captures, draw plots, and show an encoder live."""
+"""Commands for captures: decode them, and draw plots."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import json
 import os
 import re
 import sys
-from contextlib import nullcontext
 from importlib import import_module
 from typing import Any
 
@@ -21,7 +20,6 @@ from ..errors import InputError, UsageError
 from ..files.inputs import Stored, read_seconds
 from ..files.layouts import find_shape
 from ..files.sources import find_kind, open_source
-from ..reports import Interface
 from .common import USAGE, Failed, find_encoder, missing_package_error, show_progress
 
 np: Any = import_module("numpy")
@@ -106,45 +104,6 @@ def _list_rows(frames: Any) -> list[bytes | None]:
 def _list_numbers(frames: Any) -> Any:
     """Return numbers as a list. A missing frame is None."""
     return frames.tolist() if hasattr(frames, "tolist") else frames
-
-
-def monitor(package: str, chosen: argparse.Namespace) -> None:
-    """Show an encoder live, and record its readings."""
-    from .. import link
-    from .monitor import watch
-    from .record import open_recorder
-
-    encoder = find_encoder(package, chosen)
-    if encoder.interface is not Interface.RS485:
-        is_spi = encoder.interface is Interface.SPI
-        how = "export the words that it finds, and use 'decode'" if is_spi else "use 'capture'"
-        problem = f"{encoder.code} has the interface {encoder.interface.title}, and a serial port cannot send its clock"
-        raise Failed(f"{problem}: record it with a logic analyser, and {how}", USAGE)
-    # On a terminal, readings are shown. In a pipe, they are written as a table.
-    target = chosen.output if chosen.output or sys.stdout.isatty() else "-"
-    out = sys.stderr if target == "-" else sys.stdout
-    try:
-        with (
-            show_progress(package, chosen.port),
-            open_recorder(target, chosen.write, chosen.force) if target else nullcontext() as recorder,
-            # Without retries, every error is counted.
-            link.open_encoder(chosen.port, encoder, retries=0) as opened,
-        ):
-            readings = watch(
-                opened,
-                encoder,
-                chosen.port,
-                count=chosen.count,
-                interval_s=chosen.interval,
-                out=out,
-                recorder=recorder,
-                is_shown=target != "-",
-            )
-    except link.LinkError as error:
-        raise Failed(error) from None
-    if 100 * readings.failures > chosen.max_errors * readings.total:
-        failures_text = f"{readings.failures} of {readings.total} readings failed"
-        raise Failed(f"{failures_text}; --max-errors is {chosen.max_errors:g}")
 
 
 def _take_encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLayout:

@@ -13,7 +13,7 @@ from typing import Any, Final, NamedTuple
 from ..bulk.table import SpeedUnit, Table, Unit
 from ..captures.clocked import Lost
 from ..errors import ErrorKind, UsageError
-from ..files.stream import open_for_writing
+from ..files.targets import open_for_writing
 
 np: Any = import_module("numpy")
 _FIGURE: Any = import_module("matplotlib.figure")

@@ -11,6 +11,7 @@ from typing import Any, BinaryIO, Final, NamedTuple
 from ..bulk.shape import Shape
 from ..bulk.words import DigitKind
 from ..packages import load
+from .inputs import FIRST
 
 np: Any = load("numpy")
 
@@ -120,23 +121,28 @@ def make_block_reader(
 
     def read(block: bytes) -> Block | None:
         """Return the frames and the other columns of whole lines, or None if they need the slower reader."""
+        # pyarrow must not split the block.
         options = csv.ReadOptions(column_names=columns, use_threads=False, block_size=len(block) + 1)
         line_count = block.count(b"\n")
         try:
             table = csv.read_csv(pa.BufferReader(block), options, parse, convert).combine_chunks()
-            if table.num_rows != line_count and b'"' in block:
-                # A line end in quotes belongs to its cell.
+            has_line_end_in_quotes = table.num_rows != line_count and b'"' in block
+            if has_line_end_in_quotes:
                 return None
             cells = table.column(0).chunk(0) if table.num_rows else pa.array([], pa.string())
-            frames = _read_bytes(cells, shape.length, pc) if shape.length else _read_words(cells, digits, pa, pc)
+            if shape.length:
+                frames = _read_bytes(cells, shape.length, pc)
+            else:
+                frames = _read_words(cells, digits, pa, pc)
         except pa.ArrowInvalid:
             return None
         if frames is None:
             return None
         other_columns = {name: table.column(index).combine_chunks() for index, (_, name) in enumerate(kept_columns, 1)}
-        last = cells[-1].as_py() if len(cells) else ""
-        # The first 1000 cells are for the check of the first frames.
-        return Block(frames, other_columns, cells.slice(0, 1000).to_pylist(), last, line_count)
+        last_cell = cells[-1].as_py() if len(cells) else ""
+        # These cells are for the check of the first frames.
+        first_cells = cells.slice(0, FIRST).to_pylist()
+        return Block(frames, other_columns, first_cells, last_cell, line_count)
 
     return read
 
@@ -163,15 +169,21 @@ def _read_words(cells: Any, digits: DigitKind | None, pa: Any, pc: Any) -> Any:
 
 def _read_bytes(cells: Any, length: int, pc: Any) -> Any:
     """Return rows of bytes, or None if a cell has a different length or is not hexadecimal."""
-    cells = pc.replace_substring(cells, " ", "")
-    count = len(cells)
+    packed_cells = pc.replace_substring(cells, " ", "")
+    count = len(packed_cells)
     # Arrow stores the cells one after another in ``data``, and the start of each in ``offsets``.
-    _, offsets, data = cells.buffers()
-    starts = np.frombuffer(offsets, np.int32)[cells.offset : cells.offset + count + 1]
-    if not count or (np.diff(starts) != 2 * length).any():
+    _, offsets, data = packed_cells.buffers()
+    first = packed_cells.offset
+    starts = np.frombuffer(offsets, np.int32)[first : first + count + 1]
+    cell_lengths = np.diff(starts)
+    digits_per_cell = 2 * length
+    if not count or (cell_lengths != digits_per_cell).any():
         return None
-    digits = _HEX[np.frombuffer(data, np.uint8, 2 * length * count, int(starts[0]))]
+    characters = np.frombuffer(data, np.uint8, count=digits_per_cell * count, offset=int(starts[0]))
+    digits = _HEX[characters]
     # 255 stands for a character that is not a hexadecimal digit.
     if digits.max() > 15:
         return None
-    return ((digits[::2] << 4) | digits[1::2]).reshape(count, length)
+    high_digits = digits[::2]
+    low_digits = digits[1::2]
+    return ((high_digits << 4) | low_digits).reshape(count, length)

@@ -24,25 +24,31 @@ def read_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
     """
     packed = text.replace(" ", "").replace("_", "")
     if shape.length:
-        hex_digits = packed[2:] if packed[:2] in ("0x", "0X") else packed
-        if not _HEX.fullmatch(hex_digits) or len(hex_digits) % 2:
-            raise ValueError(f"{short(text)} is not a row of hexadecimal bytes")
-        return bytes.fromhex(hex_digits)
+        return _read_bytes(packed, text)
     if _PREFIXED.fullmatch(packed):
         return int(packed, 0)
+    is_decimal = _DECIMAL.fullmatch(packed) is not None
     if digits == "decimal":
-        if not _DECIMAL.fullmatch(packed):
+        if not is_decimal:
             raise ValueError(f"{short(text)} is not a decimal number")
         return int(packed, 10)
     if not _HEX.fullmatch(packed):
         raise ValueError(f"{short(text)} is not a hexadecimal number")
+    if digits is None and is_decimal:
+        choice = "choose --digits decimal or --digits hex, or put 0x in front"
+        raise ValueError(f"{short(text)} can be decimal or hexadecimal: {choice}")
     if digits is None:
-        is_ambiguous = _DECIMAL.fullmatch(packed) is not None
-        bases = (
-            "can be decimal or hexadecimal: choose --digits decimal or" if is_ambiguous else "is hexadecimal: choose"
-        )
-        raise ValueError(f"{short(text)} {bases} --digits hex, or put 0x in front")
+        raise ValueError(f"{short(text)} is hexadecimal: choose --digits hex, or put 0x in front")
     return int(packed, 16)
+
+
+def _read_bytes(packed: str, text: str) -> bytes:
+    """Return the hexadecimal bytes in ``packed``. ``text`` is the cell, for the error."""
+    has_prefix = packed[:2] in ("0x", "0X")
+    hex_digits = packed[2:] if has_prefix else packed
+    if not _HEX.fullmatch(hex_digits) or len(hex_digits) % 2:
+        raise ValueError(f"{short(text)} is not a row of hexadecimal bytes")
+    return bytes.fromhex(hex_digits)
 
 
 class Cells:

@@ -18,6 +18,7 @@ from typing import Any, Final, Literal, NamedTuple
 from ..errors import InputError
 from ..packages import load
 from .accesses import ControlBits
+from .bit_timing import BitTiming, refine_timing
 from .signals import Edges, Signals
 
 np: Any = load("numpy")
@@ -28,13 +29,14 @@ _REST: Final = 1.4
 _SPIKE: Final = 0.15
 #: Longest delay of a data line, in clock periods, for which the finder waits for the next stretch of the capture.
 _DELAY: Final = 256
-#: With fewer samples per clock period, the positions of edges are averaged, and so are the delays of some bits.
+#: With fewer samples per clock period, the positions of edges are averaged, and so are the delays of all bits.
 _COARSE: Final = 8
-_AVERAGED: Final = 16
 #: Number of edges without a pause after which a signal is not considered a clock.
 _ENDLESS: Final = 1 << 22
 #: Shortest pause, so that no period is 0.
 _LEAST: Final = 1e-12
+#: Shortest period, as a fraction of the pause.
+_SHORTEST_PERIOD: Final = 1e-6
 #: Number of edges of the clock that are needed to determine its period.
 _FEW: Final = 64
 
@@ -130,12 +132,25 @@ class _Cycles(NamedTuple):
     period: Any
 
 
-class _Timing(NamedTuple):
-    """Times of the rising edges of the clock in each cycle, delay of the data line, and time to the middle of a bit."""
+class _StartBits(NamedTuple):
+    """Start bits of BiSS cycles: arrays with an element for each cycle.
 
-    edges: Any
+    Attributes:
+        first_level: Level of the data line before the cycle.
+        data_fall: Time at which the data line goes low, as an acknowledgement. Infinity if it stays high.
+        data_rise: Time at which the data line rises with the start bit. Infinity if it stays low.
+        rise_number: Number of the rising edge of the clock that shifts out the start bit, from 0. -1 if the data line
+            rises before the first one.
+        delay: Delay of the start bit after this edge.
+        late_periods: Whole periods by which the acknowledgement, and so the data line, is late.
+    """
+
+    first_level: Any
+    data_fall: Any
+    data_rise: Any
+    rise_number: Any
     delay: Any
-    half_bit: Any
+    late_periods: Any
 
 
 class _Bits(NamedTuple):
@@ -231,22 +246,32 @@ class _CycleFinder:
 
     def _take_cycles(self, ends: Any, is_last: bool = False) -> CapturedFrames:
         """Return the frames in the cycles that end before the edges ``ends``, and forget the edges of these cycles."""
-        clock, levels = self._clock, self._levels
         if not len(ends):
             return CapturedFrames(np.zeros(0, np.uint64), np.zeros(0), [], self._done)
         starts = np.concatenate([[0], ends[:-1]])
         frames = self._find_frames(starts, ends, is_last)
-        cycle_end = int(ends[-1])
-        # The data line may change after the clock rests, so its edges are kept up to the next cycle.
-        until = np.inf if is_last else clock[cycle_end - 1] + self._rest
-        if cycle_end < len(clock):
-            until = clock[cycle_end]
-        used_count = int(np.searchsorted(self._data, until, "left"))
+        last_end = int(ends[-1])
+        data_end = self._find_data_end(last_end, is_last)
         # An odd number of forgotten edges inverts the level before the remaining ones.
-        self._levels = (levels[0] ^ (cycle_end & 1), levels[1] ^ (used_count & 1))
-        self._clock, self._data = clock[cycle_end:], self._data[used_count:]
+        clock_level, data_level = self._levels
+        self._levels = (clock_level ^ (last_end & 1), data_level ^ (data_end & 1))
+        self._clock = self._clock[last_end:]
+        self._data = self._data[data_end:]
         self._begin = -np.inf
         return frames
+
+    def _find_data_end(self, clock_end: int, is_last: bool) -> int:
+        """Return the number of edges of the data line that belong to the cycles before the edge ``clock_end``.
+
+        The data line may change after the clock rests, so its edges up to the next cycle belong to them.
+        """
+        if clock_end < len(self._clock):
+            next_cycle = self._clock[clock_end]
+        elif is_last:
+            next_cycle = np.inf
+        else:
+            next_cycle = self._clock[clock_end - 1] + self._rest
+        return int(np.searchsorted(self._data, next_cycle, "left"))
 
     def _find_frames(self, starts: Any, ends: Any, is_last: bool) -> CapturedFrames:
         """Return the frames in cycles with edges from ``starts`` to ``ends``, and the lost cycles with their reasons.
@@ -263,15 +288,12 @@ class _CycleFinder:
         # Over BiSS, CDS is in front of the frame.
         front_bits = 1 if self._is_biss else 0
         levels = self._read_levels(cycles, bits, good, front_bits + self._bits)
-        words = np.zeros(len(good), np.uint64)
-        for column in range(front_bits, front_bits + self._bits):
-            words = (words << np.uint64(1)) | levels[:, column].astype(np.uint64)
         lost = self._list_lost_cycles(cycles, bits)
         is_cut_off = is_last and bits.reasons[-1] and self._end - cycles.last[-1] < self._rest
         if lost and is_cut_off:
             lost[-1] = Lost(lost[-1].time, _MESSAGES[_CUT])
         return CapturedFrames(
-            frames=words,
+            frames=_join_bits(levels[:, front_bits:]),
             times=cycles.begin[good] * self._unit,
             lost=lost,
             done=self._done,
@@ -289,21 +311,22 @@ class _CycleFinder:
     def _find_cycles(self, starts: Any, ends: Any) -> _Cycles:
         """Return the cycles with edges from ``starts`` to ``ends``. Those without a falling edge are left out."""
         clock = self._clock
-        # The first falling edge of each cycle. The level before edge n is the first level, inverted if n is odd. If it
-        # is 0, the edge rises and the next one falls.
-        falls = starts + ((starts & 1) == self._levels[0])
+        # The level before edge n is the first level, inverted if n is odd. After a low level, the next edge rises, and
+        # the one after it is the first that falls.
+        is_low_before = (starts & 1) == self._levels[0]
+        falls = starts + is_low_before
         # Time of the first edge after each cycle. After the last cycle there may be none.
-        next_edges = np.append(clock[ends[:-1]], np.inf) if len(ends) else np.zeros(0)
-        if ends[-1] < len(clock):
-            next_edges[-1] = clock[ends[-1]]
+        next_edges = np.append(clock, np.inf)[ends]
         # The end of a time-out is an edge without a cycle.
         has_fall = falls < ends
         ends, falls, next_edges = ends[has_fall], falls[has_fall], next_edges[has_fall]
-        begin, last = clock[falls], clock[ends - 1]
+        begin = clock[falls]
+        last = clock[ends - 1]
         rises = (ends - falls) // 2
-        # The edges of a cycle are half a period apart on average. With one rising edge, it follows from the rest.
-        period = np.where(rises > 1, 2 * (last - begin) / np.maximum(ends - 1 - falls, 1), self._rest / _REST)
-        period = np.maximum(period, 1e-6 * self._rest)
+        # The edges of a cycle are half a period apart on average. With one rising edge, the rest shows the period.
+        half_periods = np.maximum(ends - 1 - falls, 1)
+        period = np.where(rises > 1, 2 * (last - begin) / half_periods, self._rest / _REST)
+        period = np.maximum(period, _SHORTEST_PERIOD * self._rest)
         return _Cycles(falls=falls, ends=ends, rises=rises, begin=begin, last=last, after=next_edges, period=period)
 
     def _find_biss_bits(self, cycles: _Cycles) -> _Bits:
@@ -311,50 +334,69 @@ class _CycleFinder:
 
         If several reasons apply to a cycle, the last one that is set below counts.
         """
-        clock, falls, ends = self._clock, cycles.falls, cycles.ends
-        last, period = cycles.last, cycles.period
-        # The data line goes low as an acknowledgement, and rises with the start bit.
-        first_index = np.searchsorted(self._data, cycles.begin, "left")
-        level = self._levels[1] ^ (first_index & 1)
-        padded = np.append(self._data, [np.inf, np.inf])
-        data_fall, data_rise = padded[first_index], padded[first_index + 1]
-        # Number of the rising edge of the clock that shifts out the start bit, from 0. -1 if it comes before the first.
-        start_rise = (np.searchsorted(clock, data_rise, "right") - falls) // 2 - 1
-        # A delayed data line shifts the start bit by whole periods.
-        start_bit = falls + 1 + 2 * np.maximum(start_rise, 0)
-        second_rise = clock[np.minimum(falls + 3, ends - 1)]
-        # Whole periods by which the acknowledgement, and so the data line, is late.
-        acknowledgement = np.where(np.isfinite(data_fall), data_fall, 0)
-        late_periods = np.maximum(np.floor((acknowledgement - second_rise) / period), 0)
+        start_bits = self._find_start_bits(cycles)
+        data_rise = start_bits.data_rise
         # CDS and the frame need this many rising edges after the start bit.
-        rises_after_start = cycles.rises - 1 - (start_rise - late_periods)
-        is_start_late = (data_rise > last + period * (late_periods + 2)) | (data_rise >= cycles.after)
-        reasons = np.zeros(len(falls), np.int64)
-        reasons[rises_after_start < self._bits + 1] = _SHORT
-        reasons[is_start_late | (start_rise < 0)] = _NO_START
-        reasons[data_fall > np.minimum(cycles.after, last + _DELAY * period)] = _HIGH
-        reasons[level == 0] = _LOW
-        delay = data_rise - clock[np.minimum(start_bit, len(clock) - 1)]
-        # The first of these rising edges is that of CDS.
+        rises_needed = self._bits + 1
+        rises_after_start = cycles.rises - 1 - (start_bits.rise_number - start_bits.late_periods)
+        latest_start = cycles.last + cycles.period * (start_bits.late_periods + 2)
+        latest_acknowledgement = np.minimum(cycles.after, cycles.last + _DELAY * cycles.period)
+        has_no_start = (data_rise > latest_start) | (data_rise >= cycles.after) | (start_bits.rise_number < 0)
+        reasons = np.zeros(len(cycles.falls), np.int64)
+        reasons[rises_after_start < rises_needed] = _SHORT
+        reasons[has_no_start] = _NO_START
+        reasons[start_bits.data_fall > latest_acknowledgement] = _HIGH
+        reasons[start_bits.first_level == 0] = _LOW
+        # The first rising edge after the start bit is that of CDS.
         sent = np.where(reasons == _SHORT, np.maximum(rises_after_start - 1, 0), cycles.rises)
-        return _Bits(reasons=reasons, skipped=start_rise + 1, delay=delay, sent=sent)
+        return _Bits(reasons=reasons, skipped=start_bits.rise_number + 1, delay=start_bits.delay, sent=sent)
+
+    def _find_start_bits(self, cycles: _Cycles) -> _StartBits:
+        """Return the start bits: the data line goes low as an acknowledgement, and rises with the start bit."""
+        clock, falls = self._clock, cycles.falls
+        first_index = np.searchsorted(self._data, cycles.begin, "left")
+        # Edges that are missing at the end come never.
+        data_edges = np.append(self._data, [np.inf, np.inf])
+        data_fall = data_edges[first_index]
+        data_rise = data_edges[first_index + 1]
+        edges_before_rise = np.searchsorted(clock, data_rise, "right") - falls
+        rise_number = edges_before_rise // 2 - 1
+        # The first rising edge follows the first falling one, and every second edge rises.
+        start_edge = falls + 1 + 2 * np.maximum(rise_number, 0)
+        second_rise = clock[np.minimum(falls + 3, cycles.ends - 1)]
+        acknowledgement = np.where(np.isfinite(data_fall), data_fall, 0)
+        late_periods = np.maximum(np.floor((acknowledgement - second_rise) / cycles.period), 0)
+        return _StartBits(
+            first_level=self._levels[1] ^ (first_index & 1),
+            data_fall=data_fall,
+            data_rise=data_rise,
+            rise_number=rise_number,
+            delay=data_rise - clock[np.minimum(start_edge, len(clock) - 1)],
+            late_periods=late_periods,
+        )
 
     def _find_ssi_bits(self, cycles: _Cycles) -> _Bits:
         """Return the bits, one for each rising edge. The first change of the data line shows its delay."""
-        clock, falls, ends = self._clock, cycles.falls, cycles.ends
-        # The first change of the data line after the first rising edge of the clock, and the rising edge before it.
+        clock, falls = self._clock, cycles.falls
+        last_edge = cycles.ends - 1
+        first_rise = clock[np.minimum(falls + 1, last_edge)]
         # The index after the last edge finds infinity: the data line does not change any more.
-        padded = np.append(self._data, [np.inf, np.inf])
-        first_rise = clock[np.minimum(falls + 1, ends - 1)]
-        change = padded[np.searchsorted(self._data, first_rise, "left")]
+        data_edges = np.append(self._data, np.inf)
+        change = data_edges[np.searchsorted(self._data, first_rise, "left")]
+        # The rising edge before the change. The first one follows the first falling edge, and every second edge rises.
         rises_before = (np.searchsorted(clock, change, "right") - falls) // 2
         nearest_rise = falls + 1 + 2 * np.maximum(rises_before - 1, 0)
+        measured_delay = change - clock[np.minimum(nearest_rise, last_edge)]
         # Without a change in the cycle, or with one more than a period after its edge, the delay is not known.
-        delay = np.where(change < cycles.last + cycles.period, change - clock[np.minimum(nearest_rise, ends - 1)], 0.0)
-        delay = np.where(delay < cycles.period, delay, 0.0)
+        is_known = (change < cycles.last + cycles.period) & (measured_delay < cycles.period)
         reasons = np.zeros(len(falls), np.int64)
         reasons[cycles.rises < self._bits] = _SHORT
-        return _Bits(reasons=reasons, skipped=np.zeros(len(falls), np.int64), delay=delay, sent=cycles.rises)
+        return _Bits(
+            reasons=reasons,
+            skipped=np.zeros(len(falls), np.int64),
+            delay=np.where(is_known, measured_delay, 0.0),
+            sent=cycles.rises,
+        )
 
     def _find_shortest_gaps(self, cycles: _Cycles) -> Any:
         """Return the shortest time between two successive edges of each cycle, from its first falling edge on."""
@@ -380,56 +422,22 @@ class _CycleFinder:
         ``good`` are the indices of these cycles, and ``count`` the number of bits to read, which are the columns.
         """
         falls, rises, period = cycles.falls[good], cycles.rises[good], cycles.period[good]
-        delay = bits.delay[good]
-        clock, data = self._clock, self._data
-        # The rising edge of each bit. After the last one, the period of the clock continues.
+        # Number of the rising edge of each bit. After the last edge, the period of the clock continues.
         rise_numbers = bits.skipped[good][:, None] + np.arange(count)[None, :]
-        rises_beyond = np.maximum(rise_numbers - (rises - 1)[:, None], 0)
-        # The edges after the first falling one are rising and falling in turn.
-        edge_indices = falls[:, None] + 1 + 2 * (rise_numbers - rises_beyond)
-        times = clock[edge_indices]
-        if rises_beyond.any():
-            times += rises_beyond * period[:, None]
+        last_rise = (rises - 1)[:, None]
+        rises_beyond = np.maximum(rise_numbers - last_rise, 0)
+        # The first rising edge follows the first falling one, and every second edge rises.
+        edge_indices = falls[:, None] + 1 + 2 * np.minimum(rise_numbers, last_rise)
+        edges = self._clock[edge_indices] + rises_beyond * period[:, None]
         # A bit changes up to one sample before its edge is seen.
-        timing = _Timing(edges=times, delay=delay, half_bit=period / 2 - self._early)
-        if self._early and len(period) and period.min() < _COARSE:
-            timing = self._refine(timing, rises_beyond == 0)
-        times = timing.edges + (timing.delay + timing.half_bit)[:, None]
+        timing = BitTiming(edges, delay=bits.delay[good], half_bit=period / 2 - self._early)
+        has_few_samples = self._early and len(period) and period.min() < _COARSE
+        if has_few_samples:
+            timing = refine_timing(timing, rises_beyond == 0, self._data)
+        middles = timing.find_middles()
         # An odd number of edges before a time inverts the first level.
-        edge_counts = np.searchsorted(data, times.ravel(), "right").reshape(times.shape)
+        edge_counts = np.searchsorted(self._data, middles.ravel(), "right").reshape(middles.shape)
         return (edge_counts & 1) ^ self._levels[1]
-
-    def _refine(self, timing: _Timing, has_edge: Any) -> _Timing:
-        """Return the timing of cycles with few samples per period, exact to a fraction of a sample.
-
-        The edges are those of a straight line through all edges of a cycle, and the delay is the mean of those of all
-        bits. ``has_edge`` is False for times after the last edge. Cycles whose edges are not on a line, because the
-        clock is uneven, keep their timing.
-        """
-        times = timing.edges
-        # Least squares: the time of an edge (y) over its number (x).
-        x, weight = np.arange(times.shape[1], dtype=np.float64)[None, :], has_edge.astype(np.float64)
-        count = np.maximum(weight.sum(axis=1), 1)
-        mean_x, mean_y = (weight * x).sum(axis=1) / count, (weight * times).sum(axis=1) / count
-        x_offsets = (x - mean_x[:, None]) * weight
-        slope = (x_offsets * (times - mean_y[:, None])).sum(axis=1) / np.maximum(
-            (x_offsets * x_offsets).sum(axis=1), 1e-9
-        )
-        line = mean_y[:, None] + slope[:, None] * (x - mean_x[:, None])
-        # Sampling alone moves an edge by at most one sample.
-        is_even = (np.abs(line - times) * weight).max(axis=1) < 1.5
-        # The first edge of the data line near each bit.
-        expected = line + timing.delay[:, None]
-        data = np.append(self._data, np.inf)
-        next_edges = np.searchsorted(self._data, (expected - slope[:, None] / 2).ravel())
-        distances = data[next_edges].reshape(times.shape) - expected
-        is_near = distances < slope[:, None] / 2
-        mean_distance = np.where(is_near, distances, 0.0).sum(axis=1) / np.maximum(is_near.sum(axis=1), 1)
-        return _Timing(
-            edges=np.where(is_even[:, None], line, times),
-            delay=np.where(is_even, timing.delay + mean_distance, timing.delay),
-            half_bit=np.where(is_even, slope / 2, timing.half_bit),
-        )
 
     def _explain_loss(self, reason: int, bits_sent: int, is_cut: bool) -> str:
         """Return the reason why a cycle was lost. ``is_cut`` is True if the capture may begin within it."""
@@ -448,3 +456,11 @@ _MESSAGES: Final = {
     _SPIKED: "a very short pulse on the clock",
     _CUT: "the capture ends within this cycle",
 }
+
+
+def _join_bits(levels: Any) -> Any:
+    """Return rows of bits as numbers, the first bit as the most significant one."""
+    words = np.zeros(len(levels), np.uint64)
+    for column in range(levels.shape[1]):
+        words = (words << np.uint64(1)) | levels[:, column].astype(np.uint64)
+    return words

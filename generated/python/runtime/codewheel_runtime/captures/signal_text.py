@@ -6,34 +6,18 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Generator, Sequence
-from typing import Any, BinaryIO, Final, NamedTuple
+from typing import Any, BinaryIO, Final
 
 from ..bulk.words import short
 from ..errors import InputError
 from ..packages import load
 from .signals import Edges, Names, Signals, pack_bits, read_samples
+from .table_forms import STAMP, UNITS, TableForm, find_table_form
 
 np: Any = load("numpy")
 
 #: Number of bytes of text that are read at once, which is also the limit for a line.
 _BLOCK: Final = 1 << 20
-#: Limit for the size of a header.
-HEADER: Final = 1 << 16
-HINT: Final = (
-    "expected a sigrok session or CSV, a Saleae CSV or binary file, VCD, a table of 0 and 1 or of voltages, "
-    "or a NumPy file"
-)
-
-_RATE: Final = re.compile(r"\s*([0-9]{1,12}(?:\.[0-9]{1,9})?)\s*([kKMG]?)(?:Hz|S/s|Sa/s)?\s*")
-_PREFIXES: Final = {"": 1.0, "k": 1e3, "K": 1e3, "M": 1e6, "G": 1e9}
-
-
-def parse_rate(text: str) -> float | None:
-    """Return a sample rate such as ``24 MHz`` in samples per second, or None if the text is not one or is 0."""
-    match = _RATE.fullmatch(text)
-    if match is None:
-        return None
-    return float(match[1]) * _PREFIXES[match[2]] or None
 
 
 def measure_size(file: BinaryIO) -> int:
@@ -68,36 +52,8 @@ def _read_blocks(file: BinaryIO, path: str, kind: str) -> Generator[tuple[bytes,
         yield remainder + b"\n", done
 
 
-_UNITS: Final = {
-    "s": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "milliseconds": 1e-3,
-    "us": 1e-6, "µs": 1e-6, "microseconds": 1e-6,
-    "ns": 1e-9, "nanoseconds": 1e-9, "ps": 1e-12, "picoseconds": 1e-12, "fs": 1e-15, "femtoseconds": 1e-15,
-}  # fmt: skip
-_TIME: Final = re.compile(r"(?:time\s*)?[\[(]?(?P<unit>[a-zµ]*)[\])]?", re.IGNORECASE)
-
-
-#: Names of a column with the number of the sample.
-_NUMBERS: Final = ("sample", "samples", "sample number", "index", "no", "no.", "nr", "#")
-#: Time stamp of ISO 8601, as in CSV files of Saleae, without its time zone.
-_STAMP: Final = re.compile(rb"\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:\.\d{1,12})?")
 #: Part of the range of a voltage by which it must pass the threshold.
 _HYSTERESIS: Final = 0.1
-
-
-class _TableForm(NamedTuple):
-    """Form of a table.
-
-    ``unit`` is the unit of the time column in seconds. It is None if there is no such column, and 0 if its times are
-    not used. ``skipped`` is the number of lines before the first row. ``is_stamped`` is True if times are time stamps,
-    which are converted to seconds from the first one.
-    """
-
-    delimiter: str | None
-    channels: list[str]
-    unit: float | None
-    rate: float | None
-    skipped: int
-    is_stamped: bool = False
 
 
 def read_table_signals(
@@ -107,7 +63,7 @@ def read_table_signals(
 
     Columns can also have voltages. Those above ``threshold`` are 1. By default, it is in the middle of their range.
     """
-    form = _find_table_form(path, head)
+    form = find_table_form(path, head)
     places = names.places(form.channels, path)
     # A column of times or of numbers is in front of the channels.
     offset = int(form.unit is not None)
@@ -120,73 +76,8 @@ def read_table_signals(
     return Signals(edges, seconds=1 / sample_rate if sample_rate else None, is_sampled=True, total=total)
 
 
-def _find_table_form(path: str, head: bytes) -> _TableForm:
-    """Return the form of a table according to its first lines: comments, up to two headers, and rows."""
-    if len(head) == HEADER and b"\n" not in head:
-        raise InputError(path, "", "a line is too long: this is not a capture")
-    lines = head.decode("utf-8-sig", "replace").splitlines()
-    comments = [line.lstrip("; #") for line in lines if line[:1] in (";", "#")]
-    rows = [line for line in lines if line.strip() and line[:1] not in (";", "#")]
-    if not rows:
-        raise InputError(path, "", f"this is not a capture: {HINT}")
-    delimiter = max(",;\t", key=rows[0].count) if re.search("[,;\t]", rows[0]) else None
-    cells = _split_cells(rows[0], delimiter)
-    has_header = not _is_row(cells)
-    # An oscilloscope has a second header, with units.
-    unit_cells = _split_cells(rows[1], delimiter) if has_header and len(rows) > 2 else []
-    has_units = bool(unit_cells) and not _is_row(unit_cells) and _is_row(_split_cells(rows[2], delimiter))
-    header_count = has_header + has_units
-    if has_header and len(rows) > header_count and not _is_row(_split_cells(rows[header_count], delimiter)):
-        raise InputError(path, "", f"this is not a capture: {HINT}")
-    # Four rows are enough to recognise numbers of samples.
-    first_rows = [_split_cells(row, delimiter) for row in rows[header_count : header_count + 4]]
-    is_stamped = bool(first_rows) and bool(first_rows[0]) and _is_stamp(first_rows[0][0])
-    unit = _find_unit(unit_cells[0] if has_units else cells[0]) if has_header else None
-    if is_stamped:
-        unit = 1.0
-    elif unit is None and _are_numbered(first_rows):
-        unit = 0.0
-    if not has_header:
-        # Channels are numbered from 1. The column of times or of numbers is not a channel, so it gets 0.
-        cells = [str(number) for number in range(int(unit is None), len(cells) + int(unit is None))]
-    channels = cells[unit is not None :]
-    labels = [label.strip() for label in _find_comment(comments, "Channels").split(",") if label.strip()]
-    return _TableForm(
-        delimiter=delimiter,
-        channels=labels if len(labels) == len(channels) else channels,
-        unit=unit,
-        rate=parse_rate(_find_comment(comments, "Samplerate")),
-        skipped=head.count(b"\n", 0, _find_first_row(head, header_count)),
-        is_stamped=is_stamped,
-    )
-
-
-def _is_row(cells: list[str]) -> bool:
-    """Return whether all cells can be those of a row: numbers, a time stamp, or X for a channel that was off."""
-    return all(_is_number(cell) or cell == "X" or (not place and _is_stamp(cell)) for place, cell in enumerate(cells))
-
-
-def _is_stamp(cell: str) -> bool:
-    """Return whether a cell begins with a time stamp."""
-    return _STAMP.match(cell.encode()) is not None
-
-
-def _are_numbered(rows: list[list[str]]) -> bool:
-    """Return whether the first cells of four or more rows are successive numbers, such as those of samples."""
-    first_cells = [row[0] for row in rows if len(row) > 1]
-    if len(first_cells) < 4 or not all(cell.isascii() and cell.isdigit() for cell in first_cells):
-        return False
-    first = int(first_cells[0])
-    return [int(cell) for cell in first_cells] == [*range(first, first + len(first_cells))]
-
-
-def _find_comment(comments: list[str], name: str) -> str:
-    """Return the text after the colon of the first comment that begins with ``name``, or an empty string."""
-    return next((comment.partition(":")[2] for comment in comments if comment.startswith(name)), "")
-
-
 def _read_table_parts(
-    file: BinaryIO, path: str, form: _TableForm, columns: list[int], threshold: float | None
+    file: BinaryIO, path: str, form: TableForm, columns: list[int], threshold: float | None
 ) -> Generator[tuple[Any, int, Any], None, None]:
     """Yield the levels of some rows, the amount read, and their times, or None if the table has no times.
 
@@ -205,55 +96,6 @@ def _read_table_parts(
         yield levels, done, times
 
 
-def _find_first_row(head: bytes, header_count: int) -> int:
-    """Return the offset in bytes of the first row of a table, after its headers, comments and empty lines."""
-    offset = 0
-    headers_left = header_count
-    for line in io.BytesIO(head):
-        # A byte order mark can precede the first line.
-        is_comment = not line.strip() or line.lstrip(b"\xef\xbb\xbf")[:1] in (b";", b"#")
-        if not is_comment:
-            if not headers_left:
-                return offset
-            headers_left -= 1
-        offset += len(line)
-    return offset
-
-
-def _split_cells(line: str, delimiter: str | None) -> list[str]:
-    """Return the cells of a line. A separator at its end is ignored."""
-    cells = [cell.strip().strip('"') for cell in line.split(delimiter)]
-    return cells[:-1] if cells and not cells[-1] else cells
-
-
-def _is_number(text: str) -> bool:
-    """Return whether a cell is a number."""
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
-
-
-def _find_unit(name: str) -> float | None:
-    """Return the unit of the first column in seconds, according to its header, such as ``Time [ms]``.
-
-    It is 0 for a column of sample numbers, and for a column ``Time`` without a unit, whose times are not used. It is
-    None for a channel.
-    """
-    if name.strip().lower() in _NUMBERS:
-        return 0.0
-    match = _TIME.fullmatch(name.strip())
-    if match is None:
-        return None
-    # The regular expression also matches the Greek letter for the sign of micro.
-    unit = match["unit"].lower().replace("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}")
-    if unit in _UNITS:
-        return _UNITS[unit]
-    # Without a unit, the sample rate gives the times.
-    return 0.0 if name.strip().lower() == "time" else None
-
-
 class _RowReader:
     """Reader of the times and the levels of rows.
 
@@ -261,12 +103,12 @@ class _RowReader:
     voltages to levels. Both are None if the table has none.
     """
 
-    def __init__(self, form: _TableForm, columns: list[int], path: str) -> None:
+    def __init__(self, form: TableForm, columns: list[int], path: str) -> None:
         self._form = form
         self._columns = columns
         self._path = path
         self._first_stamp: Any = None
-        self._voltages: _Voltages | None = None
+        self._voltages: Voltages | None = None
 
     def find_voltages(self, file: BinaryIO, threshold: float | None) -> None:
         """Read the whole file for the range of its voltages, then go back to its beginning.
@@ -284,7 +126,7 @@ class _RowReader:
             ranges += [cells.min(axis=0), cells.max(axis=0)]
         file.seek(0)
         if ranges:
-            self._voltages = _Voltages(np.min(ranges, axis=0), np.max(ranges, axis=0), threshold)
+            self._voltages = Voltages(np.min(ranges, axis=0), np.max(ranges, axis=0), threshold)
 
     def blocks_of_rows(self, file: BinaryIO) -> Generator[tuple[bytes, int, int], None, None]:
         """Yield blocks of rows without the headers, the number of their first line, and the amount read."""
@@ -297,6 +139,8 @@ class _RowReader:
                 block = data.split(b"\n", self._form.skipped)[-1]
                 first_line += self._form.skipped
             line += data.count(b"\n")
+            if self._form.has_decimal_commas:
+                block = block.replace(b",", b".")
             if block.strip():
                 yield block, first_line, done
 
@@ -352,7 +196,7 @@ class _RowReader:
             if not row.strip():
                 continue
             first_cell, _, following_cells = row.partition(delimiter)
-            stamp = _STAMP.match(first_cell.strip(b' "'))
+            stamp = STAMP.match(first_cell.strip(b' "'))
             if stamp is None:
                 raise InputError(self._path, f"from line {line}", "expected a time stamp in the first column")
             stamp_texts.append(stamp[0].decode().replace(" ", "T"))
@@ -364,7 +208,7 @@ class _RowReader:
         return seconds, b"\n".join(rows_without_stamps) + b"\n"
 
 
-class _Voltages:
+class Voltages:
     """Converter from voltages to levels. Noise near the threshold is ignored: a voltage must pass it by a margin.
 
     ``_last`` has the level of each column in the last row that was converted, or None before the first.
@@ -445,7 +289,7 @@ def read_vcd_signals(file: BinaryIO, path: str, names: Names) -> Signals:
             signal_names.append(name)
     places = names.places(signal_names, path)
     edges = _changes(file, path, [codes[place] for place in places])
-    return Signals(edges, int(scale[1]) * _UNITS[scale[2]], False, size)
+    return Signals(edges, int(scale[1]) * UNITS[scale[2]], False, size)
 
 
 def _changes(file: BinaryIO, path: str, codes: Sequence[bytes]) -> Generator[Edges, None, None]:

@@ -199,7 +199,7 @@ def _add_monitor(add_command: Callable[..., Any]) -> None:
     """Add the command ``monitor``."""
     parser = add_command(
         "monitor",
-        partial(_run_bench_command, "monitor"),
+        _monitor,
         "show an encoder live, over RS-485, and record it",
         description="Read an encoder over RS-485, and show its position, speed and state live, or write a table.",
         epilog=_RECORD,
@@ -224,6 +224,13 @@ def _add_capture_command(add_command: Callable[..., Any], name: str, summary: st
     add_capture(parser)
     add_output(parser, plot=name == "plot")
     add_encoder(parser)
+
+
+def _monitor(package: str, chosen: argparse.Namespace) -> None:
+    """Show an encoder live. This needs no other packages but pyserial."""
+    from .live import monitor
+
+    monitor(package, chosen)
 
 
 def _run_bench_command(name: str, package: str, chosen: argparse.Namespace) -> int | None:

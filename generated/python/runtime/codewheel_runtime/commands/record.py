@@ -14,7 +14,7 @@ from pathlib import PurePath
 from typing import Any, Final, Literal, NamedTuple, Protocol
 
 from ..errors import UsageError
-from ..files.stream import open_for_writing
+from ..files.targets import open_for_writing
 
 RecordKind = Literal["csv", "jsonl", "parquet"]
 #: Formats by name, for the option.

@@ -44,18 +44,13 @@ def open_source(path: str, stored: Stored, shape: Shape, share: Share) -> Genera
         UsageError: The frames do not fit into the words of the file, or the format cannot be read from standard input.
     """
     kind = stored.kind or find_kind(path)
-    if not shape.length:
-        if shape.bits > 64:
-            raise UsageError(f"frames of {shape.bits} bits do not fit into words of 64")
-        if kind == "binary" and stored.words.endswith("32") and shape.bits > 32:
-            raise UsageError(f"frames of {shape.bits} bits do not fit into words of 32")
-    elif stored.words != "packed" and kind == "binary":
-        raise UsageError(f"words are for frames of bits, but a frame of this encoder has {shape.length} bytes")
+    _check_words(kind, stored.words, shape)
     if path == "-":
         if kind == "parquet":
             raise UsageError("Parquet cannot be read from standard input; give a file")
         file = cast(BinaryIO, getattr(sys.stdin, "buffer", sys.stdin))
-        with _close_after(_choose_source(file, "standard input", None, kind, stored, shape, share)) as source:
+        standard_input = _choose_source(file, "standard input", None, kind, stored, shape, share)
+        with _close_after(standard_input) as source:
             yield source
         return
     with open(path, "rb") as file:
@@ -64,6 +59,19 @@ def open_source(path: str, stored: Stored, shape: Shape, share: Share) -> Genera
             file.seek(0)
         with _close_after(_choose_source(file, fspath(path), size, kind, stored, shape, share)) as source:
             yield source
+
+
+def _check_words(kind: FileKind, words: WordKind, shape: Shape) -> None:
+    """Raise UsageError if the frames do not fit into the words of a file of this kind."""
+    has_bytes = bool(shape.length)
+    if has_bytes:
+        if words != "packed" and kind == "binary":
+            raise UsageError(f"words are for frames of bits, but a frame of this encoder has {shape.length} bytes")
+        return
+    if shape.bits > 64:
+        raise UsageError(f"frames of {shape.bits} bits do not fit into words of 64")
+    if kind == "binary" and words.endswith("32") and shape.bits > 32:
+        raise UsageError(f"frames of {shape.bits} bits do not fit into words of 32")
 
 
 @contextmanager
@@ -99,23 +107,26 @@ def _read_binary(
     length = shape.length or _check_length(stored.words, shape)
     done = 0
     while data := _read(file, length * inputs.CHUNK):
-        if not done and not shape.length:
-            # Enough for the first 1000 frames in every form.
-            head = data[: 8 * FIRST]
-            forms = (
-                (f"--words {words}", _find_first(head, words, shape))
-                for words in _list_other_forms(stored.words, shape)
-            )
-            check_form(name, _find_first(head, stored.words, shape), forms, share)
-        if not done and size is not None and size % length and not stored.cut:
+        is_first_block = not done
+        if is_first_block and not shape.length:
+            _check_first_words(data, name, stored.words, shape, share)
+        if is_first_block and size is not None and size % length and not stored.cut:
             raise _incomplete_frame_error(name, size, length)
         done += len(data)
         # Only the last block can end within a frame.
         excess = len(data) % length
         if excess and not stored.cut:
             raise _incomplete_frame_error(name, done, length)
-        rows = np.frombuffer(data, np.uint8, len(data) - excess).reshape(-1, length)
+        rows = np.frombuffer(data, np.uint8, count=len(data) - excess).reshape(-1, length)
         yield Part(rows if shape.length else numbers(rows, stored.words), done)
+
+
+def _check_first_words(data: bytes, name: str, words: WordKind, shape: Shape, share: Share) -> None:
+    """Raise InputError if the first frames are valid in another form of words, but not in the chosen one."""
+    # Enough for the first frames in every form, whose words have at most eight bytes.
+    head = data[: 8 * FIRST]
+    other_forms = ((f"--words {form}", _find_first(head, form, shape)) for form in _list_other_forms(words, shape))
+    check_form(name, _find_first(head, words, shape), other_forms, share)
 
 
 def _incomplete_frame_error(name: str, size: int, length: int) -> InputError:
@@ -123,7 +134,7 @@ def _incomplete_frame_error(name: str, size: int, length: int) -> InputError:
     whole_frames, excess = divmod(size, length)
     rest_text = "1 more byte follows" if excess == 1 else f"{excess} more bytes follow"
     problem = f"{whole_frames} complete frames of {length} bytes end here, and {rest_text}"
-    return InputError(name, f"offset {whole_frames * length}", f"{problem}; use cut to ignore the rest")
+    return InputError(name, f"offset {whole_frames * length}", f"{problem}; ignore the rest with --cut, or cut=True")
 
 
 def _read(file: BinaryIO, size: int) -> bytes:

@@ -1,0 +1,276 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Recognises the form of a table of samples: its separator, its channels, and the unit of its times."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Sequence
+from typing import Final, NamedTuple
+
+from ..errors import InputError
+
+#: Limit for the size of a header.
+HEADER: Final = 1 << 16
+HINT: Final = (
+    "expected a sigrok session or CSV, a Saleae CSV or binary file, VCD, a table of 0 and 1 or of voltages, "
+    "or a NumPy file"
+)
+#: Units of time in seconds.
+UNITS: Final = {
+    "s": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "milliseconds": 1e-3,
+    "us": 1e-6, "µs": 1e-6, "microseconds": 1e-6,
+    "ns": 1e-9, "nanoseconds": 1e-9, "ps": 1e-12, "picoseconds": 1e-12, "fs": 1e-15, "femtoseconds": 1e-15,
+}  # fmt: skip
+#: Time stamp of ISO 8601, as in CSV files of Saleae, without its time zone.
+STAMP: Final = re.compile(rb"\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:\.\d{1,12})?")
+
+_TIME: Final = re.compile(r"(?:(?:time|zeit)\s*)?[\[(]?(?P<unit>[a-zµ]*)[\])]?", re.IGNORECASE)
+#: Names of a column with the number of the sample.
+_NUMBERS: Final = ("sample", "samples", "sample number", "index", "no", "no.", "nr", "#", "sequence")
+#: Marks of a comment at the beginning of a line.
+_COMMENT_MARKS: Final = (";", "#")
+#: Number of rows that are enough to recognise numbers of samples.
+_FIRST_ROWS: Final = 4
+#: A decimal comma: one between two digits.
+_DECIMAL_COMMA: Final = re.compile(r"(?<=\d),(?=\d)")
+#: Name of the column whose unit is the time between two samples in seconds, as oscilloscopes of Rigol write it.
+_INCREMENT: Final = "increment"
+_RATE: Final = re.compile(r"\s*([0-9]{1,12}(?:\.[0-9]{1,9})?)\s*([kKMG]?)(?:Hz|S/s|Sa/s)?\s*")
+_PREFIXES: Final = {"": 1.0, "k": 1e3, "K": 1e3, "M": 1e6, "G": 1e9}
+
+
+class TableForm(NamedTuple):
+    """Form of a table.
+
+    Attributes:
+        delimiter: Separator of the cells. None if it is white space.
+        channels: Names of the channels, or their numbers from 1.
+        unit: Unit of the time column in seconds. None if there is no such column, and 0 if its times are not used.
+        rate: Sample rate in Hz, if the file contains it.
+        skipped: Number of lines before the first row.
+        is_stamped: True if times are time stamps, which are converted to seconds from the first one.
+        has_decimal_commas: True if numbers are written like ``0,5``.
+    """
+
+    delimiter: str | None
+    channels: list[str]
+    unit: float | None
+    rate: float | None
+    skipped: int
+    is_stamped: bool
+    has_decimal_commas: bool
+
+
+class _Headers(NamedTuple):
+    """Headers of a table.
+
+    Attributes:
+        names: Names of the columns, or None without a header.
+        units: Units of the columns, or None without a second header.
+        line_count: Number of lines before the first row, without comments and empty lines.
+    """
+
+    names: list[str] | None
+    units: list[str] | None
+    line_count: int
+
+
+def parse_rate(text: str) -> float | None:
+    """Return a sample rate such as ``24 MHz`` in samples per second, or None if the text is not one or is 0."""
+    match = _RATE.fullmatch(text)
+    if match is None:
+        return None
+    return float(match[1]) * _PREFIXES[match[2]] or None
+
+
+def find_table_form(path: str, head: bytes) -> TableForm:
+    """Return the form of a table according to its first lines: comments, headers, and rows.
+
+    Raises:
+        InputError: The file is not a table.
+    """
+    if len(head) == HEADER and b"\n" not in head:
+        raise InputError(path, "", "a line is too long: this is not a capture")
+    lines = head.decode("utf-8-sig", "replace").splitlines()
+    comments = [line.lstrip("; #") for line in lines if line.startswith(_COMMENT_MARKS)]
+    table_lines = [line for line in lines if line.strip() and not line.startswith(_COMMENT_MARKS)]
+    if not table_lines:
+        raise InputError(path, "", f"this is not a capture: {HINT}")
+    delimiter = _find_delimiter(table_lines)
+    has_decimal_commas = delimiter != "," and any(map(_DECIMAL_COMMA.search, table_lines))
+    if has_decimal_commas:
+        table_lines = [_DECIMAL_COMMA.sub(".", line) for line in table_lines]
+    cells_by_line = [_split_cells(line, delimiter) for line in table_lines]
+    headers = _find_headers(cells_by_line)
+    if headers is None:
+        raise InputError(path, "", f"this is not a capture: {HINT}")
+    first_rows = cells_by_line[headers.line_count :][:_FIRST_ROWS]
+    is_stamped = bool(first_rows and first_rows[0]) and _is_stamp(first_rows[0][0])
+    unit = 1.0 if is_stamped else _find_time_unit(headers, first_rows)
+    return TableForm(
+        delimiter=delimiter,
+        channels=_name_channels(headers, comments, first_rows or cells_by_line, unit is not None),
+        unit=unit,
+        rate=parse_rate(_find_comment(comments, "Samplerate")) or _find_increment_rate(headers),
+        skipped=head.count(b"\n", 0, _find_first_row(head, headers.line_count)),
+        is_stamped=is_stamped,
+        has_decimal_commas=has_decimal_commas,
+    )
+
+
+def _find_delimiter(lines: Sequence[str]) -> str | None:
+    """Return the separator of the cells. A comma counts only if there is no other one, since it can be decimal.
+
+    The last line may be cut off, and the first ones can be titles, so the line before the last one shows it.
+    """
+    sample_line = lines[-2] if len(lines) > 2 else lines[0]
+    return next((mark for mark in ";\t," if mark in sample_line), None)
+
+
+def _find_headers(cells_by_line: Sequence[list[str]]) -> _Headers | None:
+    """Return the headers of a table, or None if it has no rows after them.
+
+    A line of units can follow the names of the columns. Oscilloscopes also write settings, line by line, in front of
+    the names.
+    """
+    line_count = next((index for index, cells in enumerate(cells_by_line) if _is_row(cells)), len(cells_by_line))
+    if not line_count:
+        return _Headers(names=None, units=None, line_count=0)
+    has_rows = line_count < len(cells_by_line)
+    if not has_rows:
+        # A capture can end after its header.
+        return _Headers(names=cells_by_line[0], units=None, line_count=1) if line_count == 1 else None
+    columns = len(cells_by_line[line_count])
+    last_header = cells_by_line[line_count - 1]
+    if len(last_header) < columns:
+        return None
+    has_units = line_count > 1 and len(cells_by_line[line_count - 2]) >= columns and not _is_time(last_header[0])
+    if has_units:
+        return _Headers(names=cells_by_line[line_count - 2], units=last_header, line_count=line_count)
+    return _Headers(names=last_header, units=None, line_count=line_count)
+
+
+def _is_time(name: str) -> bool:
+    """Return whether a name is that of a time column, such as ``TIME`` or ``Time (s)``, and not only a unit."""
+    return name.strip().lower().startswith(("time", "zeit"))
+
+
+def _name_channels(
+    headers: _Headers, comments: Sequence[str], first_rows: Sequence[list[str]], has_times: bool
+) -> list[str]:
+    """Return the names of the channels: those of a comment of sigrok, those of the header, or numbers from 1.
+
+    ``has_times`` is True if a column of times or of numbers is in front of the channels.
+    """
+    first_channel = int(has_times)
+    column_count = len(first_rows[0])
+    channels = [str(number) for number in range(1, column_count - first_channel + 1)]
+    if headers.names is not None:
+        channels = headers.names[first_channel:column_count]
+    labels = [label.strip() for label in _find_comment(comments, "Channels").split(",") if label.strip()]
+    return labels if len(labels) == len(channels) else channels
+
+
+def _find_time_unit(headers: _Headers, first_rows: Sequence[list[str]]) -> float | None:
+    """Return the unit of the times in the first column, see ``TableForm.unit``."""
+    unit: float | None = None
+    if headers.names is not None:
+        unit = _find_unit(headers.names[0] if headers.units is None else headers.units[0])
+    if unit is None and _are_numbered(first_rows):
+        return 0.0
+    # A name such as ``TIME`` has no unit. Times with fractions are then seconds.
+    if unit == 0 and headers.names is not None and _is_time(headers.names[0]) and _have_fractions(first_rows):
+        return 1.0
+    return unit
+
+
+def _have_fractions(first_rows: Sequence[list[str]]) -> bool:
+    """Return whether the first cells have a decimal point."""
+    return bool(first_rows) and all("." in row[0] for row in first_rows if row)
+
+
+def _find_increment_rate(headers: _Headers) -> float | None:
+    """Return the sample rate according to the column ``Increment``, whose unit is a number, or None without it."""
+    if headers.names is None or headers.units is None:
+        return None
+    for name, unit in zip(headers.names, headers.units, strict=False):
+        if name.lower() == _INCREMENT and _is_number(unit) and float(unit) > 0:
+            return 1 / float(unit)
+    return None
+
+
+def _is_row(cells: Sequence[str]) -> bool:
+    """Return whether all cells can be those of a row: numbers, a time stamp, or X for a channel that was off."""
+    return bool(cells) and all(
+        _is_number(cell) or cell == "X" or (not place and _is_stamp(cell)) for place, cell in enumerate(cells)
+    )
+
+
+def _is_stamp(cell: str) -> bool:
+    """Return whether a cell begins with a time stamp."""
+    return STAMP.match(cell.encode()) is not None
+
+
+def _is_number(text: str) -> bool:
+    """Return whether a cell is a number."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _are_numbered(rows: Sequence[list[str]]) -> bool:
+    """Return whether the first cells of four or more rows are successive numbers, such as those of samples."""
+    first_cells = [row[0] for row in rows if len(row) > 1]
+    if len(first_cells) < _FIRST_ROWS or not all(cell.isascii() and cell.isdigit() for cell in first_cells):
+        return False
+    first = int(first_cells[0])
+    return [int(cell) for cell in first_cells] == [*range(first, first + len(first_cells))]
+
+
+def _find_comment(comments: Sequence[str], name: str) -> str:
+    """Return the text after the colon of the first comment that begins with ``name``, or an empty string."""
+    return next((comment.partition(":")[2] for comment in comments if comment.startswith(name)), "")
+
+
+def _find_first_row(head: bytes, header_count: int) -> int:
+    """Return the offset in bytes of the first row of a table, after its headers, comments and empty lines."""
+    offset = 0
+    headers_left = header_count
+    for line in io.BytesIO(head):
+        # A byte order mark can precede the first line.
+        is_comment = not line.strip() or line.lstrip(b"\xef\xbb\xbf")[:1] in (b";", b"#")
+        if not is_comment:
+            if not headers_left:
+                return offset
+            headers_left -= 1
+        offset += len(line)
+    return offset
+
+
+def _split_cells(line: str, delimiter: str | None) -> list[str]:
+    """Return the cells of a line. Empty ones at its end are left out."""
+    cells = [cell.strip().strip('"') for cell in line.split(delimiter)]
+    while cells and not cells[-1]:
+        cells.pop()
+    return cells
+
+
+def _find_unit(name: str) -> float | None:
+    """Return the unit of the first column in seconds, according to its header, such as ``Time [ms]``.
+
+    It is 0 for a column of sample numbers, and for a column ``Time`` without a unit. It is None for a channel.
+    """
+    if name.strip().lower() in _NUMBERS:
+        return 0.0
+    match = _TIME.fullmatch(name.strip())
+    if match is None:
+        return None
+    # The regular expression also matches the Greek letter for the sign of micro.
+    unit = match["unit"].lower().replace("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}")
+    if unit in UNITS:
+        return UNITS[unit]
+    # Without a unit, the sample rate gives the times.
+    return 0.0 if name.strip().lower() in ("time", "zeit") else None
