@@ -111,7 +111,7 @@ schema: .venv/.installed
 	@$(PY) -m codewheel.language.part_schema
 
 spec-page: schema
-	@$(PY) -m codewheel.language.language_page docs/transcribe/spec-language.md
+	@$(PY) -m codewheel.language.language_page docs/transcribe
 
 # CI sets CODEWHEEL_LOCKED. Then the packages of .ci/requirements.txt are present, and no others are installed.
 .PHONY: bench-packages
