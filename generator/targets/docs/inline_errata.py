@@ -26,7 +26,7 @@ class ErrataPage(TypedDict):
     errata_summary: Annotated[str, "number of errata and of open errata"]
     errata_by_kind: Annotated[
         list[tuple[str, list[dict[str, Any]]]],
-        "status and impact, and the complete errata of that kind: erratum, summary, and a table of one row: head, cells",
+        "status and impact, and its complete errata: erratum, summary, and a table of one row: head, cells",
     ]
 
 
