@@ -46,7 +46,7 @@ def check_facts_by_code(raw: Raw, device: Device, report: DocumentReport) -> Non
 
 
 def _all_exclusive_facts(raw: Raw, device: Device, report: DocumentReport) -> Iterator[ExclusiveFacts]:
-    """Yield the facts of the interfaces and of the device, those of each kind and name together."""
+    """Yield the facts of the interfaces and of the device, grouped by kind and name."""
     all_codes = _codes(device.variants)
     for interface in device.interfaces:
         codes = _codes(device.variants_over(interface.name))
@@ -62,7 +62,7 @@ def _codes(variants: Sequence[Variant]) -> list[str]:
 def _facts_of_interface(
     raw: Raw, interface: Interface, codes: Sequence[str], report: DocumentReport
 ) -> Iterator[ExclusiveFacts]:
-    """Yield the clocks, the time-outs, the clock limits for each cable length, and the timings of each name."""
+    """Yield the clocks, the time-outs, the clock limits by cable length, and the timings by name."""
     path = ("interfaces", interface.name)
     if isinstance(interface, Clocked):
         clocks = _placed(raw, (*path, "clock"), interface.clocks)

@@ -14,7 +14,7 @@ from ..reference.bits import compute_bits
 from .encoder import VirtualEncoder
 from .faults import BUSY_S, word_with_fault
 
-#: Bytes with which the master lets the time-out pass, and the clock go low and high.
+#: Bytes that the master sends to wait for the time-out, and to set the clock low and high.
 TIMEOUT, CLOCK = b"TC"
 
 
