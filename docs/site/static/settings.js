@@ -81,7 +81,9 @@ function mountSettings(box, data) {
     const [number, formats] = byMaster[data.masters.findIndex(([name]) => name === master.value)];
     message.replaceChildren(element("code", { textContent: settingsCommand(found, master.value, answers) }));
     const lines = settingsText(data, found, number).split("\n");
-    output.replaceChildren(...lines.map((line) => element("span", { className: lineKind(line), textContent: `${line}\n` })));
+    output.replaceChildren(...lines.flatMap((line, index) => [
+      index ? "\n" : "", element("span", { className: lineKind(line), textContent: line }),
+    ]));
     files.replaceChildren(...formats.flatMap(([format, device, file]) => {
       const blob = new Blob([`${settingsText(data, found, file)}\n`], { type: "text/plain" });
       const name = [master.value, format, device, found].join("-").replace(/[^A-Za-z0-9-]+/g, "_");
