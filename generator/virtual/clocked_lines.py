@@ -133,7 +133,7 @@ class BissLine(ByLevels):
     def cycle(self, cdm: int) -> list[int]:
         """Return the bits of a cycle from the second rising edge of MA: acknowledge, start, CDS, data, stop.
 
-        A fault is drawn, which may change them. The CDM bit of the previous cycle is taken even then.
+        A fault is drawn at random, and may change the bits. The CDM bit of the previous cycle is used in any case.
         """
         encoder = self.encoder
         faults = self.encoder.faults
