@@ -274,7 +274,7 @@ static inline size_t cw_received_samples(
 CW_CONSTEXPR
 static inline size_t cw_biss_start(const uint8_t *rx, size_t received)
 {
-    uint32_t before = 0x80000000U; /* bit 31 is the bit before the next one */
+    uint32_t before = 0x80000000U; /* bit 31 is the last bit received */
     size_t at = 0U;
     while ((at + 32U) <= received) {
         const uint32_t bits = cw_received_4_bytes(&rx[at / 8U]);
