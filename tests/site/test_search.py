@@ -77,9 +77,9 @@ monoflop                        | Times               | am36/biss.html#times
 zero                            | Input: Zero setting/Preset | am36/biss-procedures.html#input-zero-settingpreset
 home                            | Input: Zero setting/Preset | am36/biss-procedures.html#input-zero-settingpreset
 offset                          | 50h to 53h Preset / Offset | sma21/biss-registers.html#50h-to-53h-preset--offset
-biss timeout                    | Times               | am36/biss.html#times
-AM3616/4096-I7 timeout          | Clock and cable     | am36/AM3616-4096-I7.html#clock-and-cable
-how to zero my encoder          | Input: Zero setting/Preset | am36/biss-procedures.html#input-zero-settingpreset
+biss timeout                    | AM36: BiSS C-mode   | am36/biss.html
+AM3616/4096-I7 timeout          | Times and numbers   | am36/AM3616-4096-I7.html#timings
+how to zero my encoder          | 50h to 54h Preset   | am36/biss-registers.html#50h-to-54h-preset
 which bit is the error bit biss | The error bit is always set | docs/encoder/questions-error-bit.html
 AMM5A21/65KSC1 new edition      | Errata              | amm5/AMM5A21-65KSC1.html#errata
 AMM5A23/65KSC1 beckhoff         | Beckhoff AX5000     | settings.html#code=AMM5A23%2F65KSC1&master=beckhoff_ax5000
