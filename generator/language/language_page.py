@@ -39,10 +39,10 @@ sending order: the first is the most significant, or the least significant with 
 part of a key (`min_hz`, `at_least_us`). Convert numbers that have other units.
 
 Some limits bound the time to check a file, and are far above those of any known encoder. A list or mapping has at
-most {most} entries, unless another limit is given. A list of fields has at most 512, also with those of its groups.
+most {most} entries, unless another limit is given. A list of fields has at most 512, including those of its groups.
 The parts of an order code combine to at most 10,000 codes. Order codes, registers and alternatives combine to at
 most 20,000 different sets of parameters, and the number of these sets times the number of all fields is at most
-500,000. So is the number of editions times the number of values in the file.
+500,000. The same bound applies to the number of editions times the number of values in the file.
 
 The language has no words for BCD code, for a word that is repeated within one SSI frame, and for Gray code of several
 revolutions whose counts per turn are not a power of two. A CRC has one start value. If it depends on the order code,
