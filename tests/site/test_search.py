@@ -84,6 +84,7 @@ which bit is the error bit biss | The error bit is always set | docs/encoder/que
 AMM5A21/65KSC1 new edition      | Errata              | amm5/AMM5A21-65KSC1.html#errata
 AMM5A23/65KSC1 beckhoff         | Beckhoff AX5000     | settings.html#code=AMM5A23%2F65KSC1&master=beckhoff_ax5000
 AMM5A23/65KBG1 siemens          | Siemens TM PosInput | settings.html#code=AMM5A23%2F65KBG1&master=siemens_posinput
+AMM5A21/65KSC1 c2000            | TI C2000 PM_bissc   | settings.html#code=AMM5A21%2F65KSC1&master=ti_c2000
 AMM5A21/65KSC1 set zero         | What to send        | amm5/AMM5A21-65KSC1.html#what-to-send
 AMM5A23/65KJP1 set zero         | What to send        | amm5/AMM5A23-65KJP1.html#what-to-send
 ASC8525/BG1 set zero            | What to send        | asc85/ASC8525-BG1.html#what-to-send

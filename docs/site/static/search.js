@@ -397,7 +397,10 @@
   /** The settings of the masters that the words name, for a label with BiSS or SSI: the page that shows them. */
   function settingsHits(label, words) {
     const listed = `generated/docs/${label.family.name}-${label.interface.name}-masters`;
-    const isNamed = ({ page, titleWords }) => page.path === listed && words.some(({ word }) => titleWords.has(word));
+    // Names of masters also have common words, such as control.
+    const isCommon = (word) => sections.some((one) => one.page.kind !== "masters" && one.titleWords.has(word));
+    const names = words.map(({ word }) => word).filter((word) => !isCommon(word));
+    const isNamed = ({ page, titleWords }) => page.path === listed && names.some((word) => titleWords.has(word));
     const page = { path: "settings" };
     return sections.filter(isNamed).flatMap((section) => {
       const name = /--master (\w+)/.exec(INDEX.texts[section.text])?.[1];
