@@ -111,7 +111,7 @@ schema: .venv/.installed
 	@$(PY) -m codewheel.language.part_schema
 
 spec-page: schema
-	@$(PY) -m codewheel.language.language_page docs/transcribe/spec-language.md
+	@$(PY) -m codewheel.language.language_page docs/transcribe
 
 # The words that were added to the language, from the specs and the history.
 words-page: .venv/.installed

@@ -19,6 +19,7 @@ from codewheel.masters.sheet import Master, Sheet, sheet, shipped_masters
 from codewheel.masters.text import sheet_text
 from codewheel.model import Device, Interface
 from codewheel.order_codes.labels import find_code
+from codewheel.say.evidence import GRADES
 from codewheel.targets.masters.files import file_text
 
 #: Placeholders in a line for the order code, and for the order code as an identifier.
@@ -60,9 +61,11 @@ def script(root: Path) -> str:
     Raises:
         ValueError: There are problems in the specs.
     """
-    devices, report = load_library([root / "specs"])
+    families, report = load_library([root / "specs"])
     if report.problems:
         raise ValueError(report.problems[0].format())
+    # The first order code is the example of the page.
+    devices = sorted(families, key=lambda device: GRADES.index(device.evidence.grade))
     data = json.dumps(page_data(devices), ensure_ascii=False, separators=(",", ":"))
     return f"window.codewheelSettings = {data};\n"
 

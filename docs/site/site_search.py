@@ -21,6 +21,8 @@ _ID = re.compile(r"""\bid=["']([^"']+)["']""")
 _HEADING = re.compile(r"<(summary|h[2-4])[^>]*>(.*?)</\1>", re.DOTALL)
 _SMALL = re.compile(r"<small>.*?</small>", re.DOTALL)
 _TAG = re.compile(r"<[^>]+>")
+#: A fold with links to errata inside a section. The text after it still belongs to the section.
+_ERRATA_FOLD = re.compile(r"[⚠✓] \d+ .*errata$")
 #: Pages about the project rather than about encoders.
 _OF_PROJECT = re.compile(
     r"(CHANGELOG|CONTRIBUTING|SECURITY|README|api/|examples/|docs/(extend|trust|transcribe)/|docs/example/|.*-changes$)"
@@ -57,6 +59,8 @@ def sections(doctree: nodes.document) -> Iterator[Section]:
             elif ids and isinstance(node.parent, (nodes.section, nodes.document)):
                 anchor = ids[-1]
             for tag, inside in _HEADING.findall(node.astext()):
+                if _ERRATA_FOLD.match(_title(inside)):
+                    continue
                 yield current
                 # Folds have their anchor inside, after the summary.
                 current = Section("" if tag == "summary" else anchor, _title(inside), tag == "summary")

@@ -213,7 +213,7 @@ def with_consequences(change: Change) -> Change:
 
 
 def fold_defaults(changes: Sequence[Change]) -> Iterator[Change]:
-    """Yield the changes, with the default of a field as part of the change of its register's default.
+    """Yield the changes, with a changed default of a field merged into that of its register.
 
     The text of the register's change continues with ``(speed 1 → 2)``. A default of a field whose register has no such
     change stays alone.
@@ -308,7 +308,7 @@ def _alike_key(change: Change) -> object:
 
 
 def fold_types(changes: Sequence[Change]) -> Iterator[Change]:
-    """Yield the changes, with a different type in C as part of the change of the field's width.
+    """Yield the changes, with a different type in C merged into the change of the field's width.
 
     The text of the width's change continues with ``, in C uint16_t → uint32_t``. A different type without a different
     width stays alone.

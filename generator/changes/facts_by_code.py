@@ -52,7 +52,7 @@ def compare_timeouts(family_pair: FamilyPair, subject: Subject, old: Biss, new: 
 
 
 def compare_cables(family_pair: FamilyPair, subject: Subject, old: Ssi, new: Ssi) -> Iterator[Change]:
-    """Yield that the clock by cable length depends on the order code in only one version. Its rows are a member."""
+    """Yield that the clock by cable length depends on the order code in only one version. Its rows are one member."""
     has_only = any(row.only for row in new.cable_lengths)
     if has_only is not any(row.only for row in old.cable_lengths):
         yield _by_code_change(family_pair, subject, "clock by cable", is_by_code=has_only)

@@ -119,7 +119,7 @@ class FamilyPair:
         return replace(part, **renamed_references) if renamed_references else part
 
     def to_new_names(self, part_kind: str, old_names: Any, scope: str = "") -> Any:
-        """Return an old value with the new names of the things of a kind in it.
+        """Return an old value, with the names of one kind of part replaced by their new names.
 
         The value is a name, a tuple of names, or a map of numbers by parameter names. ``part_kind`` is plural for a
         tuple.

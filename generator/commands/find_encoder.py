@@ -328,7 +328,7 @@ def _find_in_group(
 
 
 def _best_match(devices: Sequence[Device], text: str, *, accepts_family: bool) -> tuple[Device, Match | None] | None:
-    """Return the family with this name, or the order code that leaves the shortest tail of the text, or None."""
+    """Return the family with this name, else the order code that matches most of the text, else None."""
     matches = _all_matches(devices, text, accepts_family=accepts_family)
     return min(matches, key=_tail_length, default=None)
 
@@ -392,7 +392,7 @@ def _no_such_encoder(specs: Specs, text: str, cache: Cache, *, accepts_family: b
 
 
 def find_among(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
-    """Return the family and match of an order code among ``devices``, of several that with the shortest tail.
+    """Return the family and match of an order code among ``devices``: the match with the shortest tail.
 
     Raises:
         Stop: There is no such code. The exit code is 2.

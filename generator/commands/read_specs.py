@@ -77,7 +77,7 @@ def _folders_above() -> Iterator[Path]:
 
 
 def _has_settings(file: Path) -> bool:
-    """Return True if a file may have settings: the configuration file unless it is a spec, or a fitting pyproject.toml.
+    """Return True if a file may have settings: a configuration file that is not a spec, or a suitable pyproject.toml.
 
     A pyproject.toml must contain the name of the section. Only the parser finds out whether that is a section.
 

@@ -1,6 +1,6 @@
-"""The reference page of the spec language, generated from its JSON Schemas.
+"""The reference pages of the spec language, generated from its JSON Schemas.
 
-``python -m codewheel.language.language_page`` prints the page. ``make spec-page`` writes it to the given path.
+``python -m codewheel.language.language_page FOLDER`` writes the pages into the folder, as ``make spec-page`` does.
 """
 
 from __future__ import annotations
@@ -39,10 +39,10 @@ sending order: the first is the most significant, or the least significant with 
 part of a key (`min_hz`, `at_least_us`). Convert numbers that have other units.
 
 Some limits bound the time to check a file, and are far above those of any known encoder. A list or mapping has at
-most {most} entries, unless another limit is given. A list of fields has at most 512, also with those of its groups.
+most {most} entries, unless another limit is given. A list of fields has at most 512, including those of its groups.
 The parts of an order code combine to at most 10,000 codes. Order codes, registers and alternatives combine to at
 most 20,000 different sets of parameters, and the number of these sets times the number of all fields is at most
-500,000. So is the number of editions times the number of values in the file.
+500,000. The same bound applies to the number of editions times the number of values in the file.
 
 The language has no words for BCD code, for a word that is repeated within one SSI frame, and for Gray code of several
 revolutions whose counts per turn are not a power of two. A CRC has one start value. If it depends on the order code,
@@ -58,6 +58,36 @@ If a file begins with the following line, editors can complete and explain keys 
 `codewheel check FILE` reports all problems, with file, line and column."""
 
 
+#: File name of the first page, which describes everything that no other page does.
+FIRST_PAGE = "spec-language.md"
+_OTHER_FILES = "spec-language-other-files.md"
+#: The other pages on the device file: their titles and the definitions that they describe.
+_PAGES = {
+    "spec-language-frames.md": (
+        "Layouts, fields and CRCs",
+        {"crc", "crc_number", "digits", "field", "field_group", "layout", "join", "combination", "names", "other_bits"}
+        | {"position_range", "scale", "values"},
+    ),
+    "spec-language-interfaces.md": (
+        "Interfaces and times",
+        {"interfaces", "ssi", "biss", "rs485", "spi", "clock", "measurement", "timing", "timeout"},
+    ),
+    "spec-language-registers.md": (
+        "Registers, procedures and open questions",
+        {"register", "alarm", "procedure", "step", "printed_default", "hex_bytes", "alternative", "input"},
+    ),
+    "spec-language-hardware.md": (
+        "Hardware, examples, errata and editions",
+        {"table", "connector", "led", "characteristic", "quantity", "example", "erratum", "manual_edition", "change"}
+        | {"places", "place", "edition_test"},
+    ),
+}
+_PAGE_OF = {name: page for page, (_, names) in _PAGES.items() for name in names}
+
+_OTHER_FILES_TITLE = "Manufacturer file, overlay and second reading"
+_MADE_FROM = "<!-- Made from generator/language/*.schema.json by: make spec-page -->"
+_UP = f"Part of [the spec language]({FIRST_PAGE})."
+
 _SECOND = """\
 `FAMILY.second.yaml`, in the same folder as the device file, is an independent transcription of the same manual by
 another reader. It uses the same language. Only `codewheel check` reads it, and reports the differences between the two
@@ -70,56 +100,62 @@ Only a second reading has these keys:
 {only}"""
 
 
-def spec_page() -> str:
-    """Return the content of ``docs/transcribe/spec-language.md``."""
+def spec_pages() -> dict[str, str]:
+    """Return the pages of ``docs/transcribe`` about the spec language, by file name."""
     device = load_schema("device")
+    names = _definitions_in_order(device)
+    first = [
+        "# The spec language, version 1",
+        _INTRODUCTION.format(most=_MOST_ENTRIES),
+        _list_of_pages(names),
+        "## The device file",
+        paragraph(escape(device["description"])),
+        _format_table(device, device["$defs"]),
+        *_describe_definitions(FIRST_PAGE, names, device["$defs"]),
+    ]
+    pages = {FIRST_PAGE: first}
+    for page, (title, _) in _PAGES.items():
+        pages[page] = [f"# {title}", _UP, *_describe_definitions(page, names, device["$defs"])]
+    pages[_OTHER_FILES] = _other_files()
+    return {page: "\n\n".join([_MADE_FROM, *parts]).rstrip() + "\n" for page, parts in pages.items()}
+
+
+def _list_of_pages(names: Iterable[str]) -> str:
+    """Return a list of links to the other pages, with the definitions that each describes."""
+    list_items = []
+    for page, (title, own_names) in _PAGES.items():
+        keys = ", ".join(link(code(name), f"{page}#{name}") for name in names if name in own_names)
+        list_items.append(f"- {link(title, page)}: {keys}")
+    list_items.append(f"- {link(_OTHER_FILES_TITLE, _OTHER_FILES)}")
+    return "\n".join(
+        ["This page describes the device file as a whole, its manual and its order codes. The others:", "", *list_items]
+    )
+
+
+def _describe_definitions(page: str, names: Iterable[str], definitions: Shape) -> Iterator[str]:
+    """Yield the sections on the definitions that a page describes."""
+    for name in names:
+        if _PAGE_OF.get(name, FIRST_PAGE) == page:
+            yield from _describe_definition(name, definitions[name], definitions)
+
+
+def _other_files() -> list[str]:
+    """Return the page on all files other than the device file."""
     manufacturer = load_schema("manufacturer")
     overlay = load_schema("overlay")
-    lines = [
-        "<!-- Made from generator/language/*.schema.json by: make spec-page -->",
-        "",
-        "# The spec language, version 1",
-        "",
-        _INTRODUCTION.format(most=_MOST_ENTRIES),
-        "",
-    ]
-    lines += [
-        "## The device file",
-        "",
-        paragraph(escape(device["description"])),
-        "",
-        _format_table(device, device["$defs"]),
-        "",
-    ]
-    for name in _definitions_in_order(device):
-        lines += _describe_definition(name, device["$defs"][name], device["$defs"])
-    lines += _other_files(manufacturer, overlay)
-    return "\n".join(lines).rstrip() + "\n"
-
-
-def _other_files(maker: Mapping[str, Any], overlay: Mapping[str, Any]) -> list[str]:
-    """Return the sections on all files other than the device file."""
     return [
+        f"# {_OTHER_FILES_TITLE}",
+        _UP,
         "## The manufacturer file",
-        "",
-        paragraph(escape(maker["description"])),
-        "",
+        paragraph(escape(manufacturer["description"])),
         "It is in the same folder as the device files and is called `manufacturer.yaml`.",
-        "",
-        _format_table(maker, {}),
-        "",
+        _format_table(manufacturer, {}),
         "## The overlay",
-        "",
         paragraph(escape(overlay["description"])),
-        "",
         "See [Overlays](how-to-revise.md#overlays-facts-from-outside-the-manual) for an example.",
-        "",
         _format_table(overlay, overlay["$defs"]),
-        "",
         "## The second reading",
-        "",
         _SECOND.format(prose=_as_code(PROSE), lists=_as_code(NO_FACTS), only=_keys_of_second_readings()),
-        "",
     ]
 
 
@@ -157,17 +193,16 @@ def _definitions_in_order(schema: Shape) -> list[str]:
     return names
 
 
-def _describe_definition(name: str, shape: Shape, definitions: Shape) -> list[str]:
-    """Return the lines of the section on a definition: its meaning, and its keys or else its type and limits."""
-    lines = [anchor(name), "", f"### {code(name)}", "", paragraph(escape(shape.get("description", ""))), ""]
+def _describe_definition(name: str, shape: Shape, definitions: Shape) -> Iterator[str]:
+    """Yield the parts of the section on a definition: its meaning, and its keys or else its type and limits."""
+    yield from (anchor(name), f"### {code(name)}", paragraph(escape(shape.get("description", ""))))
     if "properties" in shape:
-        lines.append(_format_table(shape, definitions))
+        yield _format_table(shape, definitions)
     else:
         type_text = _describe_type(shape)
         limits = _describe_limits(shape)
         capitalised_kind = type_text[0].upper() + type_text[1:]
-        lines.append(f"{capitalised_kind}: {limits}." if limits else f"{capitalised_kind}.")
-    return [*lines, ""]
+        yield f"{capitalised_kind}: {limits}." if limits else f"{capitalised_kind}."
 
 
 def _format_table(shape: Shape, definitions: Shape) -> str:
@@ -206,7 +241,7 @@ def _describe_type(shape: Shape, plural: bool = False) -> str:
     """Return the type of a value in words, in the plural for items of a list. A definition is a link to its section."""
     reference = _definition_name(shape)
     if reference:
-        return link(code(reference), f"#{reference}")
+        return link(code(reference), f"{_PAGE_OF.get(reference, FIRST_PAGE)}#{reference}")
     if "const" in shape:
         return code(json.dumps(shape["const"]))
     if "enum" in shape:
@@ -253,7 +288,5 @@ def _range_in_words(low: int | None, high: int | None) -> str:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 1:
-        Path(sys.argv[1]).write_text(spec_page(), encoding="utf-8")
-    else:
-        sys.stdout.write(spec_page())
+    for page_name, content in spec_pages().items():
+        Path(sys.argv[1], page_name).write_text(content, encoding="utf-8")

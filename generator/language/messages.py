@@ -204,7 +204,7 @@ def _suggest_key(error: Any, unknown_key: str) -> str:
 
 
 def _missing_keys(error: Any, path: Path, file_kind: str) -> Iterator[Finding]:
-    """Yield one finding for all missing keys, except those of which an unknown key is a misspelling.
+    """Yield one finding for all missing keys, except those that an unknown key misspells.
 
     It is ``at_key`` unless the map is an item of a list, and ``alone`` if only prose is missing.
     """

@@ -32,7 +32,7 @@ from .written_layouts import (
 )
 
 _BY_CODE = (
-    "With other values for some order codes, it is a list with 'only' in each entry, one entry for each order code."
+    "If it differs between order codes, it is a list whose entries have 'only'. Each order code matches one of them."
 )
 _CLOCK = (
     f"Clock frequencies. {_BY_CODE} For example: [{{max_hz: 700000, only: X-24..., source: '5'}}, {{max_hz: 1300000,"
@@ -60,7 +60,7 @@ class WrittenSsi(WrittenPart):
     )
     signals: Prose = key("Electrical standard of the signals.", default="")
     cable_lengths: tuple[Located[CableLength], ...] = key(
-        "Highest clock by cable length. A row for some order codes has 'only'.", least=0, default=()
+        "Highest clock by cable length. A row that applies to some order codes has the key 'only'.", least=0, default=()
     )
     measurement: Located[Measurement] | None = key("", default=None)
     timings: tuple[Located[Timing], ...] = key("Timings of this interface.", least=0, default=())

@@ -13,7 +13,7 @@ MOST_FRAMES = 60
 
 
 class NoLayout(ValueError):
-    """The frames cannot show a layout. The message says which frames could."""
+    """The frames cannot show a layout. The message says which frames would."""
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ BUILT_IN = ("python", "c", "biss", "docs", "browser", "masters")
 
 
 class Faulty(Exception):
-    """There are errors in the settings. ``files`` are those next to each other that have settings."""
+    """There are errors in the settings. ``files`` are the files with settings in one folder."""
 
     def __init__(self, *files: Path) -> None:
         super().__init__(*map(str, files))

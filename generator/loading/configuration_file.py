@@ -32,7 +32,7 @@ _VALUE_ENDS = ("\n", ",", "]", "}")
 def places_in(toml_text: str) -> Mark:
     """Return the places of all keys and values in a text that is valid TOML.
 
-    A table has the place of its name in the header that begins it. Keys with escapes are not found by their name.
+    A table has the place of its name in the header that begins it. A key written with escapes is not found.
     """
     return _PlaceFinder(toml_text).document()
 

@@ -46,7 +46,7 @@ def check_facts_by_code(raw_spec: Raw, device: Device, report: DocumentReport) -
 
 
 def _all_exclusive_facts(raw_spec: Raw, device: Device, report: DocumentReport) -> Iterator[ExclusiveFacts]:
-    """Yield the facts of the interfaces and of the device, those of each kind and name together."""
+    """Yield the facts of the interfaces and of the device, grouped by kind and name."""
     all_codes = _codes_of(device.variants)
     for interface in device.interfaces:
         codes = _codes_of(device.variants_over(interface.name))
@@ -62,7 +62,7 @@ def _codes_of(variants: Sequence[Variant]) -> list[str]:
 def _facts_of_interface(
     raw_interface: Raw, interface: Interface, codes: Sequence[str], report: DocumentReport
 ) -> Iterator[ExclusiveFacts]:
-    """Yield the clocks, the time-outs, the clock limits for each cable length, and the timings of each name."""
+    """Yield the clocks, the time-outs, the clock limits by cable length, and the timings by name."""
     path = ("interfaces", interface.name)
     if isinstance(interface, Clocked):
         clocks = _with_paths(raw_interface, (*path, "clock"), interface.clocks)

@@ -55,7 +55,7 @@ def is_within_limits(limit: Raw, record: Record) -> bool:
     """Return whether an item of the record is within its limits or unknown.
 
     The limits of a word are the list ``is``. Those of a number are ``at_least``, ``at_most``, ``one_of`` and
-    ``none_of``, each of which may be missing.
+    ``none_of``, all of them optional.
     """
     name = limit["item"]
     if name in record.words:

@@ -367,7 +367,7 @@ def _devices_with_setting(rule: Raw, master: Master) -> set[str]:
 
 
 def _with_setting_names(rule: Raw, record: Record) -> Raw:
-    """Return a condition for writing in which the names of settings are those of the sheet, without braces."""
+    """Return a condition for writing, with the names of settings as on the sheet, without braces."""
     named_rule = dict(rule)
     for key in ("of", "after"):
         if key in rule:

@@ -83,7 +83,7 @@ def _disagreements_with_cases(
 
 
 def _with_keys(disagreements: Iterable[Disagreement]) -> Iterator[tuple[_DisagreementKey, Disagreement]]:
-    """Yield the disagreements of one case, each with the key by which it is recognised in other cases.
+    """Yield the disagreements of one case, each with a key that identifies it in other cases.
 
     Those with the same places and class are numbered from 1.
     """

@@ -158,7 +158,7 @@ def spaced(text: str) -> str:
 def _is_order_code_label(words_text: str) -> bool:
     """Return whether a text can only be a label of an order code.
 
-    This is one of 4 or more digits, or another one with 3 or more characters or a digit. A, TO or 21 can be any word.
+    That is a number of 4 or more digits, or another text of 3 or more characters or with a digit. A or TO can be words.
     """
     if words_text.isdigit():
         return len(words_text) > 3

@@ -212,7 +212,7 @@ def key_of(fact: Citing) -> str:
 
 
 class _Change:
-    """The words that a passage no longer has, as a text, as numbers and as labels of order codes."""
+    """Words that were removed from a passage: the text, its numbers and its labels of order codes."""
 
     def __init__(self, passage: Passage) -> None:
         # If the passage only adds words, all of the old ones count as changed.

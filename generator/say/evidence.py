@@ -17,10 +17,10 @@ from .text import Code, Ref, Statement, sentence, statement
 
 _MEANING = {
     "manual": "all pages of the manufacturer's document were read",
-    "quoted": "every fact is in the manufacturer's words, an independent implementation agrees, and data from real"
-    " hardware pass",
+    "quoted": "every fact is in the manufacturer's words, and an independent implementation and data from real"
+    " hardware agree",
     "corroborated": "every fact is in the manufacturer's words or in two implementations that share no code, and data"
-    " from real hardware pass",
+    " from real hardware agrees",
     "corroborated, no hardware frame seen": "every fact is in the manufacturer's words or in two implementations that"
     " share no code",
     "uncorroborated": "the facts have a single source, so do not rely on them",

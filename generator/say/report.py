@@ -289,7 +289,7 @@ def if_bits(digits: str) -> str:
 
 
 def also_possible(names: str) -> str:
-    """Return the words about a valid frame that can be other frames, too."""
+    """Return the words about a valid frame that also fits other layouts."""
     return f"this can also be another frame: {names}"
 
 

@@ -14,7 +14,7 @@ from ..reference.bits import compute_bits
 from .encoder import VirtualEncoder
 from .faults import BUSY_S, word_with_fault
 
-#: Bytes with which the master lets the time-out pass, and the clock go low and high.
+#: Bytes that the master sends to wait for the time-out, and to set the clock low and high.
 TIMEOUT, CLOCK = b"TC"
 
 
@@ -133,7 +133,7 @@ class BissLine(ByLevels):
     def cycle(self, cdm: int) -> list[int]:
         """Return the bits of a cycle from the second rising edge of MA: acknowledge, start, CDS, data, stop.
 
-        A fault is drawn, which may change them. The CDM bit of the previous cycle is taken even then.
+        A fault is drawn at random, and may change the bits. The CDM bit of the previous cycle is used in any case.
         """
         encoder = self.encoder
         faults = self.encoder.faults

@@ -67,11 +67,11 @@ def of_markdown(source: str) -> Iterator[Text]:
 
 
 def of_rules(source: str) -> Iterator[Text]:
-    """Yield the texts of the page of rules. The paragraph below the heading of a rule is its message."""
+    """Yield the texts of a page of rules. The paragraph below the heading of a rule is its message."""
     is_rule = False
     for text in of_markdown(source):
         yield replace(text, message=is_rule)
-        is_rule = text.words.startswith("### ")
+        is_rule = text.words.startswith("## ")
 
 
 #: Arguments of ``argparse`` that are texts of several sentences.
@@ -197,7 +197,7 @@ def texts(path: Path) -> Iterator[Text]:
         yield from of_template(source, path.stem)
     elif path.name == "Makefile":
         yield from of_comments(source)
-    elif path.match("docs/transcribe/rules.md"):
+    elif path.match("docs/transcribe/rules-?-to-?.md"):
         yield from of_rules(source)
     elif path.suffix in _BY_SUFFIX:
         yield from _BY_SUFFIX[path.suffix](source)

@@ -14,7 +14,7 @@ from codewheel.model.expressions import Expression
 from codewheel.order_codes.reduction import with_quantities
 from codewheel.targets import Library
 from codewheel.targets.docs.order_code_page import RESERVED_NAMES
-from codewheel.targets.docs.order_code_tables import code_patterns
+from codewheel.targets.docs.order_code_tables import code_patterns, frame_facts
 from codewheel.targets.registry import names_of_codes
 
 Files = Mapping[str, str]
@@ -44,6 +44,18 @@ def test_the_index_leads_from_every_order_code_to_a_page_that_names_it(library: 
             head = page_of(pages, variant.code).partition("## Frames")[0]
             assert variant.code in head
             assert device.interface(variant.interface).title in head
+
+
+def test_parity_bits_are_named_next_to_the_crc() -> None:
+    """AMT21 has two check bits: odd parity of the odd and of the even bits of the position."""
+    (device,), _ = load_library([ENCODERS / "cui" / "amt21.yaml"])
+    (layout,) = [layout for layout in device.interfaces[0].layouts if layout.name == "position_reply"]
+    facts = list(frame_facts(device, layout, device.variants[0]))
+    assert facts[0] == ("CRC", "none")
+    assert [text for label, text in facts if label == "Parity"] == [
+        "`k0` (byte 1, bit 6). Odd parity of the even bits of `position`",
+        "`k1` (byte 1, bit 7). Odd parity of the odd bits of `position`",
+    ]
 
 
 def test_there_is_no_page_beside_them(library: Library, pages: Files) -> None:

@@ -35,7 +35,7 @@ PLACES = {
 #: Those that are made from the others, or whose texts are mostly for contributors. They take most of the time.
 LAST = {"generated pages", "C", "generated Python", "generator", "tests"}
 #: Files whose messages are of commands. The others are counted like any prose.
-MESSAGES_IN = {"generator", "rules.md"}
+MESSAGES_IN = {"generator", "rules-a-to-c.md", "rules-d-to-m.md", "rules-n-to-r.md", "rules-s-to-z.md"}
 #: With fewer words, a density means little.
 ENOUGH_WORDS = 5_000
 
@@ -127,13 +127,13 @@ def test_only_a_message_may_join_cause_and_remedy(tmp_path: Path) -> None:
         '    report("it is even; write 0x43")\n'
     )
     (tmp_path / "docs" / "transcribe").mkdir(parents=True)
-    (tmp_path / "docs/transcribe/rules.md").write_text(
-        "# Rules\n\nA page; a list.\n\n### crc\n\nit is even; write 3\n\nIt; is.\n"
+    (tmp_path / "docs/transcribe/rules-a-to-c.md").write_text(
+        "# Rules\n\nA page; a list.\n\n## crc\n\nit is even; write 3\n\nIt; is.\n"
     )
     texts_of = {path.name: list(texts(path)) for path in tmp_path.rglob("*.*")}
     assert [text.words for text in texts_of["check.py"] if text.message] == ["it is even; write 0x43"]
-    assert [text.words.strip() for text in texts_of["rules.md"] if text.message] == ["it is even; write 3"]
-    words, measured = densities([text for text in texts_of["rules.md"] if not text.heading])
+    assert [text.words.strip() for text in texts_of["rules-a-to-c.md"] if text.message] == ["it is even; write 3"]
+    words, measured = densities([text for text in texts_of["rules-a-to-c.md"] if not text.heading])
     assert (words, measured["semicolon"]) == (10, 200)
 
 

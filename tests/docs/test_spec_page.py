@@ -1,4 +1,4 @@
-"""The reference page of the spec language follows from the schemas."""
+"""The reference pages of the spec language follow from the schemas."""
 
 from __future__ import annotations
 
@@ -8,26 +8,29 @@ from importlib import resources
 from pathlib import Path
 
 import pytest
-from codewheel.language.language_page import spec_page
+from codewheel.language.language_page import spec_pages
 
-PAGE = Path(__file__).parents[2] / "docs/transcribe/spec-language.md"
+FOLDER = Path(__file__).parents[2] / "docs/transcribe"
 
 
-def test_the_page_is_up_to_date() -> None:
-    assert PAGE.read_text(encoding="utf-8") == spec_page(), "the schemas have changed; run: make spec-page"
+def test_the_pages_are_up_to_date() -> None:
+    pages = {path.name: path.read_text(encoding="utf-8") for path in FOLDER.glob("spec-language*.md")}
+    assert pages == spec_pages(), "the schemas have changed; run: make spec-page"
 
 
 @pytest.mark.slow
-def test_every_key_is_explained() -> None:
+def test_every_key_is_explained_once() -> None:
     schema = json.loads((resources.files("codewheel.language") / "device.schema.json").read_text(encoding="utf-8"))
-    page = spec_page()
+    text = "".join(spec_pages().values())
     for name, shape in schema["$defs"].items():
-        assert f'<a id="{name}"></a>' in page
+        assert text.count(f'<a id="{name}"></a>') == 1, name
         for key in shape.get("properties", {}):
-            assert re.search(rf"^\| `{key}` \|.*\| [^|]+ \|$", page, re.MULTILINE), f"{name}.{key}"
+            assert re.search(rf"^\| `{key}` \|.*\| [^|]+ \|$", text, re.MULTILINE), f"{name}.{key}"
 
 
 def test_links_resolve() -> None:
-    page = spec_page()
-    anchors = set(re.findall(r'<a id="([^"]+)"></a>', page))
-    assert set(re.findall(r"\]\(#([^)]+)\)", page)) <= anchors
+    pages = spec_pages()
+    anchors = {f"{page}#{name}" for page, text in pages.items() for name in re.findall(r'<a id="([^"]+)"></a>', text)}
+    links = {link for text in pages.values() for link in re.findall(r"\]\((spec-language[^)]*#[^)]+)\)", text)}
+    assert links
+    assert links <= anchors

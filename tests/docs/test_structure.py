@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import pytest
 from codewheel.model.steps import steps_of
-from codewheel.say.markdown import escape
+from codewheel.say.markdown import escape, escape_html
 from codewheel.targets import Library
 from codewheel.targets.docs.inline_errata import all_values
 
@@ -107,7 +107,7 @@ def test_the_reason_of_an_erratum_is_on_one_page(library: Library, pages: Files)
 def test_each_erratum_stands_in_full_on_one_page(library: Library, pages: Files) -> None:
     for device in library.devices:
         for erratum in device.errata:
-            head = f'<a id="erratum-{erratum.name}"></a>\n\n## {escape(erratum.title)}\n'
+            head = f'<summary><b>{escape_html(erratum.title)}</b></summary>\n\n<a id="erratum-{erratum.name}"></a>\n'
             heads = [name for name, page in pages.items() if head in page and device.name in name]
             assert heads == [f"docs/{device.name}/errata.md"]
 

@@ -1,4 +1,4 @@
-"""The pages of order codes in a browser: their length in screens, and folds that open for links."""
+"""Pages in a browser: their length in screens, and folds of order codes that open for links."""
 
 from __future__ import annotations
 
@@ -21,6 +21,9 @@ OPEN = {
     "AM3616-4096-I7": {1280: 25.0, 375: 45.0},
 }
 REST = {1280: 25.0, 375: 45.0}
+#: Pages on which facts are looked up, and their maximum length in screens of 1280 pixels with folds as they open.
+REFERENCE = ("docs/transcribe/rules*.html", "docs/transcribe/spec-language*.html", "generated/docs/*/[a-z]*.html")
+LONGEST_REFERENCE = 15.0
 #: Share of the words in sight that may be about errata.
 ERRATA = 0.10
 _WORDS = """(() => {
@@ -66,6 +69,17 @@ def test_a_page_is_a_few_screens_long(site: Path, browser: Browser, width: int, 
         opened[page.stem] = screens(browser, height)
     assert {name: count for name, count in folded.items() if count > limit} == {}
     assert {name: count for name, count in opened.items() if count > OPEN.get(name, REST)[width]} == {}
+
+
+def test_a_page_of_reference_is_split_by_what_is_looked_up(site: Path, browser: Browser) -> None:
+    browser.look(1280, height=800)
+    pages = {page for pattern in REFERENCE for page in site.glob(pattern)} - {*order_codes(site)}
+    assert len(pages) > 100
+    lengths = {}
+    for page in pages:
+        browser.open(page.as_uri())
+        lengths[page.relative_to(site).as_posix()] = screens(browser, 800)
+    assert {name: count for name, count in lengths.items() if count > LONGEST_REFERENCE} == {}
 
 
 def test_errata_do_not_fill_what_is_in_sight(site: Path, browser: Browser) -> None:

@@ -26,14 +26,14 @@
     ["usable verdict", "trust valid reliable"],
     ["fails errors match", "wrong mismatch bad invalid"],
     ["restore defaults load", "factory default reset"],
-    ["timeout reply led", "answer answers respond responds response"],
+    ["reply led", "answer answers respond responds response"],
     ["firmware", "arduino stm32 esp32 microcontroller mcu embedded"],
     ["python bench", "labview matlab pc"],
     ["send request", "poll query ask"],
     ["reset send", "clear restart"],
-    ["direction counting", "clockwise counterclockwise cw ccw reverse invert"],
+    ["direction counting", "clockwise counterclockwise cw ccw reverse reversed invert backwards"],
     ["frame frames layout", "telegram packet word message bits long"],
-    ["errata", "mistake mistakes misprint erratum"],
+    ["errata", "mistake mistakes misprint erratum edition editions"],
     ["resolution", "counts ppr steps"],
   ];
 
@@ -394,6 +394,21 @@
     return [hit(page, "", spelled, title, text ? element("p", { class: "snippet" }, text) : ""), element("li", {}, jumps)];
   }
 
+  /** The settings of the masters that the words name, for a label with BiSS or SSI: the page that shows them. */
+  function settingsHits(label, words) {
+    const listed = `generated/docs/${label.family.name}-${label.interface.name}-masters`;
+    // Names of masters also have common words, such as control.
+    const isCommon = (word) => sections.some((one) => one.page.kind !== "masters" && one.titleWords.has(word));
+    const names = words.map(({ word }) => word).filter((word) => !isCommon(word));
+    const isNamed = ({ page, titleWords }) => page.path === listed && names.some((word) => titleWords.has(word));
+    const page = { path: "settings" };
+    return sections.filter(isNamed).flatMap((section) => {
+      const name = /--master (\w+)/.exec(INDEX.texts[section.text])?.[1];
+      const anchor = new URLSearchParams({ code: label.code, master: name ?? "" });
+      return name && INDEX.codes[label.code] !== undefined ? [hit(page, anchor, section.title, label.code)] : [];
+    });
+  }
+
   /** The codes that begin like a wrong one, or else those that its help names. */
   function codesLike(text, help) {
     const start = squeezed(text);
@@ -446,6 +461,7 @@
     const hits = [...unanswered.filter((one) => !isAskedOtherwise(one)), ...unanswered.filter(isAskedOtherwise)];
     const questions = group("Questions and guides", answers.slice(0, 5).map((page) => answerHit(page, words)));
     if (!context.family) made.push(...questions);
+    if (asked.label) made.push(...group("Settings for my master", settingsHits(asked.label, words)));
     // The page of a label comes first, even if it says nothing about the other words.
     if (asked.label && context.page && !hits.some((one) => one.section.page === context.page)) {
       made.push(...group(context.page.title, labelHits(asked.label, context.page)));

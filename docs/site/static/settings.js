@@ -19,6 +19,12 @@ function settingsCommand(code, master, choice) {
   return ["codewheel master", code, "--master", master, choice].filter(Boolean).join(" ");
 }
 
+/** Return the kind of a line: the title of an encoder or a master, the place of a setting and other details, or a value. */
+function lineKind(line) {
+  if (/^\S.*\S$/.test(line) && !/[.:]$/.test(line)) return "title";
+  return /^ {6,8}\S/.test(line) ? "quiet" : "";
+}
+
 function mountSettings(box, data) {
   const element = (tag, properties) => Object.assign(document.createElement(tag), properties);
   const labelled = (title, control) => {
@@ -74,7 +80,10 @@ function mountSettings(box, data) {
     if (described.some(([name]) => name === wantedMaster)) master.value = wantedMaster;
     const [number, formats] = byMaster[data.masters.findIndex(([name]) => name === master.value)];
     message.replaceChildren(element("code", { textContent: settingsCommand(found, master.value, answers) }));
-    output.textContent = settingsText(data, found, number);
+    const lines = settingsText(data, found, number).split("\n");
+    output.replaceChildren(...lines.flatMap((line, index) => [
+      index ? "\n" : "", element("span", { className: lineKind(line), textContent: line }),
+    ]));
     files.replaceChildren(...formats.flatMap(([format, device, file]) => {
       const blob = new Blob([`${settingsText(data, found, file)}\n`], { type: "text/plain" });
       const name = [master.value, format, device, found].join("-").replace(/[^A-Za-z0-9-]+/g, "_");

@@ -190,7 +190,7 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
 
 
 def _refuse_bits_in_pairs(pieces: Sequence[str], frame_text: str) -> None:
-    """Raise FrameTextError if the pieces, such as ``10 01 11``, may be bits as well as bytes.
+    """Raise FrameTextError if the pieces, such as ``10 01 11``, could be either bits or bytes.
 
     They may if all of them are two digits without a prefix, and all digits are 0 or 1.
     """

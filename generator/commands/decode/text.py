@@ -363,7 +363,7 @@ def _hint_lines(diagnosis: Diagnosis) -> list[str]:
 
 
 def together_lines(mistakes: Sequence[CommonMistake], failed_frames: int) -> Iterator[str]:
-    """Yield lines about mistakes, likeliest first, of which each explains equally many of the failed frames (>= 2)."""
+    """Yield lines about mistakes, likeliest first. Each explains the same number of failed frames, at least two."""
     if not mistakes or mistakes[0].frames < 2:
         return
     explained_frames = mistakes[0].frames

@@ -127,7 +127,7 @@ def _parse_number(text: str) -> int:
 def _bytes_of(register: WrittenRegister) -> str:
     """Return the default of a register as hexadecimal digits in byte order, such as ``"3412"`` for 0x1234.
 
-    The result is empty without a default, without a byte order for several bytes, or if the default does not fit.
+    The result is empty if there is no default, if several bytes have no byte order, or if the default does not fit.
     """
     length = register.length
     default = register.default

@@ -157,7 +157,7 @@ _SHORTEST_START = 5
 def check_swapped_letters(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no text has the characters of the start of an order code in another order, such as ABC12 for ABC21.
 
-    The start is the text before the first part. One that is short is not compared.
+    The start is the text before the first part. Short starts are not compared.
     """
     start = spec.order_code.pattern.partition("{")[0].strip("-/ ")
     if len(start) < _SHORTEST_START:

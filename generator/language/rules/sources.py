@@ -82,7 +82,7 @@ def _report_later_pages(later_pages: list[_LaterPage], report: DocumentReport) -
 
 
 def _find_citations(source: str) -> list[re.Match[str]]:
-    """Return the matches of ``_CITED`` for the sections of the manual that a source cites, each perhaps with a page.
+    """Return the matches of ``_CITED`` for the sections of the manual that a source cites, some of them with a page.
 
     Sources in other documents, which have a key before a colon, and placeholders are left out.
     """
@@ -291,7 +291,7 @@ def _suggest_source(cited_place: str, documents: Collection[str]) -> str:
 
 
 def _has_different_bits(example: WrittenExample) -> bool:
-    """Return True if the bits of an example, or its bytes if it has those, differ from one another."""
+    """Return True if not all bits (or bytes) of an example are the same."""
     frame_text = example.bits or example.bytes
     is_bytes = " " in frame_text
     bits_or_bytes = frame_text.split() if is_bytes else list(frame_text)

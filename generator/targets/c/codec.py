@@ -288,7 +288,7 @@ class StructCodec:
         return join_operands("&&", tuple(conditions))
 
     def _has_expected_value(self, field: Field) -> Iterator[Expr]:
-        """Yield the conditions that a member has the value of the manual. A string has one per character."""
+        """Yield the conditions under which a member has the value in the manual. A string has one per character."""
         member = f"in->{c_name(field.name)}"
         macro = self.expected_macro(field)
         match field.equals:

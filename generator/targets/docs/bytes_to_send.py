@@ -209,7 +209,7 @@ def _request_rows(device: Device, interface: Interface, errata_at: Callable[...,
 
 
 def _exchange_row(exchange: Exchanged) -> Row:
-    """Return a row of links to the request and its reply, purpose of the request."""
+    """Return a row: links to the request and its reply, and the purpose of the request."""
     layouts = [layout for layout in (exchange.request, exchange.reply) if layout is not None]
     frame_links = [link(code(layout.name), f"#layout-{layout.name}") for layout in layouts]
     first_sentence_of_note = exchange.request.note.partition(". ")[0].removesuffix(".")

@@ -24,9 +24,9 @@ Rows = list[tuple[str, ...]]
 class ErrataPage(TypedDict):
     device: Annotated[Device, "the family"]
     errata_summary: Annotated[str, "number of errata and of open errata"]
-    erratum_links: Annotated[list[tuple[str, list[str]]], "status and impact, and links to the errata of that kind"]
-    errata_list: Annotated[
-        list[dict[str, Any]], "complete errata: erratum, title, summary, and a table of one row: head, cells"
+    errata_by_kind: Annotated[
+        list[tuple[str, list[dict[str, Any]]]],
+        "status and impact, and its complete errata: erratum, summary, and a table of one row: head, cells",
     ]
 
 
@@ -218,8 +218,7 @@ def page_values(device: Device) -> ErrataPage:
     return {
         "device": device,
         "errata_summary": summary + fact_tables.sentence_on_changes(len(device.errata) - len(manual_errata)),
-        "erratum_links": list(_links_by_status_and_impact(device.errata)),
-        "errata_list": list(map(_erratum_section, device.errata)),
+        "errata_by_kind": list(_sections_by_status_and_impact(device.errata)),
     }
 
 
@@ -229,7 +228,7 @@ def _erratum_section(erratum: Erratum) -> dict[str, Any]:
     affected = ", ".join(map(code, erratum.affects))
     kind = f"{status_badge(erratum)}, {fact_tables.severity_text(erratum.severity)}"
     summary = f"{kind}. Source: {citation(erratum.source)}. Affects {affected}."
-    return {"erratum": erratum, "title": escape(erratum.title), "summary": summary, "head": head, "cells": cells}
+    return {"erratum": erratum, "summary": summary, "head": head, "cells": cells}
 
 
 def _summary_of_counts(count: int, open_count: int) -> str:
@@ -247,14 +246,14 @@ def _summary_of_counts(count: int, open_count: int) -> str:
     return " ".join(sentences)
 
 
-def _links_by_status_and_impact(listed_errata: Sequence[Erratum]) -> Iterator[tuple[str, list[str]]]:
-    """Yield each status and impact with links to its errata, open ones first and wrong bytes before wording."""
+def _sections_by_status_and_impact(listed_errata: Sequence[Erratum]) -> Iterator[tuple[str, list[dict[str, Any]]]]:
+    """Yield each status and impact with its errata, open ones first and wrong bytes before wording."""
     for status in ("open", "settled"):
         for severity in fact_tables.SEVERITIES:
             of_kind = [erratum for erratum in listed_errata if _has_status_and_severity(erratum, status, severity)]
             if of_kind:
-                label = escape(f"{status}, {fact_tables.severity_text(severity)}")
-                yield label, [link(escape(erratum.title), f"#erratum-{erratum.name}") for erratum in of_kind]
+                kind = escape(f"{status.capitalize()}, {fact_tables.severity_text(severity)}")
+                yield kind, list(map(_erratum_section, of_kind))
 
 
 def _has_status_and_severity(erratum: Erratum, status: str, severity: str) -> bool:

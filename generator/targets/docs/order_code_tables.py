@@ -17,6 +17,7 @@ from ...model import (
     Measurement,
     OrderCode,
     Parameter,
+    Parity,
     PlacedField,
     PlacedLayout,
     Variant,
@@ -32,7 +33,7 @@ from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
 from ...say.names_and_places import bits, frame_bytes, heading
 from ...say.order_code import open_values, parameter_origin, parameter_value
 from ...say.plain_text import counted, number
-from ...say.register import measurement, own_ranges, position_range
+from ...say.register import covered_by_parity, measurement, own_ranges, position_range
 from ...say.report import conditions, deciding_bits
 from ...say.text import VERDICT_CLAUSES, statement
 from .page_links import style_in_folder
@@ -312,7 +313,7 @@ def open_questions(device: Device, layout: Layout) -> Iterator[str]:
 def frame_facts(
     family_device: Device, layout: Layout, variant: Variant, choices: Sequence[str] = ()
 ) -> Iterator[tuple[str, str]]:
-    """Yield facts as label and text: the CRC, the flags, the ranges of signed fields, and the verdict.
+    """Yield facts as label and text: the CRC, the parity bits, the flags, the ranges of signed fields, and the verdict.
 
     ``choices`` are the names of the alternatives on the page, to which the verdicts link.
     """
@@ -321,6 +322,10 @@ def frame_facts(
     # The layout of a page is a copy with other notes. The family finds ranges only for its own layout objects.
     family_layout = member_named(family_device.interface(variant.interface).layouts, layout.name, "layout")
     placed_layout = family_layout.place(variant.parameters)
+    for placed_field in placed_layout.fields:
+        if isinstance(placed_field.field.kind, Parity):
+            covered = MARKDOWN.phrase(covered_by_parity(placed_field.field.kind))
+            yield "Parity", f"{code(placed_field.name)} ({_place(placed_field, placed_layout)}). {covered}"
     yield from _flag_facts(placed_layout)
     for placed_field in placed_layout.fields:
         if isinstance(meaning_of(placed_field.field), TwosComplement):
@@ -336,14 +341,11 @@ def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
     layout = placed_layout.layout
     flags_by_label: dict[str, list[tuple[str, str]]] = {}
     for placed_field in placed_layout.fields:
-        byte_place = (
-            frame_bytes(layout, placed_layout.bits, placed_field.high, placed_field.low) if layout.in_bytes else ""
-        )
-        flag = (code(placed_field.name), byte_place or bits(placed_field.high, placed_field.low))
+        flag = (code(placed_field.name), _place(placed_field, placed_layout))
         level = deciding_bits(placed_field.field)
         if isinstance(meaning_of(placed_field.field), Active):
             flags_by_label.setdefault(f"Active at {level}", []).append(flag)
-        elif not byte_place and placed_field.field.printed_name and level in {"0", "1"}:
+        elif not layout.in_bytes and placed_field.field.printed_name and level in {"0", "1"}:
             flags_by_label.setdefault("Not used by this encoder", []).append(flag)
     yield from ((label, ", ".join(_flags_with_places(flags))) for label, flags in flags_by_label.items())
 
@@ -371,6 +373,13 @@ def _range_of_signed_number(family_device: Device, placed_field: PlacedField, pl
     """Return a signed field with its range, such as ``position, in two's complement, -512 to 511``."""
     lowest, highest = family_device.signed_range(placed_field, placed_layout)
     return f"{code(placed_field.name)}, in two's complement, {number(lowest)} to {number(highest)}"
+
+
+def _place(placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
+    """Return the bits of a field, such as ``bit 7``, with their byte if the frame consists of bytes."""
+    high, low = placed_field.high, placed_field.low
+    in_bytes = placed_layout.layout.in_bytes
+    return frame_bytes(placed_layout.layout, placed_layout.bits, high, low) if in_bytes else bits(high, low)
 
 
 def _flags_with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:

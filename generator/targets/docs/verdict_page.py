@@ -239,7 +239,7 @@ def _layout_links(device: Device, layouts: Sequence[Layout]) -> str:
 
 
 def _errata_links(device: Device, interface: Interface, layout: Layout, field: Field, sign: Sign | None) -> str:
-    """Return links to the errata about a field and, for a flag, about its group. A sign has those of all its fields."""
+    """Return links to the errata about a field and, for a flag, about its group. A sign has those of its fields."""
     frame = f"interfaces.{interface.name}.{layout.name}"
     spec_paths = {f"{frame}.{field.name}"}
     deciding_fields = [field]

@@ -617,7 +617,7 @@ class Session:
     def _make_pending_exchange(self, object_or_bytes: Any) -> PendingRequest:
         """Return what is needed to send a request of an encoder without data IDs, and to find its reply.
 
-        Bytes are decoded as each request of the encoder, until they are one. Raises LinkError if they fit none, or if
+        The bytes are decoded as each kind of request in turn, until one fits. Raises LinkError if they fit none, or if
         the encoder does not answer the request.
         """
         data = bytes(object_or_bytes) if isinstance(object_or_bytes, (bytes, bytearray)) else b""

@@ -52,7 +52,7 @@ class _Sent(NamedTuple):
 
 
 class Pipeline:
-    """Requests over SPI that wait for their replies. ``pipeline()`` of an encoder makes one.
+    """Requests over SPI that wait for their replies. Create it with ``pipeline()`` of an encoder.
 
     For each word, call ``ask`` (or ``read`` or ``write``), exchange the word on your bus, and call ``take`` with the
     word that you received.
@@ -233,7 +233,7 @@ class Pipeline:
 
 
 class RegisterBus:
-    """Registers over SPI, for ``run``. ``bus()`` of a pipeline makes one.
+    """Registers over SPI, for ``run``. Create it with ``bus()`` of a pipeline.
 
     Each access sends its requests and takes their replies. Send no other words meanwhile. Flags in the replies are not
     checked, so read back what you write.

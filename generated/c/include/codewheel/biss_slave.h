@@ -217,7 +217,7 @@ static inline bool cw_biss_slave_header(cw_biss_slave *slave, bool cdm, bool ups
     return cdm;
 }
 
-/** Step 4: answer S once the slave wants nothing more. */
+/** Step 4: answer S once the slave is done. */
 static inline bool cw_biss_slave_start(cw_biss_slave *slave, bool cdm, bool upstream)
 {
     if (!cdm) {

@@ -14,8 +14,8 @@
  *
  * If words of an encoder have several lengths, ..._receive returns CW_FAULT_LENGTH for a reply that
  * came in a word with another number of bytes. It cannot distinguish 17 bits from 20. A late reply
- * is complete only in a word of its own length, so send as many clocks as it has bits. If they do
- * not fill the bytes, the word is at their low end. On a bus that sends only whole bytes, it must
+ * needs a word of its own length, so send as many clocks as it has bits. If the bits do not fill
+ * the bytes, the word is at their low end. On a bus that sends only whole bytes, it must
  * be at the high end: shift it up after cw_spi_store, and down before cw_spi_load.
  */
 #ifndef CODEWHEEL_SPI_H

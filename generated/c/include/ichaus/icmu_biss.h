@@ -17,8 +17,8 @@
  *
  * Manual: "iC-MU magnetic off-axis position encoder - pole width 1.28 mm", revision D1 (en)
  * Sections and pages are cited in brackets.
- * Evidence: quoted (every fact is in the manufacturer's words, an independent implementation
- * agrees, and data from real hardware pass).
+ * Evidence: quoted (every fact is in the manufacturer's words, and an independent implementation
+ * and data from real hardware agree).
  *
  * Other documents, cited by the word before the colon:
  *   b1: iC-MU data sheet, revision B1, iC-Haus -

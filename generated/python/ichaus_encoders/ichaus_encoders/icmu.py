@@ -28,8 +28,8 @@ Version 0.1.0, generated from the manual “iC-MU magnetic off-axis position enc
 (en). Sections and pages refer to this manual. A source that starts with a language code refers to the edition in that
 language. A source that starts with any other key refers to that entry of DOCUMENTS.
 
-Evidence: quoted (every fact is in the manufacturer's words, an independent implementation agrees, and data from real
-hardware pass).
+Evidence: quoted (every fact is in the manufacturer's words, and an independent implementation and data from real
+hardware agree).
 
 BiSS is a trademark of iC-Haus GmbH. The chips described here are products of iC-Haus GmbH. This project is not
 affiliated with it and claims no certification.

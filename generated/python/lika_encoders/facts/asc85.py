@@ -1063,7 +1063,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
 LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
     LostFigure("Overall dimensions in millimetres.", source="3.1 p.11"),
     LostFigure("Dimensions of the mounting support in millimetres.", source="3.2 p.11"),
-    LostFigure("Picture of the mounting with parts 1 to 4. The text also names them.", source="3.3 p.12"),
+    LostFigure("Picture of the mounting with parts 1 to 4. The text also gives their names.", source="3.3 p.12"),
     LostFigure(
         "Front view of the M12 connector with its pin numbers. The table in section 4 lists the pins.",
         source="4.1 p.13",

@@ -104,7 +104,7 @@ class Compared(NamedTuple):
 
 
 class ChannelLayout:
-    """Frames of one encoder that carry several data channels. ``channels()`` of an encoder makes one.
+    """Frames of one encoder that carry several data channels. Create it with ``channels()`` of an encoder.
 
     Args:
         encoder: The encoder.

@@ -486,8 +486,8 @@ class SsiFacts(NamedTuple):
 class BissFacts(NamedTuple):
     """Facts about the BiSS C-mode interface.
 
-    If the clock depends on the order code, ``clocks`` has the clocks, and ``clock`` has no limits. So it is with
-    ``timeouts``, and ``timeout`` is None.
+    If the clock depends on the order code, ``clocks`` has the clocks, and ``clock`` has no limits. The same
+    applies to ``timeouts``, and ``timeout`` is then None.
     """
 
     clock: Clock

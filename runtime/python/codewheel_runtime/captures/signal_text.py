@@ -114,7 +114,7 @@ class _RowReader:
         """Read the whole file for the range of its voltages, then go back to its beginning.
 
         It stops at the first rows if they have no voltages: all cells are whole numbers, or some are not finite. With
-        ``threshold``, the columns have voltages in any case.
+        ``threshold``, the columns always have voltages.
         """
         ranges: list[Any] = []
         for block, line, _ in self.blocks_of_rows(file):

@@ -254,7 +254,7 @@ class ByEncoder(ForEncoder, _Of[_Encoder]):
 
 
 class FrameOf(ByEncoder[_Encoder]):
-    """Frame that depends on the encoder."""
+    """Frame whose layout depends on the encoder."""
 
     __slots__ = ()
 
