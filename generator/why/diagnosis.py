@@ -24,7 +24,8 @@ class Explanation:
     """A mistake that would explain the CRC.
 
     It matches one of ``one_in`` random frames. ``reads`` are the numbers in the frame without the mistake, if that
-    changes the frame. ``codes`` are the order codes that would send it. ``twice`` is true if two mistakes are needed.
+    changes the frame, and ``or_reads`` those with another value of a lost bit. ``codes`` are the order codes that would
+    send it. ``twice`` is true if two mistakes are needed.
     ``parts`` are the parts of a recording, each with its bits. ``template`` is the text without the details of this
     frame, if it has any.
     """
@@ -38,6 +39,7 @@ class Explanation:
     twice: bool = False
     parts: tuple[tuple[str, str], ...] = ()
     template: str = ""
+    or_reads: tuple[Mapping[str, int], ...] = ()
 
     @property
     def mistake(self) -> tuple[str, str, bool]:
@@ -68,6 +70,18 @@ class Diagnosis:
     unmerged: tuple[Explanation, ...] = ()
 
     @property
+    def equal_readings(self) -> int:
+        """Number of readings of a frame without a CRC that fit equally well, or 0 if one fits better than all others.
+
+        Their order depends only on how common each mistake is.
+        """
+        if self.has_crc:
+            return 0
+        chances = [explanation.one_in for explanation in self.explanations]
+        equal_count = chances.count(max(chances, default=0))
+        return equal_count if equal_count > 1 else 0
+
+    @property
     def needs_another_frame(self) -> bool:
         """True if other frames with the same mistake would decide between the explanations."""
         if any(explanation.kind in ("line_stuck", "echo") for explanation in self.explanations):
@@ -82,15 +96,15 @@ def diagnose_without_crc(device: Device, hypotheses: Iterable[Hypothesis], missi
     Of readings that lead to the same frame, only the likeliest is an explanation. Return None if there is no reading
     and ``missing`` is empty, which says what a recording lacks.
     """
-    fitting_hypotheses = [hypothesis for hypothesis in hypotheses if hypothesis.fits]
-    fitting_hypotheses.sort(key=lambda hypothesis: -hypothesis.score)
-    unmerged: list[Explanation] = []
+    frame_and_explanations: list[tuple[int | str, Explanation]] = []
+    for same_mistake in _grouped_by_mistake(hypotheses):
+        likeliest = same_mistake[0]
+        has_frame = likeliest.frame_layout is not None
+        resulting_frame = likeliest.frame if has_frame else likeliest.description
+        frame_and_explanations.append((resulting_frame, _explanation_of_all(device, same_mistake)))
+    frame_and_explanations.sort(key=lambda frame_and_explanation: -frame_and_explanation[1].score)
     likeliest_by_frame: dict[int | str, Explanation] = {}
-    for hypothesis in fitting_hypotheses:
-        explanation = _explanation(device, hypothesis, undecided_parameters=frozenset())
-        unmerged.append(explanation)
-        has_frame = hypothesis.frame_layout is not None
-        resulting_frame = hypothesis.frame if has_frame else hypothesis.description
+    for resulting_frame, explanation in frame_and_explanations:
         likeliest_by_frame.setdefault(resulting_frame, explanation)
     if not likeliest_by_frame and not missing:
         return None
@@ -101,8 +115,45 @@ def diagnose_without_crc(device: Device, hypotheses: Iterable[Hypothesis], missi
         cannot_see=(),
         missing=missing,
         has_crc=False,
-        unmerged=tuple(unmerged),
+        unmerged=tuple(explanation for _, explanation in frame_and_explanations),
     )
+
+
+def _grouped_by_mistake(hypotheses: Iterable[Hypothesis]) -> Iterable[list[Hypothesis]]:
+    """Return lists of the hypotheses that fit: those that differ only in the value of a lost bit, likeliest first."""
+    fitting_hypotheses = [hypothesis for hypothesis in hypotheses if hypothesis.fits]
+    fitting_hypotheses.sort(key=lambda hypothesis: -hypothesis.score)
+    hypotheses_by_mistake: dict[object, list[Hypothesis]] = {}
+    for number, hypothesis in enumerate(fitting_hypotheses):
+        mistake = (hypothesis.kind, hypothesis.template) if hypothesis.has_assumed_bit else number
+        hypotheses_by_mistake.setdefault(mistake, []).append(hypothesis)
+    return hypotheses_by_mistake.values()
+
+
+def _explanation_of_all(device: Device, same_mistake: Sequence[Hypothesis]) -> Explanation:
+    """Return one explanation for hypotheses that differ only in the value of a lost bit.
+
+    Each of them has half the evidence, since one of two values fits more often by chance.
+    """
+    explanations = [_explanation(device, hypothesis, undecided_parameters=frozenset()) for hypothesis in same_mistake]
+    likeliest, *others = explanations
+    if not others:
+        return likeliest
+    return replace(
+        likeliest,
+        text=without_details(likeliest.template),
+        one_in=sum(explanation.one_in for explanation in explanations),
+        score=sum(explanation.score for explanation in explanations),
+        or_reads=tuple(explanation.reads for explanation in others),
+    )
+
+
+def without_details(template: str) -> str:
+    """Return a template as a text without the details of a frame.
+
+    ``the first bit ({0}) is missing`` becomes ``the first bit is missing``, and any other detail ``some``.
+    """
+    return template.replace("({0}) ", "").format("some")
 
 
 def diagnose(

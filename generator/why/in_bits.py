@@ -85,8 +85,7 @@ def moved_frame_hypotheses(
     for length in _possible_lengths(placed_layout, typed_frame):
         for offset in line.slips:
             if placed_layout.bits + offset.additional_bits == length:
-                hypothesis = _offset_hypothesis(placed_layout, crc, offset, typed_frame.number, length)
-                hypotheses_by_rule.append(hypothesis)
+                hypotheses_by_rule += _offset_hypotheses(placed_layout, crc, offset, typed_frame.number, length)
     hypotheses_by_rule += recording_hypotheses(line, placed_layout, crc, received_bits)
     yield from hypotheses_by_rule
     is_frame_found = any(hypothesis.fits for hypothesis in hypotheses_by_rule)
@@ -136,34 +135,41 @@ def _is_constant_from(field: PlacedField, lowest_bit: int) -> bool:
     return isinstance(field.field.kind, Constant) and field.low >= lowest_bit
 
 
-def _offset_hypothesis(
+def _offset_hypotheses(
     placed_layout: PlacedLayout, crc: Crc | None, offset: FrameOffset, number: int, length: int
-) -> Hypothesis:
-    """Return the hypothesis that the ``length`` bits of ``number`` do not begin and end with the frame.
+) -> Iterator[Hypothesis]:
+    """Yield hypotheses that the ``length`` bits of ``number`` do not begin and end with the frame.
 
     The bits are, from the first one received: bits before the frame, the received part of the frame, bits after it.
-    Bits before the frame that must be 1 count as determined, and those that are mostly 0 change the likelihood.
+    Bits before the frame that must be 1 count as determined, and those that are mostly 0 change the likelihood. Without
+    a CRC, there is a hypothesis for each value of the lost last bits. With one, these belong to it and are 0 here.
     """
     frame_part_length = length - len(offset.front) - offset.behind
     front_and_frame_part = number >> offset.behind
     front = front_and_frame_part >> frame_part_length
     frame_part = front_and_frame_part & ((1 << frame_part_length) - 1)
     missing_first_bits = int(offset.missing or "0", 2)
-    # The missing last bits are 0 here. ``frame_hypothesis`` knows from ``lost_bits`` that they were not received.
-    frame = ((missing_first_bits << frame_part_length) | frame_part) << offset.lost
+    frame_without_last_bits = ((missing_first_bits << frame_part_length) | frame_part) << offset.lost
     start_bits = _bits_with_mark(offset.front, "1", front)
-    hypothesis = frame_hypothesis(
-        offset.kind,
-        offset.text.format(offset.missing),
-        placed_layout,
-        crc,
-        frame,
-        lost_bits=offset.lost,
-        determined_bits=len(start_bits),
-        are_determined_right=all(start_bits),
-    )
     front_likelihood = prod(ACTIVE if bit else IDLE for bit in _bits_with_mark(offset.front, "~", front))
-    return replace(hypothesis, template=offset.text, likelihood=hypothesis.likelihood * front_likelihood)
+    assumed_bits = 0 if crc is not None else offset.lost + len(offset.missing)
+    for last_bits in range(1 << offset.lost if crc is None else 1):
+        hypothesis = frame_hypothesis(
+            offset.kind,
+            offset.text.format(offset.missing),
+            placed_layout,
+            crc,
+            frame_without_last_bits | last_bits,
+            lost_bits=offset.lost if crc is not None else assumed_bits,
+            determined_bits=len(start_bits),
+            are_determined_right=all(start_bits),
+        )
+        yield replace(
+            hypothesis,
+            template=offset.text,
+            likelihood=hypothesis.likelihood * front_likelihood,
+            has_assumed_bit=assumed_bits > 0,
+        )
 
 
 def _bits_with_mark(pattern: str, mark: str, front: int) -> list[int]:

@@ -171,7 +171,7 @@ function foldDoubt(measure, readings) {
 }
 
 /** Create the lines about the mistakes that could explain a wrong frame. */
-function createExplanations(decoded) {
+function createExplanations(decoded, hasOtherFrames) {
   const deadLineText = deadLine(decoded);
   if (deadLineText) return [element("p", {}, deadLineText)];
   if (!decoded.problems.length) return [];
@@ -189,16 +189,31 @@ function createExplanations(decoded) {
     (explanation) => describeExplanation(explanation.at ?? decoded.at, explanation)))] : [];
   const missingText = missingPart(decoded);
   const helpLines = anotherHelps(explanations) ? [element("p", {}, said("another_frame"))] : [];
-  return [...noiseLines, ...explanationLines,
+  const isUnexplained = !explanations.length && !missingText && !hasOtherFrames && isCorrupted(decoded);
+  const unexplainedLines = isUnexplained ? [element("p", {}, sentence(said("no_explanation")))] : [];
+  return [...noiseLines, ...explanationLines, ...unexplainedLines, ...equalReadingsLines(decoded, explanations),
     ...missingText ? [element("p", {}, sentence(capitalize(missingText)))] : [], ...helpLines];
 }
 
+/** Return whether a frame has an error in transmission: a wrong CRC or length or, without a CRC, a wrong constant. */
+const isCorrupted = ({ problems, crc }) => problems.some(
+  ({ fault }) => ["crc", "length", "constant"].includes(fault)) && !(crc && crc.received === crc.computed);
+
+/** Create a line about readings of a frame without a CRC that fit equally well, or nothing. */
+function equalReadingsLines({ at: placedLayout }, explanations) {
+  if (placedLayout?.crc || explanations.length < 2) return [];
+  const mostFrames = explanations.map(({ oneIn }) => oneIn).reduce((most, oneIn) => (oneIn > most ? oneIn : most));
+  const equalCount = explanations.filter(({ oneIn }) => oneIn === mostFrames).length;
+  return equalCount > 1 ? [element("p", {}, sentence(said("equal_readings", `${equalCount}`)))] : [];
+}
+
 /** Describe one explanation: its text and chance, the numbers that the frame then contains, and the recording. */
-function describeExplanation(placedLayout, { text, oneIn, number, parts = [] }) {
+function describeExplanation(placedLayout, { text, oneIn, number, orNumbers = [], parts = [] }) {
   const chanceText = oneIn > ONE ? ` (matches by chance in 1 of ${oneIn} frames)` : "";
-  const numberTexts = number === undefined ? []
-    : numbersRead(placedLayout, number).map(([name, fieldNumber]) => `${name} ${fieldNumber}`);
-  const readsText = numberTexts.length ? `: ${numberTexts.join(", ")}` : "";
+  const numbers = number === undefined ? [] : [number, ...orNumbers];
+  const numberTexts = numbers.map((frameNumber) => numbersRead(placedLayout, frameNumber)
+    .map(([name, fieldNumber]) => `${name} ${fieldNumber}`).join(", ")).filter(Boolean);
+  const readsText = numberTexts.length ? `: ${numberTexts.join(" or ")}` : "";
   return [`${text}${chanceText}${readsText}`, parts.length ? drawParts(parts) : ""];
 }
 
@@ -228,7 +243,7 @@ function resultOf(decoded, measure, otherLayouts) {
     ...(decoded.crc ? [createCrcLine(decoded.crc)] : []),
     ...nameOtherFrames(decoded, otherLayouts),
     ...createDoubts(decoded, measure),
-    ...(isAnotherFrame(decoded, otherLayouts) ? [] : createExplanations(decoded)),
+    ...(isAnotherFrame(decoded, otherLayouts) ? [] : createExplanations(decoded, otherLayouts.length > 0)),
   ];
 }
 

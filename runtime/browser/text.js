@@ -184,7 +184,9 @@ function notOfAnyCode(text) {
 function bitsOfBytes(text, bitCount, lineCarriesBytes) {
   const [, prefix, digits] = /^(0b)?([01]*)$/i.exec(text.replaceAll("_", "")) ?? [];
   if (!digits || (prefix && !lineCarriesBytes)) return digits ?? "";
-  return digits.length > Math.floor(bitCount / 4) && digits.length <= bitCount ? digits : "";
+  const areBits = digits.length > Math.max(Math.floor(bitCount / 4), 8) && digits.length <= bitCount;
+  const hasAllBits = digits.length === bitCount && digits.includes("1");
+  return areBits && (hasAllBits || (lineCarriesBytes && digits[0] === "1")) ? digits : "";
 }
 
 /** Return the bytes of a frame in bytes: hex text, or one binary number of the bits sent, or of the bytes in order. */

@@ -130,7 +130,7 @@ function findCommonMistakes(explanationLists) {
   return [...explanationsByKey.values()].filter((explanations) => explanations.length === mostFrames)
     .map((explanations) => ({
       text: new Set(explanations.map((explanation) => explanation.text)).size === 1 ? explanations[0].text
-        : fillTemplate(explanations[0].template.replace("({0}) ", ""), "some"),
+        : withoutDetails(explanations[0].template),
       frames: mostFrames,
       oneIn: explanations.reduce((product, explanation) => product * explanation.oneIn, ONE),
       score: computeCommonScore(explanations),
@@ -251,10 +251,30 @@ function pairWithInversion(hypothesis) {
 
 /** The readings of a frame without a CRC. Nothing proves one of them. */
 function explainWithoutCrc(hypotheses) {
-  const all = sortByScore(hypotheses.filter(fitsFrame).map((hypothesis) => toExplanation(hypothesis)));
-  const numbers = all.map((explanation) => explanation.number);
-  return { all, merged: all.filter((explanation, index) => numbers.indexOf(explanation.number) === index) };
+  const fitting = sortByScore(hypotheses.filter(fitsFrame).map((hypothesis) => toExplanation(hypothesis)));
+  const byMistake = new Map();
+  for (const [index, explanation] of fitting.entries()) {
+    const key = explanation.hasAssumedBit ? `${explanation.kind} ${explanation.template}` : index;
+    byMistake.set(key, [...byMistake.get(key) ?? [], explanation]);
+  }
+  const all = sortByScore([...byMistake.values()].map(mergeSameMistake));
+  const frames = all.map((explanation) => explanation.number ?? explanation.text);
+  return { all, merged: all.filter((explanation, index) => frames.indexOf(frames[index]) === index) };
 }
+
+/** Merge explanations that differ only in the value of a lost bit. Each of them has half the evidence. */
+function mergeSameMistake([likeliest, ...others]) {
+  if (!others.length) return likeliest;
+  return {
+    ...likeliest, text: withoutDetails(likeliest.template),
+    oneIn: others.reduce((sum, { oneIn }) => sum + oneIn, likeliest.oneIn),
+    score: others.reduce((sum, { score }) => sum + score, likeliest.score),
+    orNumbers: others.map(({ number }) => number),
+  };
+}
+
+/** Return a template as a text without the details of a frame. */
+const withoutDetails = (template) => fillTemplate(template.replace("({0}) ", ""), "some");
 
 /** Return the bits that the CRC covers, shifted to bit 0, and how many they are. */
 function coveredBitsOf(placedLayout, number) {
@@ -274,21 +294,19 @@ function createHypothesisAsSent(placedLayout, crc, number) {
 
 /**
  * The frame was this number, whose last bits were not received.
- * These ``lost`` bits belong to the CRC, of which the others are compared. In a frame that lacks a CRC, the first lost
- * bits with which constants and parity are right are assumed.
+ * These ``lost`` bits belong to the CRC, of which the others are compared. Without a CRC, they are assumed as in the
+ * number, so they prove nothing.
  */
 function createFrameHypothesis(
   placedLayout, crc, kind, text, frameNumber,
   { lost: missingLowBits = 0, demanded: otherBitsRequired = 0, holds: isConsistent = true, ...otherMembers } = {},
 ) {
   if (!crc) {
-    const completedFrames = [...Array(1 << missingLowBits).keys()].map((lastBits) => frameNumber | BigInt(lastBits));
-    const number = completedFrames.find((candidate) => hasRightConstants(placedLayout, candidate)) ?? frameNumber;
     return createHypothesis({
-      kind, text, at: placedLayout, number, lost: missingLowBits, data: number, size: placedLayout.bits,
-      likelihood: computeLikelihood(placedLayout, number),
+      kind, text, at: placedLayout, number: frameNumber, lost: missingLowBits, data: frameNumber,
+      size: placedLayout.bits, likelihood: computeLikelihood(placedLayout, frameNumber),
       demanded: otherBitsRequired + Math.max(countConstantBits(placedLayout) - missingLowBits, 0),
-      holds: isConsistent && hasRightConstants(placedLayout, number), ...otherMembers,
+      holds: isConsistent && hasRightConstants(placedLayout, frameNumber), ...otherMembers,
     });
   }
   return createHypothesis({
@@ -567,14 +585,21 @@ function tryOffset(
   const isConsistent = startBits.every((bit) => bits(frontAndFramePart, bit, 1));
   const frameNumber = ((BigInt(`0b0${missingFirstBits}`) << BigInt(framePartBits))
     | bits(frontAndFramePart, 0, framePartBits)) << BigInt(missingLowBits);
-  const members = { template, lost: missingLowBits, demanded: startBits.length, holds: isConsistent };
-  const hypothesis = createFrameHypothesis(
-    placedLayout, crc, kind, fillTemplate(template, missingFirstBits), frameNumber, members);
+  // Without a CRC, there is a hypothesis for each value of the lost last bits.
+  const assumedBits = crc ? 0 : missingLowBits + missingFirstBits.length;
+  const members = {
+    template, lost: crc ? missingLowBits : assumedBits, demanded: startBits.length, holds: isConsistent,
+    hasAssumedBit: assumedBits > 0 };
+  const lastBitValues = [...Array(crc ? 1 : 1 << missingLowBits).keys()].map(BigInt);
+  const text = fillTemplate(template, missingFirstBits);
+  const hypotheses = lastBitValues.map((lastBits) => (
+    createFrameHypothesis(placedLayout, crc, kind, text, frameNumber | lastBits, members)));
   const { idle, active } = TABLE.likely;
   const mostlyZeroBits = [...front].flatMap(
     (mark, index) => (mark === "~" ? [bits(frontAndFramePart, highestBit - index, 1)] : []));
   const frontLikelihood = mostlyZeroBits.reduce((product, bit) => product * (bit ? active : idle), 1);
-  return [{ ...hypothesis, likelihood: hypothesis.likelihood * frontLikelihood }];
+  return hypotheses.map(
+    (hypothesis) => ({ ...hypothesis, likelihood: hypothesis.likelihood * frontLikelihood }));
 }
 
 /** Try the frame in a recording with these parts. The bits of the parts in ``proofParts`` have one possible value. */

@@ -84,15 +84,18 @@ def _has_leading_zero(pieces: Sequence[str]) -> bool:
 def bits_of_bytes(text: str, bits: int, *, line_carries_bytes: bool) -> str:
     """Return the digits of one binary number for a frame of ``bits`` bits in bytes, or "" for any other text.
 
-    Without a prefix, or if the line carries bytes, so that ``0b`` may be hex, it has more digits than in hex.
+    Without a prefix, or if the line carries bytes, so that ``0b`` may be hex, it has more digits than in hex, and more
+    than one byte. It has all bits or, if the line carries bytes, no leading zeros.
     """
     compact_text = text.replace("_", "")
     has_prefix = _BITS.fullmatch(compact_text) is not None
     digits = compact_text[len("0b") :] if has_prefix else compact_text
     if has_prefix and not line_carries_bytes:
         return digits
-    are_bits = _ZEROS_AND_ONES.fullmatch(digits) and bits // 4 < len(digits) <= bits
-    return digits if are_bits else ""
+    are_bits = _ZEROS_AND_ONES.fullmatch(digits) and max(bits // 4, 8) < len(digits) <= bits
+    has_all_bits = len(digits) == bits and "1" in digits
+    lacks_zeros = line_carries_bytes and digits.startswith("1")
+    return digits if are_bits and (has_all_bits or lacks_zeros) else ""
 
 
 def possible_meanings(digits: str, bits: int) -> Iterator[str]:

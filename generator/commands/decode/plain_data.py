@@ -138,6 +138,7 @@ def _why_data(why: Diagnosis) -> dict[str, Any]:
         "disturbed": list(why.disturbed),
         "missing": why.missing or None,
         "another_frame_helps": why.needs_another_frame,
+        "equal_readings": why.equal_readings,
     }
 
 
@@ -150,5 +151,6 @@ def _explanation_data(explanation: Explanation) -> dict[str, Any]:
         "twice": explanation.twice,
         "order_codes": list(explanation.codes),
         "reads": dict(explanation.reads),
+        "or_reads": [dict(numbers) for numbers in explanation.or_reads],
         "parts": [{"name": name, "bits": bits} for name, bits in explanation.parts],
     }
