@@ -855,11 +855,16 @@ function otherPositions({ at: placedLayout, number, problems, crc, fields, given
   const width = parts.reduce((sum, partField) => sum + (partField.width ?? partField.high - partField.low + 1), 0);
   const sentPosition = bits(number, low, width);
   const otherBits = number ^ (sentPosition << BigInt(low));
+  const fromGray = (frameNumber, { low: partLow, width: partWidth, high }) => {
+    const partBits = bits(frameNumber, partLow, partWidth ?? high - partLow + 1);
+    return frameNumber ^ ((partBits ^ plainOf(partBits)) << BigInt(partLow));
+  };
   const withLastBit0 = (number << ONE) & ones(placedLayout.bits);
   const frameNumbers = [
     [withLastBit0, withLastBit0 | ONE].find((candidate) => hasRightConstants(placedLayout, candidate)) ?? withLastBit0,
     number >> ONE,
     placedLayout.gray ? null : otherBits | (plainOf(sentPosition) << BigInt(low)),
+    placedLayout.gray || parts.length < 2 ? null : parts.reduce(fromGray, number),
     placedLayout.gray ? toGray(placedLayout, number) : null,
     placedLayout.bits % 8 ? null : numberOf("big", bytesOf("little", number, placedLayout.bits / 8)),
   ];
