@@ -23,7 +23,16 @@ from ..model import (
 )
 from ..reference.bits import reflect
 from .exchanges import echo_hypotheses
-from .hypotheses import ACTIVE, IDLE, Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis, likelihood
+from .hypotheses import (
+    ACTIVE,
+    IDLE,
+    INVERTED_WITHOUT_PAIR,
+    Hypothesis,
+    TypedFrame,
+    check_constant_bits,
+    frame_hypothesis,
+    likelihood,
+)
 from .other_crcs import other_crc_hypotheses, other_polynomial_hypotheses, status_mask
 from .other_order_codes import other_order_code_hypotheses
 from .recordings import LINES, FrameOffset, line_name, recorded_bits, recording_hypotheses, window_hypotheses
@@ -42,7 +51,7 @@ def all_hypotheses(
     if placed_layout.bits in _possible_lengths(placed_layout, typed_frame):
         is_biss = variant.interface == Biss.name
         yield from other_crc_hypotheses(placed_layout, crc, typed_frame.number, has_start_bits=is_biss)
-    yield from rearranged_frame_hypotheses(placed_layout, crc, typed_frame)
+    yield from rearranged_frame_hypotheses(variant, placed_layout, crc, typed_frame)
     yield from moved_frame_hypotheses(device, variant, placed_layout, crc, typed_frame)
     if placed_layout.covers_part:
         return
@@ -183,7 +192,7 @@ def _bits_with_mark(pattern: str, mark: str, front: int) -> list[int]:
 
 
 def rearranged_frame_hypotheses(
-    placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
+    variant: Variant, placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
     """Yield hypotheses in which all bits are inverted, or the bits or bytes are in another order.
 
@@ -197,7 +206,10 @@ def rearranged_frame_hypotheses(
         if placed_layout.bits % 8 == 0:
             other_frames["bits_reversed_in_bytes"] = reflected_bytes(typed_frame.number, placed_layout.bits // 8)
         for kind, frame in other_frames.items():
-            yield frame_hypothesis(kind, TEXTS[kind], placed_layout, crc, frame)
+            hypothesis = frame_hypothesis(kind, TEXTS[kind], placed_layout, crc, frame)
+            lacks_pair = kind == "all_inverted" and variant.interface == Spi.name
+            frequency = INVERTED_WITHOUT_PAIR if lacks_pair else 1.0
+            yield replace(hypothesis, likelihood=hypothesis.likelihood * frequency)
     yield from _byte_order_hypotheses("bytes_reversed", placed_layout, crc, typed_frame)
     # With two bytes, this is the same.
     if placed_layout.bits > 16:

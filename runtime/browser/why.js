@@ -77,14 +77,27 @@ const hasCrcInBytes = ({ label: orderCode, over: interface_, sender }) => !order
 /** Return the part that a recording without a complete frame lacks, or "". */
 function missingPart(decoded) {
   const { at: placedLayout, given: typedFrame, problems } = decoded;
-  if (!typedFrame || !problems.some((problem) => problem.fault === "length")
-    || deadLine(decoded) || mayHaveBits(typedFrame, placedLayout.bits)) return "";
+  if (!typedFrame || !placedLayout || deadLine(decoded)) return "";
+  if (isCutWord(decoded) && !explained(decoded).length) return findMissingPart(
+    placedLayout, typedFrame.number.toString(2).padStart(typedFrame.written, "0"));
+  if (!problems.some((problem) => problem.fault === "length")
+    || mayHaveBits(typedFrame, placedLayout.bits)) return "";
   const crc = placedLayout.crc && placedLayout.family.crcs[placedLayout.crc];
   const isFoundByRule = (hypothesis) => hypothesis.kind !== TABLE.inside[0] && fitsFrame(hypothesis)
     && (!crc || hypothesis.known + hypothesis.demanded >= LEAST_BITS);
   if (tryMovedFrames(placedLayout, crc, typedFrame).some(isFoundByRule)) return "";
+  return findMissingPart(placedLayout, writeReceivedBits(placedLayout, typedFrame));
+}
+
+/** Whether a wrong word of SSI or SPI with a CRC has at least a byte fewer hex digits than the frame. */
+const isCutWord = ({ at: placedLayout, given: typedFrame, problems }) => !typedFrame.exact && typedFrame.written > 0
+  && typedFrame.written <= placedLayout.bits - 8 && interfaceOf(placedLayout).name !== "biss"
+  && problems.some((problem) => problem.fault === "crc");
+
+/** Return the part that these received bits lack, by the patterns of the line. */
+function findMissingPart(placedLayout, receivedText) {
   for (const [text, pattern] of lineRulesOf(placedLayout)?.incomplete ?? []) {
-    const match = matchRecording(pattern, placedLayout, writeReceivedBits(placedLayout, typedFrame));
+    const match = matchRecording(pattern, placedLayout, receivedText);
     const bitCount = match?.groups?.frame?.length ?? 0;
     if (match && bitCount < placedLayout.bits) return fillTemplate(
       text, bitCount, placedLayout.bits, placedLayout.bits - bitCount);
@@ -375,12 +388,13 @@ function tryOtherStatus(placedLayout, asSent, number, withMistake) {
   const remainingBits = [...Array(asSent.size).keys()].reverse()
     .filter((bit) => !bits(statusMask >> crcWidth, bit, 1));
   const remainingData = remainingBits.reduce((sum, bit) => (sum << ONE) | bits(asSent.data, bit, 1), 0n);
-  return [
-    withMistake("status_left_out", TABLE.texts.status_left_out, {
-      data: remainingData, size: remainingBits.length }),
-    withMistake("status_turned", TABLE.texts.status_turned, {
-      data: (number ^ statusMask) >> crcWidth, likelihood: computeLikelihood(placedLayout, number ^ statusMask) }),
-  ];
+  const leftOut = withMistake("status_left_out", TABLE.texts.status_left_out, {
+    data: remainingData, size: remainingBits.length });
+  // Only bits that are 1 while they are inactive can be converted to active high.
+  const hasActiveLow = placedLayout.fields.filter(isStatusField).some(({ field }) => field.kind !== "flag");
+  return hasActiveLow ? [leftOut, withMistake("status_turned", TABLE.texts.status_turned, {
+    data: (number ^ statusMask) >> crcWidth, likelihood: computeLikelihood(placedLayout, number ^ statusMask) })]
+    : [leftOut];
 }
 
 /** Find the bits of the number that a master would convert from Gray code: their low bit and width. */
@@ -417,7 +431,9 @@ function tryRearrangedFrames(placedLayout, crc, typedFrame) {
     createFrameHypothesis(placedLayout, crc, kind, TABLE.texts[kind], frameNumber, members));
   const hypotheses = [];
   if (possibleLengthsOf(placedLayout, typedFrame).includes(placedLayout.bits)) {
-    hypotheses.push(assumeFrame("all_inverted", typedFrame.number ^ ones(placedLayout.bits)),
+    const inverted = assumeFrame("all_inverted", typedFrame.number ^ ones(placedLayout.bits));
+    const frequency = interfaceOf(placedLayout)?.name === "spi" ? TABLE.likely.without_pair : 1;
+    hypotheses.push({ ...inverted, likelihood: inverted.likelihood * frequency },
       assumeFrame("bits_reversed", reflected(typedFrame.number, placedLayout.bits)));
     if (placedLayout.bits % 8 === 0) {
       const bytes = bytesOf("big", typedFrame.number, placedLayout.bits / 8);

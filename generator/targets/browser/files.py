@@ -54,7 +54,7 @@ from ...why.exchanges import (
     MOST_BYTES,
     WORD_ECHO_TEXT,
 )
-from ...why.hypotheses import ACTIVE, IDLE, MISTAKES
+from ...why.hypotheses import ACTIVE, IDLE, INVERTED_WITHOUT_PAIR, MISTAKES
 from ...why.other_crcs import POLYNOMIALS, OtherCrc, other_crcs_over_bits, other_crcs_over_bytes
 from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, Line, line_name
 from ...why.texts import START_BITS, TEXTS
@@ -386,7 +386,13 @@ def script_table(library: Library) -> Data:
         "texts": dict(TEXTS),
         "start_bits": START_BITS,
         "polynomials": POLYNOMIALS,
-        "likely": {"kinds": dict(MISTAKES), "idle": IDLE, "active": ACTIVE, "frames": MOST_FRAMES},
+        "likely": {
+            "kinds": dict(MISTAKES),
+            "idle": IDLE,
+            "active": ACTIVE,
+            "without_pair": INVERTED_WITHOUT_PAIR,
+            "frames": MOST_FRAMES,
+        },
         "line": {"mark": GRADES[-1], "evidence": f"Evidence: {lowest_grade()}."},
         "known_crcs": [[json_number(known.polynomial), known.init, known.use] for known in KNOWN_CRCS],
         "byte_polynomials": [polynomial for polynomial in POLYNOMIALS if polynomial.bit_length() == 9],
