@@ -15,6 +15,8 @@ from .texts import TEXTS
 
 #: A mistake that matches more than one random frame in eight explains nothing.
 _LEAST_BITS = 3
+#: Frames with fewer bits may have equal bits by chance.
+LEAST_EQUAL_BITS = 12
 #: An explanation that matches fewer random frames than one in this many is as good as certain.
 _CERTAIN = 1 << 16
 
@@ -25,9 +27,9 @@ class Explanation:
 
     It matches one of ``one_in`` random frames. ``reads`` are the numbers in the frame without the mistake, if that
     changes the frame, and ``or_reads`` those with another value of a lost bit. ``codes`` are the order codes that would
-    send it. ``twice`` is true if two mistakes are needed.
-    ``parts`` are the parts of a recording, each with its bits. ``template`` is the text without the details of this
-    frame, if it has any.
+    send it. ``twice`` is true if two mistakes are needed. ``parts`` are the parts of a recording, each with its bits.
+    ``template`` is the text without the details of this frame, if it has any. With ``hides_shift``, the CRC of the
+    explanation does not detect every shift.
     """
 
     kind: str
@@ -40,6 +42,7 @@ class Explanation:
     parts: tuple[tuple[str, str], ...] = ()
     template: str = ""
     or_reads: tuple[Mapping[str, int], ...] = ()
+    hides_shift: bool = False
 
     @property
     def mistake(self) -> tuple[str, str, bool]:
@@ -223,7 +226,15 @@ def _paired_with_inversion(hypotheses: Iterable[Hypothesis]) -> Iterator[Hypothe
 
 
 def is_significant(hypothesis: Hypothesis) -> bool:
-    """Return whether at least 3 bits of CRC and other determined bits can contradict the hypothesis."""
+    """Return whether at least 3 bits of CRC and other determined bits can contradict the hypothesis.
+
+    A frame whose bits are all equal may be a part of an idle line. Without inversion, the CRC of zeros is 0.
+    """
+    frame_layout = hypothesis.frame_layout
+    if frame_layout is not None and frame_layout.bits >= LEAST_EQUAL_BITS:
+        all_ones = (1 << frame_layout.bits) - 1
+        if hypothesis.frame in (0, all_ones):
+            return False
     return hypothesis.received_crc_bits + hypothesis.determined_bits >= _LEAST_BITS
 
 
@@ -295,7 +306,20 @@ def _explanation(device: Device, hypothesis: Hypothesis, undecided_parameters: f
         codes=hypothesis.order_codes,
         parts=hypothesis.recording_parts,
         template=hypothesis.template,
+        hides_shift=_hides_shift(hypothesis),
     )
+
+
+def _hides_shift(hypothesis: Hypothesis) -> bool:
+    """Return whether the CRC is also valid for every second frame that is shifted by one bit.
+
+    Without start value and inversion, a frame and its CRC are a multiple of the polynomial. If its last bit is 0, it is
+    also one without this bit, and if its first bit is 0, with a 0 behind it.
+    """
+    crc = hypothesis.crc
+    if hypothesis.kind != NOT_INVERTED or crc is None or hypothesis.is_crc_over_bytes:
+        return False
+    return crc.init == 0 and crc.xorout == 0
 
 
 def _numbers_in_frame(

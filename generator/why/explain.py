@@ -11,7 +11,15 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ..model import Biss, Crc, Device, PlacedLayout, Rs485, Variant
-from .diagnosis import Diagnosis, Explanation, diagnose, diagnose_without_crc, is_significant, significant_hypotheses
+from .diagnosis import (
+    LEAST_EQUAL_BITS,
+    Diagnosis,
+    Explanation,
+    diagnose,
+    diagnose_without_crc,
+    is_significant,
+    significant_hypotheses,
+)
 from .exchanges import exchange_hypotheses
 from .hypotheses import MISTAKES, Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
 from .in_bits import (
@@ -23,9 +31,6 @@ from .in_bits import (
 from .in_bytes import byte_hypotheses, is_valid_in_bytes
 from .other_crcs import hypothesis_without_mistake
 from .recordings import FRAME_INSIDE, LINES, line_name, missing_part, recorded_bits
-
-#: Frames with fewer bits may be all zeros or all ones by coincidence.
-_LEAST_EQUAL_BITS = 12
 
 
 def explain_bits(
@@ -252,7 +257,7 @@ def _diagnose_equal_bits(variant: Variant, number: int, bit_count: int, doubt: s
     No other mistake is tried for such a frame. ``doubt`` is the reason why nothing proves that the line is dead, or "".
     """
     all_ones = (1 << bit_count) - 1
-    if bit_count < _LEAST_EQUAL_BITS or number not in (0, all_ones):
+    if bit_count < LEAST_EQUAL_BITS or number not in (0, all_ones):
         return None
     level = 1 if number == all_ones else 0
     if doubt:

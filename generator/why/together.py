@@ -18,6 +18,7 @@ class CommonMistake:
     frames: int
     one_in: int
     score: float
+    hides_shift: bool
 
 
 def judge_together(diagnoses: Sequence[Diagnosis]) -> list[CommonMistake]:
@@ -38,6 +39,7 @@ def judge_together(diagnoses: Sequence[Diagnosis]) -> list[CommonMistake]:
                 frames=most_frames,
                 one_in=prod(explanation.one_in for explanation in explanations),
                 score=_common_score(explanations),
+                hides_shift=explanations[0].hides_shift,
             )
             common_mistakes.append(common_mistake)
     return sorted(common_mistakes, key=lambda mistake: -mistake.score)

@@ -88,7 +88,8 @@ function togetherOf(rows) {
     "together", `${mistakes[0].frames}`, `${Math.min(wrongFrames.length, TABLE.likely.frames)}`);
   const mistakeTexts = mistakes.map(
     ({ text, oneIn }) => (oneIn > ONE ? `${text} (matches by chance in 1 of ${oneIn})` : text));
-  return [element("p", {}, `${introduction}:`), list(mistakeTexts)];
+  const shiftLines = mistakes[0].hidesShift ? [element("p", {}, sentence(said("hidden_shift")))] : [];
+  return [element("p", {}, `${introduction}:`), list(mistakeTexts), ...shiftLines];
 }
 
 /** List the doubts that all lines have in common although they are valid: a dead line, own requests, other readings. */

@@ -192,6 +192,7 @@ function createExplanations(decoded, hasOtherFrames) {
   const isUnexplained = !explanations.length && !missingText && !hasOtherFrames && isCorrupted(decoded);
   const unexplainedLines = isUnexplained ? [element("p", {}, sentence(said("no_explanation")))] : [];
   return [...noiseLines, ...explanationLines, ...unexplainedLines, ...equalReadingsLines(decoded, explanations),
+    ...(explanations.length && hidesShift(explanations[0]) ? [element("p", {}, sentence(said("hidden_shift")))] : []),
     ...missingText ? [element("p", {}, sentence(capitalize(missingText)))] : [], ...helpLines];
 }
 

@@ -84,7 +84,7 @@ function missingPart(decoded) {
     || mayHaveBits(typedFrame, placedLayout.bits)) return "";
   const crc = placedLayout.crc && placedLayout.family.crcs[placedLayout.crc];
   const isFoundByRule = (hypothesis) => hypothesis.kind !== TABLE.inside[0] && fitsFrame(hypothesis)
-    && (!crc || hypothesis.known + hypothesis.demanded >= LEAST_BITS);
+    && (!crc || (hypothesis.known + hypothesis.demanded >= LEAST_BITS && !isIdleLine(hypothesis)));
   if (tryMovedFrames(placedLayout, crc, typedFrame).some(isFoundByRule)) return "";
   return findMissingPart(placedLayout, writeReceivedBits(placedLayout, typedFrame));
 }
@@ -147,6 +147,7 @@ function findCommonMistakes(explanationLists) {
       frames: mostFrames,
       oneIn: explanations.reduce((product, explanation) => product * explanation.oneIn, ONE),
       score: computeCommonScore(explanations),
+      hidesShift: hidesShift(explanations[0]),
     })).sort((mistake, otherMistake) => otherMistake.score - mistake.score);
 }
 
@@ -203,11 +204,15 @@ function matchKeyOf({
   return `${crcKey} ${coveredData} ${crc && big(crc.init) ? coveredBits : 0} ${receivedCrc} ${crcBitsReceived}`;
 }
 
+/** Return whether all bits of the resulting frame are equal, as on an idle line. */
+const isIdleLine = ({ at: placedLayout, number }) => Boolean(placedLayout) && placedLayout.bits >= LEAST_EQUAL_BITS
+  && (number === 0n || number === ones(placedLayout.bits));
+
 /** The tries that do not match too many random frames, without those known to fail. */
 function selectSignificant(hypotheses, refuted) {
   const refutedKeys = new Set(refuted.map(matchKeyOf));
   return hypotheses.filter((hypothesis) => hypothesis.known + hypothesis.demanded >= LEAST_BITS
-    && !refutedKeys.has(matchKeyOf(hypothesis)));
+    && !isIdleLine(hypothesis) && !refutedKeys.has(matchKeyOf(hypothesis)));
 }
 
 /** Select the likeliest of the hypotheses that lead to the same frame. */
@@ -274,6 +279,10 @@ function explainWithoutCrc(hypotheses) {
   const frames = all.map((explanation) => explanation.number ?? explanation.text);
   return { all, merged: all.filter((explanation, index) => frames.indexOf(frames[index]) === index) };
 }
+
+/** Return whether the CRC of an explanation is also valid for every second frame that is shifted by one bit. */
+const hidesShift = ({ kind, crc, isOfBytes }) => kind === "crc_not_inverted" && Boolean(crc) && !isOfBytes
+  && !big(crc.init) && !big(crc.xorout);
 
 /** Merge explanations that differ only in the value of a lost bit. Each of them has half the evidence. */
 function mergeSameMistake([likeliest, ...others]) {

@@ -360,6 +360,8 @@ def _hint_lines(why: Diagnosis) -> list[str]:
     lines = []
     if why.missing:
         lines.append(wrapped(sentence(capitalized(why.missing)), WIDTH, prefix="  ", first=""))
+    if why.explanations and why.explanations[0].hides_shift:
+        lines.append(wrapped(sentence(say.HIDDEN_SHIFT), WIDTH, prefix="  ", first=""))
     if why.equal_readings:
         lines.append(wrapped(sentence(say.equal_readings(f"{why.equal_readings}")), WIDTH, prefix="  ", first=""))
     if why.needs_another_frame:
@@ -379,6 +381,8 @@ def together_lines(mistakes: Sequence[CommonMistake], failed_frames: int) -> Ite
     for mistake in mistakes:
         chance = f"; matches by chance in {_frequency(mistake.one_in)}" if mistake.one_in > 1 else ""
         yield wrapped(f"{mistake.text}{chance}", WIDTH, prefix=" " * 6, first="    - ")
+    if mistakes[0].hides_shift:
+        yield wrapped(sentence(say.HIDDEN_SHIFT), WIDTH, prefix="  ", first="")
     yield ""
 
 

@@ -328,6 +328,7 @@ _MESSAGES = {
     "own_requests": report.own_requests("{0}"),
     "another_frame": report.ANOTHER_FRAME,
     "uncertain": report.UNCERTAIN_READINGS,
+    "hidden_shift": report.HIDDEN_SHIFT,
     "no_explanation": report.NO_EXPLANATION,
     "equal_readings": report.equal_readings("{0}"),
     "compared": report.compared("{0}", "{1}", agree=True),
