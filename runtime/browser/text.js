@@ -128,7 +128,10 @@ function numberIn(text, bitCount, areBytesExact) {
     return areBits ? makeTypedFrame(`0b${compactText}`, compactText.length, true)
       : makeTypedFrame(compactText, bitLength(BigInt(compactText)), false);
   }
-  const remedy = meanings.length ? said("write_one_of", meanings.join(", ")) : said("write_number", bitCount);
+  const isLongNumber = pieces.length === 1 && /^[1-9][0-9]{0,19}$/.test(compactText);
+  const remedies = meanings.length || !isLongNumber ? meanings
+    : [said("if_decimal", `0x${BigInt(compactText).toString(16).toUpperCase()}`), said("if_hex", compactText)];
+  const remedy = remedies.length ? said("write_one_of", remedies.join(", ")) : said("write_number", bitCount);
   throw new FrameText(said("no_bits", quoteText(text), bitCount, remedy));
 }
 

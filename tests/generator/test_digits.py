@@ -77,6 +77,12 @@ def test_a_number_with_a_few_bits_may_be_bytes() -> None:
     assert bits_of_bytes("0" * 17, 16, line_carries_bytes=True) == ""
 
 
+def test_a_number_that_is_too_large_has_both_meanings(capsys: Capture) -> None:
+    """forum.arduino.cc/t/1165306: a program prints 24 bits of SSI from an int of 16 bits as an unsigned long."""
+    assert main(["decode", "ssi:position=24", "4294945617"]) == 2
+    assert "Write 0xFFFFAB51 if it is decimal, 0x4294945617 if it is hex" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("code", "text", "name", "number"),
     [

@@ -111,3 +111,13 @@ def possible_meanings(digits: str, bits: int) -> Iterator[str]:
         yield say.if_hex(digits)
     if re.fullmatch(r"[01]{1,160}", digits):
         yield say.if_bits(digits)
+
+
+def meanings_of_long_number(digits: str) -> Iterator[str]:
+    """Yield how to write a decimal or hexadecimal number without a prefix that is too large for the frame.
+
+    It may have further bits, as a register of a program or a raw buffer.
+    """
+    if re.fullmatch(r"[1-9][0-9]{0,19}", digits):
+        yield say.if_decimal(f"0x{int(digits):X}")
+        yield say.if_hex(digits)

@@ -28,7 +28,7 @@ from ...reference import codec
 from ...reference.registers import decode_register
 from ...say import report as say
 from ...why.hypotheses import TypedFrame
-from .digits import bits_of_bytes, possible_meanings, with_leading_zeros, with_prefix
+from .digits import bits_of_bytes, meanings_of_long_number, possible_meanings, with_leading_zeros, with_prefix
 
 if TYPE_CHECKING:
     from ...why.diagnosis import Diagnosis
@@ -194,6 +194,8 @@ def frame_number(placed: PlacedLayout | PlacedChannels, text: str, *, exact: boo
         number = int(without_gaps)
         return TypedFrame(number, number.bit_length(), exact=False, written=number.bit_length())
     remedy = say.write_number(str(placed.bits))
+    if len(pieces) == 1:
+        meanings = meanings or list(meanings_of_long_number(without_gaps))
     if meanings:
         remedy = say.write_one_of(", ".join(meanings))
     raise FrameTextError(say.no_bits(quoted(visible(text)), str(placed.bits), remedy))
