@@ -1846,8 +1846,13 @@
     return { root, follow };
   }
 
-  /** Error about a text that is unreadable as a frame, with how to write it. */
-  class FrameText extends Error {}
+  /** Error about a text that is unreadable as a frame, with how to write it: in words, and as ``spellings`` to pick. */
+  class FrameText extends Error {
+    constructor(message, spellings = []) {
+      super(message);
+      this.spellings = spellings;
+    }
+  }
 
   /** Most bits of a frame over BiSS, SSI and SPI. */
   const MOST_FRAME_BITS = 128;
@@ -1973,8 +1978,12 @@
       return areBits ? makeTypedFrame(`0b${compactText}`, compactText.length, true)
         : makeTypedFrame(compactText, bitLength(BigInt(compactText)), false);
     }
-    const remedy = meanings.length ? said("write_one_of", meanings.join(", ")) : said("write_number", bitCount);
-    throw new FrameText(said("no_bits", quoteText(text), bitCount, remedy));
+    const isLongNumber = pieces.length === 1 && /^[1-9][0-9]{0,19}$/.test(compactText);
+    const remedies = meanings.length || !isLongNumber ? meanings
+      : [said("if_decimal", `0x${BigInt(compactText).toString(16).toUpperCase()}`), said("if_hex", compactText)];
+    const remedy = remedies.length ? said("write_one_of", remedies.join(", ")) : said("write_number", bitCount);
+    const spellings = remedies.map((remedyText) => remedyText.split(" ")[0]);
+    throw new FrameText(said("no_bits", quoteText(text), bitCount, remedy), spellings);
   }
 
   /**
@@ -2165,9 +2174,13 @@
     return decodeBytes(placedFor(orderCode, register, registerContents, answers), bytes);
   }
 
-  /** Return all order codes for which a text is a valid frame, grouped by the places of its fields. */
+  /**
+   * Return all order codes for which a text is a valid frame, grouped by the places of its fields. A number that may be
+   * decimal is of none, since it would fit many widths.
+   */
   function inferred(text) {
     const groups = new Map();
+    if (/^\s*(?=[0-9]*[2-9])[1-9][0-9]*\s*$/.test(text)) return [];
     for (const family of TABLE.families.filter((candidate) => !candidate.base)) {
       for (const orderCode of family.codes.map((row) => orderCodeOfRow(family, row))) {
         for (const sender of ["encoder", "master"]) addIfValid(groups, orderCode, sender, text);
@@ -3827,7 +3840,7 @@
         return { line, found: decodeText(line.text) };
       } catch (error) {
         if (!(error instanceof FrameText)) throw error;
-        return { line, error: error.message };
+        return { line, error: error.message, spellings: error.spellings };
       }
     }
 
@@ -3870,8 +3883,10 @@
     }
 
     /** All about one frame, or the reason why it is not one. */
-    function resultOfLine({ line, found: decoded, error }) {
-      if (error) return [part("div", "bad", element("p", {}, sentence(error)))];
+    function resultOfLine({ line, found: decoded, error, spellings = [] }) {
+      if (error) return [
+        part("div", "bad", element("p", {}, sentence(error))),
+        ...(spellings.length ? [codeButtons(spellings, (spelling) => rewriteLine(line, spelling))] : [])];
       if (unansweredQuestions(decoded.at?.layout).length && decoded.fields.length) {
         return [part("div", "warning", element("p", {}, UNANSWERED_QUESTION))];
       }
@@ -3880,6 +3895,14 @@
       const otherLayouts = selectedRegister() ? []
         : otherFrames(state.found, sender, line.text, decoded, state.held, state.answers);
       return resultOf(decoded, state.found.interface.measure, otherLayouts);
+    }
+
+    /** Replace the text of a frame in its line by another spelling, and show the result. */
+    function rewriteLine({ number, text }, spelling) {
+      const inputLines = frameInput.value.split(/\r\n|\r|\n/);
+      inputLines[number - 1] = inputLines[number - 1].replace(text, spelling);
+      frameInput.value = inputLines.join("\n");
+      showResult();
     }
 
     /** Return the table of many frames, and one of them in full below it. */

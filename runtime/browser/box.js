@@ -91,7 +91,7 @@ function box(root) {
       return { line, found: decodeText(line.text) };
     } catch (error) {
       if (!(error instanceof FrameText)) throw error;
-      return { line, error: error.message };
+      return { line, error: error.message, spellings: error.spellings };
     }
   }
 
@@ -134,8 +134,10 @@ function box(root) {
   }
 
   /** All about one frame, or the reason why it is not one. */
-  function resultOfLine({ line, found: decoded, error }) {
-    if (error) return [part("div", "bad", element("p", {}, sentence(error)))];
+  function resultOfLine({ line, found: decoded, error, spellings = [] }) {
+    if (error) return [
+      part("div", "bad", element("p", {}, sentence(error))),
+      ...(spellings.length ? [codeButtons(spellings, (spelling) => rewriteLine(line, spelling))] : [])];
     if (unansweredQuestions(decoded.at?.layout).length && decoded.fields.length) {
       return [part("div", "warning", element("p", {}, UNANSWERED_QUESTION))];
     }
@@ -144,6 +146,14 @@ function box(root) {
     const otherLayouts = selectedRegister() ? []
       : otherFrames(state.found, sender, line.text, decoded, state.held, state.answers);
     return resultOf(decoded, state.found.interface.measure, otherLayouts);
+  }
+
+  /** Replace the text of a frame in its line by another spelling, and show the result. */
+  function rewriteLine({ number, text }, spelling) {
+    const inputLines = frameInput.value.split(/\r\n|\r|\n/);
+    inputLines[number - 1] = inputLines[number - 1].replace(text, spelling);
+    frameInput.value = inputLines.join("\n");
+    showResult();
   }
 
   /** Return the table of many frames, and one of them in full below it. */

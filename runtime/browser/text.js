@@ -1,8 +1,13 @@
 // Licence 0BSD: use, modify and distribute this file without any condition.
 // Parsing of frames and labels, and inference of order codes from a frame.
 
-/** Error about a text that is unreadable as a frame, with how to write it. */
-class FrameText extends Error {}
+/** Error about a text that is unreadable as a frame, with how to write it: in words, and as ``spellings`` to pick. */
+class FrameText extends Error {
+  constructor(message, spellings = []) {
+    super(message);
+    this.spellings = spellings;
+  }
+}
 
 /** Most bits of a frame over BiSS, SSI and SPI. */
 const MOST_FRAME_BITS = 128;
@@ -132,7 +137,8 @@ function numberIn(text, bitCount, areBytesExact) {
   const remedies = meanings.length || !isLongNumber ? meanings
     : [said("if_decimal", `0x${BigInt(compactText).toString(16).toUpperCase()}`), said("if_hex", compactText)];
   const remedy = remedies.length ? said("write_one_of", remedies.join(", ")) : said("write_number", bitCount);
-  throw new FrameText(said("no_bits", quoteText(text), bitCount, remedy));
+  const spellings = remedies.map((remedyText) => remedyText.split(" ")[0]);
+  throw new FrameText(said("no_bits", quoteText(text), bitCount, remedy), spellings);
 }
 
 /**
@@ -323,9 +329,13 @@ function decodeRegister(orderCode, register, text, registerContents, answers) {
   return decodeBytes(placedFor(orderCode, register, registerContents, answers), bytes);
 }
 
-/** Return all order codes for which a text is a valid frame, grouped by the places of its fields. */
+/**
+ * Return all order codes for which a text is a valid frame, grouped by the places of its fields. A number that may be
+ * decimal is of none, since it would fit many widths.
+ */
 function inferred(text) {
   const groups = new Map();
+  if (/^\s*(?=[0-9]*[2-9])[1-9][0-9]*\s*$/.test(text)) return [];
   for (const family of TABLE.families.filter((candidate) => !candidate.base)) {
     for (const orderCode of family.codes.map((row) => orderCodeOfRow(family, row))) {
       for (const sender of ["encoder", "master"]) addIfValid(groups, orderCode, sender, text);
