@@ -138,12 +138,14 @@ def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
     """
     import re
 
+    from .decode.digits import with_prefix
     from .decode.frames import FrameTextError, frame_bytes, undecorated
 
     try:
         plain_text = undecorated(text)
         if interface != "rs485":
             # A frame of bits may be one number, which has a prefix. RS-485 has only bytes.
+            plain_text = with_prefix(plain_text, bits or 0)
             compact_text = re.sub(r"[\s_]", "", plain_text)
             digits = len(compact_text) - len("0b")
             if re.fullmatch(r"0[bB][01]+", compact_text):

@@ -100,10 +100,21 @@ def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device
 
 def has_family(paths: Sequence[Path], name: str) -> bool:
     """Return True if one of the specs has a family of this name, without loading it."""
+    return bool(_specs_of_family(paths, name))
+
+
+def has_same_spec(paths: Sequence[Path], other_paths: Sequence[Path], name: str) -> bool:
+    """Return True if two groups of specs have the same file for the family of this name, and no overlay."""
+    specs = _specs_of_family(paths, name)
+    return bool(specs) and specs == _specs_of_family(other_paths, name)
+
+
+def _specs_of_family(paths: Sequence[Path], name: str) -> list[bytes]:
+    """Return the content of each spec with a family of this name, or nothing if the texts do not show which it is."""
     try:
-        return name in {device_file.name for device_file in _device_files(paths)}
+        return [device_file.path.read_bytes() for device_file in _device_files(paths) if device_file.name == name]
     except (OSError, ValueError, _NotSelectable):
-        return False
+        return []
 
 
 def _device_files(paths: Sequence[Path]) -> list[_SpecFile]:
@@ -276,7 +287,9 @@ def find_family_or_code(specs: Specs, text: str, cache: Cache) -> Located:
 
 
 def _find_in_groups(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> Located:
-    """Return the family or order code of the first group of specs that has it, and report a later group with it.
+    """Return the family or order code of the first group of specs that has it.
+
+    A later group that also has it is reported, unless its spec is the same.
 
     Without ``accepts_family``, the text must be an order code, or an encoder in one line, which needs no specs.
     """
@@ -295,7 +308,8 @@ def _find_in_groups(specs: Specs, text: str, cache: Cache, *, accepts_family: bo
         for report in reports_with_problems:
             _print_skipped_files(report)
         later_groups = specs.groups[index + 1 :]
-        if any(_group_has(group, device.name, text, cache, accepts_family=accepts_family) for group in later_groups):
+        other_groups = [group for group in later_groups if not has_same_spec(paths, group, device.name)]
+        if any(_group_has(group, device.name, text, cache, accepts_family=accepts_family) for group in other_groups):
             print(f"codewheel: {text} is in your specs and in the packaged ones; yours are used", file=sys.stderr)
         return device, match, paths
     raise _no_such_encoder(specs, text, cache, accepts_family=accepts_family)

@@ -54,13 +54,18 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         Stop: There are problems in the specs, or a path does not exist.
     """
+    from .find_encoder import has_same_spec
     from .read_specs import specs_to_read
 
     cache = cache_for(arguments)
     specs = specs_to_read([*arguments.specs, *arguments.more_specs])
     # The groups are the user's specs and the packaged ones. If there is only one group, nothing can be repeated.
     rows_of_groups = [_rows_of_specs(paths, cache) for paths in specs.groups]
-    families = without_packaged_duplicates(*rows_of_groups)
+    families, repeated_names = without_packaged_duplicates(*rows_of_groups)
+    differing_names = [name for name in repeated_names if not has_same_spec(specs.groups[0], specs.groups[1], name)]
+    if differing_names:
+        names_text = ", ".join(differing_names)
+        print(f"codewheel: in your specs and in the packaged ones: {names_text}; yours are used", file=sys.stderr)
     if arguments.json:
         print_json(as_data(families))
     else:
@@ -115,10 +120,12 @@ def _summarise_family(device: Device) -> Row:
     }
 
 
-def without_packaged_duplicates(own_rows: Sequence[Row] = (), packaged: Sequence[Row] = ()) -> list[Row]:
+def without_packaged_duplicates(
+    own_rows: Sequence[Row] = (), packaged: Sequence[Row] = ()
+) -> tuple[list[Row], list[str]]:
     """Return the user's families and then the packaged ones, except those with a name or order code of the user's.
 
-    The names of these are reported on standard error.
+    The second list has the names of these.
     """
     user_names = {row["family"] for row in own_rows}
     user_codes = {code for row in own_rows for code in row["order_codes"]}
@@ -129,10 +136,7 @@ def without_packaged_duplicates(own_rows: Sequence[Row] = (), packaged: Sequence
             repeated_names.append(row["family"])
         else:
             other_rows.append(row)
-    if repeated_names:
-        names_text = ", ".join(repeated_names)
-        print(f"codewheel: in your specs and in the packaged ones: {names_text}; yours are used", file=sys.stderr)
-    return [*own_rows, *other_rows]
+    return [*own_rows, *other_rows], repeated_names
 
 
 def as_data(families: Sequence[Row]) -> dict[str, Any]:

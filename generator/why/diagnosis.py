@@ -15,6 +15,8 @@ from .texts import TEXTS
 
 #: A mistake that matches more than one random frame in eight explains nothing.
 _LEAST_BITS = 3
+#: Frames with fewer bits may have equal bits by chance.
+LEAST_EQUAL_BITS = 12
 #: An explanation that matches fewer random frames than one in this many is as good as certain.
 _CERTAIN = 1 << 16
 
@@ -24,9 +26,10 @@ class Explanation:
     """A mistake that would explain the CRC.
 
     It matches one of ``one_in`` random frames. ``reads`` are the numbers in the frame without the mistake, if that
-    changes the frame. ``codes`` are the order codes that would send it. ``twice`` is true if two mistakes are needed.
-    ``parts`` are the parts of a recording, each with its bits. ``template`` is the text without the details of this
-    frame, if it has any.
+    changes the frame, and ``or_reads`` those with another value of a lost bit. ``codes`` are the order codes that would
+    send it. ``twice`` is true if two mistakes are needed. ``parts`` are the parts of a recording, each with its bits.
+    ``template`` is the text without the details of this frame, if it has any. With ``hides_shift``, the CRC of the
+    explanation does not detect every shift.
     """
 
     kind: str
@@ -38,6 +41,8 @@ class Explanation:
     twice: bool = False
     parts: tuple[tuple[str, str], ...] = ()
     template: str = ""
+    or_reads: tuple[Mapping[str, int], ...] = ()
+    hides_shift: bool = False
 
     @property
     def mistake(self) -> tuple[str, str, bool]:
@@ -68,6 +73,18 @@ class Diagnosis:
     unmerged: tuple[Explanation, ...] = ()
 
     @property
+    def equal_readings(self) -> int:
+        """Number of readings of a frame without a CRC that fit equally well, or 0 if one fits better than all others.
+
+        Their order depends only on how common each mistake is.
+        """
+        if self.has_crc:
+            return 0
+        chances = [explanation.one_in for explanation in self.explanations]
+        equal_count = chances.count(max(chances, default=0))
+        return equal_count if equal_count > 1 else 0
+
+    @property
     def needs_another_frame(self) -> bool:
         """True if other frames with the same mistake would decide between the explanations."""
         if any(explanation.kind in ("line_stuck", "echo") for explanation in self.explanations):
@@ -82,15 +99,15 @@ def diagnose_without_crc(device: Device, hypotheses: Iterable[Hypothesis], missi
     Of readings that lead to the same frame, only the likeliest is an explanation. Return None if there is no reading
     and ``missing`` is empty, which says what a recording lacks.
     """
-    fitting_hypotheses = [hypothesis for hypothesis in hypotheses if hypothesis.fits]
-    fitting_hypotheses.sort(key=lambda hypothesis: -hypothesis.score)
-    unmerged: list[Explanation] = []
+    frame_and_explanations: list[tuple[int | str, Explanation]] = []
+    for same_mistake in _grouped_by_mistake(hypotheses):
+        likeliest = same_mistake[0]
+        has_frame = likeliest.frame_layout is not None
+        resulting_frame = likeliest.frame if has_frame else likeliest.description
+        frame_and_explanations.append((resulting_frame, _explanation_of_all(device, same_mistake)))
+    frame_and_explanations.sort(key=lambda frame_and_explanation: -frame_and_explanation[1].score)
     likeliest_by_frame: dict[int | str, Explanation] = {}
-    for hypothesis in fitting_hypotheses:
-        explanation = _explain_hypothesis(device, hypothesis, undecided_parameters=frozenset())
-        unmerged.append(explanation)
-        has_frame = hypothesis.frame_layout is not None
-        resulting_frame = hypothesis.frame if has_frame else hypothesis.description
+    for resulting_frame, explanation in frame_and_explanations:
         likeliest_by_frame.setdefault(resulting_frame, explanation)
     if not likeliest_by_frame and not missing:
         return None
@@ -101,8 +118,47 @@ def diagnose_without_crc(device: Device, hypotheses: Iterable[Hypothesis], missi
         cannot_see=(),
         missing=missing,
         has_crc=False,
-        unmerged=tuple(unmerged),
+        unmerged=tuple(explanation for _, explanation in frame_and_explanations),
     )
+
+
+def _grouped_by_mistake(hypotheses: Iterable[Hypothesis]) -> Iterable[list[Hypothesis]]:
+    """Return lists of the hypotheses that fit: those that differ only in the value of a lost bit, likeliest first."""
+    fitting_hypotheses = [hypothesis for hypothesis in hypotheses if hypothesis.fits]
+    fitting_hypotheses.sort(key=lambda hypothesis: -hypothesis.score)
+    hypotheses_by_mistake: dict[object, list[Hypothesis]] = {}
+    for number, hypothesis in enumerate(fitting_hypotheses):
+        mistake = (hypothesis.kind, hypothesis.template) if hypothesis.has_assumed_bit else number
+        hypotheses_by_mistake.setdefault(mistake, []).append(hypothesis)
+    return hypotheses_by_mistake.values()
+
+
+def _explanation_of_all(device: Device, same_mistake: Sequence[Hypothesis]) -> Explanation:
+    """Return one explanation for hypotheses that differ only in the value of a lost bit.
+
+    Each of them has half the evidence, since one of two values fits more often by chance.
+    """
+    explanations = [
+        _explain_hypothesis(device, hypothesis, undecided_parameters=frozenset()) for hypothesis in same_mistake
+    ]
+    likeliest, *others = explanations
+    if not others:
+        return likeliest
+    return replace(
+        likeliest,
+        text=without_details(likeliest.template),
+        one_in=sum(explanation.one_in for explanation in explanations),
+        score=sum(explanation.score for explanation in explanations),
+        or_reads=tuple(explanation.reads for explanation in others),
+    )
+
+
+def without_details(template: str) -> str:
+    """Return a template as a text without the details of a frame.
+
+    ``the first bit ({0}) is missing`` becomes ``the first bit is missing``, and any other detail ``some``.
+    """
+    return template.replace("({0}) ", "").format("some")
 
 
 def diagnose(
@@ -172,7 +228,15 @@ def _paired_with_inversion(hypotheses: Iterable[Hypothesis]) -> Iterator[Hypothe
 
 
 def is_significant(hypothesis: Hypothesis) -> bool:
-    """Return whether at least 3 bits of CRC and other determined bits can contradict the hypothesis."""
+    """Return whether at least 3 bits of CRC and other determined bits can contradict the hypothesis.
+
+    A frame whose bits are all equal may be a part of an idle line. Without inversion, the CRC of zeros is 0.
+    """
+    frame_layout = hypothesis.frame_layout
+    if frame_layout is not None and frame_layout.bits >= LEAST_EQUAL_BITS:
+        all_ones = (1 << frame_layout.bits) - 1
+        if hypothesis.frame in (0, all_ones):
+            return False
     return hypothesis.received_crc_bits + hypothesis.determined_bits >= _LEAST_BITS
 
 
@@ -244,7 +308,20 @@ def _explain_hypothesis(device: Device, hypothesis: Hypothesis, undecided_parame
         codes=hypothesis.order_codes,
         parts=hypothesis.recording_parts,
         template=hypothesis.template,
+        hides_shift=_hides_shift(hypothesis),
     )
+
+
+def _hides_shift(hypothesis: Hypothesis) -> bool:
+    """Return whether the CRC is also valid for every second frame that is shifted by one bit.
+
+    Without start value and inversion, a frame and its CRC are a multiple of the polynomial. If its last bit is 0, it is
+    also one without this bit, and if its first bit is 0, with a 0 behind it.
+    """
+    crc = hypothesis.crc
+    if hypothesis.kind != NOT_INVERTED or crc is None or hypothesis.is_crc_over_bytes:
+        return False
+    return crc.init == 0 and crc.xorout == 0
 
 
 def _numbers_in_frame(

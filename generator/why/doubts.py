@@ -5,7 +5,7 @@ They do not explain an error: every valid frame has them. The script of the deco
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from ..model import Device, PlacedLayout, Ssi, Variant
 from ..reference import codec
@@ -18,6 +18,7 @@ READINGS = (
     "if it was read one clock early",
     "if it was read one clock late",
     "if it is sent in Gray code",
+    "if each of its parts is sent in Gray code",
     "if it is not sent in Gray code",
     "if the bytes are swapped",
 )
@@ -91,10 +92,13 @@ def _frames_without_mistake(placed_layout: PlacedLayout, position_name: str, fra
     yield read_one_clock_earlier
     if placed_layout.gray:
         yield None
+        yield None
         # The decoder converts from Gray code, so this undoes it.
         yield to_gray(placed_layout, frame)
     else:
-        yield _with_position_from_gray(placed_layout, position_name, frame)
+        yield _with_position_from_gray(placed_layout, (position_name,), frame)
+        parts = _parts_of(placed_layout, position_name)
+        yield _with_position_from_gray(placed_layout, parts, frame) if len(parts) > 1 else None
         yield None
     if placed_layout.bits % 8 == 0:
         frame_bytes = frame.to_bytes(placed_layout.bits // 8, "little")
@@ -103,12 +107,23 @@ def _frames_without_mistake(placed_layout: PlacedLayout, position_name: str, fra
         yield None
 
 
-def _with_position_from_gray(placed_layout: PlacedLayout, position_name: str, frame: int) -> int:
-    """Return the frame with its position converted from Gray code to binary, and all other bits as they are."""
-    low, width = placed_layout.place_of(position_name)
-    position = (frame >> low) & ((1 << width) - 1)
-    frame_without_position = frame ^ (position << low)
-    return frame_without_position | (gray_to_binary(position) << low)
+def _parts_of(placed_layout: PlacedLayout, position_name: str) -> Sequence[str]:
+    """Return the names of the fields that are joined to the position: ``["multiturn", "singleturn"]``."""
+    field_names = {field.name for field in placed_layout.fields}
+    for join in placed_layout.layout.joins:
+        if join.name == position_name:
+            return [name for name in join.fields if name in field_names]
+    return []
+
+
+def _with_position_from_gray(placed_layout: PlacedLayout, numbers: Sequence[str], frame: int) -> int:
+    """Return the frame with each of these numbers converted from Gray code to binary."""
+    for name in numbers:
+        low, width = placed_layout.place_of(name)
+        number = (frame >> low) & ((1 << width) - 1)
+        frame_without_number = frame ^ (number << low)
+        frame = frame_without_number | (gray_to_binary(number) << low)
+    return frame
 
 
 def _read_one_clock_later(placed_layout: PlacedLayout, frame: int) -> int:

@@ -10,8 +10,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from ..model import Crc, Device, PlacedLayout, Rs485, Variant
-from .diagnosis import Diagnosis, Explanation, diagnose, diagnose_without_crc, is_significant, significant_hypotheses
+from ..model import Biss, Crc, Device, PlacedLayout, Rs485, Variant
+from .diagnosis import (
+    LEAST_EQUAL_BITS,
+    Diagnosis,
+    Explanation,
+    diagnose,
+    diagnose_without_crc,
+    is_significant,
+    significant_hypotheses,
+)
 from .exchanges import exchange_hypotheses
 from .hypotheses import MISTAKES, Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
 from .in_bits import (
@@ -23,9 +31,6 @@ from .in_bits import (
 from .in_bytes import byte_hypotheses, is_valid_in_bytes
 from .other_crcs import hypothesis_without_mistake
 from .recordings import FRAME_INSIDE, LINES, line_name, missing_part, recorded_bits
-
-#: Frames with fewer bits may be all zeros or all ones by coincidence.
-_LEAST_EQUAL_BITS = 12
 
 
 def explain_bits(
@@ -59,6 +64,8 @@ def explain_bits(
     diagnosis = diagnose(device, hypotheses, refuted, [crc], with_pairs=with_pairs)
     if diagnosis is None:
         return _only_missing(missing) if missing else None
+    if not diagnosis.explanations:
+        missing = missing or _part_without_written_zeros(device, variant, placed_layout, typed_frame)
     disturbed_bits: list[int] = []
     # There is a refuted hypothesis only if the frame can have the expected length.
     has_frame_length = bool(refuted)
@@ -111,12 +118,27 @@ def _missing_part(device: Device, variant: Variant, placed_layout: PlacedLayout,
     return missing_part(line, placed_layout.bits, recorded_bits(typed_frame, placed_layout.bits))
 
 
+def _part_without_written_zeros(
+    device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame
+) -> str:
+    """Return what a word of SSI or SPI lacks if only its written hex digits were received, or "".
+
+    They are at least a byte fewer than the frame has. A raw buffer of BiSS needs other words.
+    """
+    line = LINES.get(line_name(device.interface(variant.interface)))
+    is_cut = not typed_frame.exact and 0 < typed_frame.written <= placed_layout.bits - 8
+    if line is None or variant.interface == Biss.name or not is_cut:
+        return ""
+    received_bits = f"{typed_frame.number:0{typed_frame.written}b}"
+    return missing_part(line, placed_layout.bits, received_bits)
+
+
 def _hypotheses_without_crc(
     device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
     """Yield hypotheses with a frame without a CRC: with other bits around it, or with its bits or bytes rearranged."""
     yield from moved_frame_hypotheses(device, variant, placed_layout, None, typed_frame)
-    yield from rearranged_frame_hypotheses(placed_layout, None, typed_frame)
+    yield from rearranged_frame_hypotheses(variant, placed_layout, None, typed_frame)
 
 
 def explain_constant(
@@ -134,7 +156,7 @@ def explain_constant(
     answer_hypotheses = other_answer_hypotheses(device, variant, placed_layout, typed_frame)
     fitting_hypotheses = [hypothesis for hypothesis in answer_hypotheses if hypothesis.fits]
     frame_hypotheses = [
-        *rearranged_frame_hypotheses(placed_layout, crc, typed_frame),
+        *rearranged_frame_hypotheses(variant, placed_layout, crc, typed_frame),
         *moved_frame_hypotheses(device, variant, placed_layout, crc, typed_frame),
     ]
     fitting_frames = [hypothesis for hypothesis in frame_hypotheses if hypothesis.fits]
@@ -236,7 +258,7 @@ def _diagnose_equal_bits(variant: Variant, number: int, bit_count: int, doubt: s
     No other mistake is tried for such a frame. ``doubt`` is the reason why nothing proves that the line is dead, or "".
     """
     all_ones = (1 << bit_count) - 1
-    if bit_count < _LEAST_EQUAL_BITS or number not in (0, all_ones):
+    if bit_count < LEAST_EQUAL_BITS or number not in (0, all_ones):
         return None
     level = 1 if number == all_ones else 0
     if doubt:

@@ -84,6 +84,8 @@ MISTAKES: Mapping[str, float] = MappingProxyType(
 #: Likelihood, relative to a random bit, of an inactive flag or a reserved bit as documented, and of an active flag.
 #: Faults are assumed to be rare.
 IDLE, ACTIVE = 1.8, 0.2
+#: Relative frequency of inverted bits over SPI, which has no pairs of wires that could be swapped.
+INVERTED_WITHOUT_PAIR = 0.125
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +102,8 @@ class Hypothesis:
     ``frame`` is the frame without the mistake, with the layout ``frame_layout``, if the mistake changes the frame.
     ``order_codes`` are those that would send it. ``recording_parts`` are the parts of the recording that contains the
     frame, each as a name and its bits, and ``searched_places`` is the number of places at which it was searched.
-    ``template`` is the description without the details of this frame.
+    ``template`` is the description without the details of this frame. With ``has_assumed_bit``, the value of a lost bit
+    is assumed, and another hypothesis assumes the other value.
     """
 
     kind: str
@@ -121,6 +124,7 @@ class Hypothesis:
     recording_parts: tuple[tuple[str, str], ...] = ()
     searched_places: int = 1
     template: str = ""
+    has_assumed_bit: bool = False
 
     @property
     def fits(self) -> bool:
@@ -226,13 +230,12 @@ def frame_hypothesis(
 ) -> Hypothesis:
     """Return the hypothesis that the frame was ``frame``, whose last ``lost_bits`` bits were not received.
 
-    Lost bits belong to the CRC, of which only the others are compared. Without a CRC, those with which constants and
-    parity are right are assumed. The bits of constants and parity count as determined, too.
+    Lost bits belong to the CRC, of which only the others are compared. Without a CRC, they are assumed as ``frame`` has
+    them, so they prove nothing. The bits of constants and parity count as determined, too.
     """
     if crc is None:
-        frame_without_crc = _with_right_last_bits(placed_layout, frame, lost_bits)
         return _hypothesis_without_crc(
-            kind, description, placed_layout, frame_without_crc, lost_bits, determined_bits, are_determined_right
+            kind, description, placed_layout, frame, lost_bits, determined_bits, are_determined_right
         )
     constant_bits, are_constants_right = check_constant_bits(placed_layout, frame)
     covered_data, covered_bits = crc_covered_bits(placed_layout, frame)
@@ -265,7 +268,7 @@ def _hypothesis_without_crc(
 ) -> Hypothesis:
     """Return the hypothesis of a frame that only its constants and parity can contradict.
 
-    Lost bits may be constants, and then prove nothing, so their number is subtracted.
+    Of ``lost_bits`` assumed bits, any value that fits is possible, so their number is subtracted.
     """
     constant_bits, are_constants_right = check_constant_bits(placed_layout, frame)
     return Hypothesis(
@@ -282,18 +285,6 @@ def _hypothesis_without_crc(
         frame=frame,
         frame_layout=placed_layout,
     )
-
-
-def _with_right_last_bits(placed_layout: PlacedLayout, frame: int, lost_bits: int) -> int:
-    """Return the frame with the first values of its lost last bits with which constants and parity are right.
-
-    The last bits of ``frame`` are 0. If no values are right, the frame is returned as it is.
-    """
-    for last_bits in range(1 << lost_bits):
-        _, are_constants_right = check_constant_bits(placed_layout, frame | last_bits)
-        if are_constants_right:
-            return frame | last_bits
-    return frame
 
 
 def crc_covered_bits(placed_layout: PlacedLayout, frame: int) -> tuple[int, int]:

@@ -23,7 +23,16 @@ from ..model import (
 )
 from ..reference.bits import reflect
 from .exchanges import echo_hypotheses
-from .hypotheses import ACTIVE, IDLE, Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis, likelihood
+from .hypotheses import (
+    ACTIVE,
+    IDLE,
+    INVERTED_WITHOUT_PAIR,
+    Hypothesis,
+    TypedFrame,
+    check_constant_bits,
+    frame_hypothesis,
+    likelihood,
+)
 from .other_crcs import other_crc_hypotheses, other_polynomial_hypotheses, status_mask
 from .other_order_codes import other_order_code_hypotheses
 from .recordings import LINES, FrameOffset, line_name, recorded_bits, recording_hypotheses, window_hypotheses
@@ -42,7 +51,7 @@ def all_hypotheses(
     if placed_layout.bits in _possible_lengths(placed_layout, typed_frame):
         is_biss = variant.interface == Biss.name
         yield from other_crc_hypotheses(placed_layout, crc, typed_frame.number, has_start_bits=is_biss)
-    yield from rearranged_frame_hypotheses(placed_layout, crc, typed_frame)
+    yield from rearranged_frame_hypotheses(variant, placed_layout, crc, typed_frame)
     yield from moved_frame_hypotheses(device, variant, placed_layout, crc, typed_frame)
     if placed_layout.covers_part:
         return
@@ -85,8 +94,7 @@ def moved_frame_hypotheses(
     for length in _possible_lengths(placed_layout, typed_frame):
         for offset in line.slips:
             if placed_layout.bits + offset.additional_bits == length:
-                hypothesis = _offset_hypothesis(placed_layout, crc, offset, typed_frame.number, length)
-                hypotheses_by_rule.append(hypothesis)
+                hypotheses_by_rule += _offset_hypotheses(placed_layout, crc, offset, typed_frame.number, length)
     hypotheses_by_rule += recording_hypotheses(line, placed_layout, crc, received_bits)
     yield from hypotheses_by_rule
     is_frame_found = any(hypothesis.fits for hypothesis in hypotheses_by_rule)
@@ -136,34 +144,41 @@ def _is_constant_from(field: PlacedField, lowest_bit: int) -> bool:
     return isinstance(field.field.kind, Constant) and field.low >= lowest_bit
 
 
-def _offset_hypothesis(
+def _offset_hypotheses(
     placed_layout: PlacedLayout, crc: Crc | None, offset: FrameOffset, number: int, length: int
-) -> Hypothesis:
-    """Return the hypothesis that the ``length`` bits of ``number`` do not begin and end with the frame.
+) -> Iterator[Hypothesis]:
+    """Yield hypotheses that the ``length`` bits of ``number`` do not begin and end with the frame.
 
     The bits are, from the first one received: bits before the frame, the received part of the frame, bits after it.
-    Bits before the frame that must be 1 count as determined, and those that are mostly 0 change the likelihood.
+    Bits before the frame that must be 1 count as determined, and those that are mostly 0 change the likelihood. Without
+    a CRC, there is a hypothesis for each value of the lost last bits. With one, these belong to it and are 0 here.
     """
     frame_part_length = length - len(offset.front) - offset.behind
     front_and_frame_part = number >> offset.behind
     front = front_and_frame_part >> frame_part_length
     frame_part = front_and_frame_part & ((1 << frame_part_length) - 1)
     missing_first_bits = int(offset.missing or "0", 2)
-    # The missing last bits are 0 here. ``frame_hypothesis`` knows from ``lost_bits`` that they were not received.
-    frame = ((missing_first_bits << frame_part_length) | frame_part) << offset.lost
+    frame_without_last_bits = ((missing_first_bits << frame_part_length) | frame_part) << offset.lost
     start_bits = _bits_with_mark(offset.front, "1", front)
-    hypothesis = frame_hypothesis(
-        offset.kind,
-        offset.text.format(offset.missing),
-        placed_layout,
-        crc,
-        frame,
-        lost_bits=offset.lost,
-        determined_bits=len(start_bits),
-        are_determined_right=all(start_bits),
-    )
     front_likelihood = prod(ACTIVE if bit else IDLE for bit in _bits_with_mark(offset.front, "~", front))
-    return replace(hypothesis, template=offset.text, likelihood=hypothesis.likelihood * front_likelihood)
+    assumed_bits = 0 if crc is not None else offset.lost + len(offset.missing)
+    for last_bits in range(1 << offset.lost if crc is None else 1):
+        hypothesis = frame_hypothesis(
+            offset.kind,
+            offset.text.format(offset.missing),
+            placed_layout,
+            crc,
+            frame_without_last_bits | last_bits,
+            lost_bits=offset.lost if crc is not None else assumed_bits,
+            determined_bits=len(start_bits),
+            are_determined_right=all(start_bits),
+        )
+        yield replace(
+            hypothesis,
+            template=offset.text,
+            likelihood=hypothesis.likelihood * front_likelihood,
+            has_assumed_bit=assumed_bits > 0,
+        )
 
 
 def _bits_with_mark(pattern: str, mark: str, front: int) -> list[int]:
@@ -177,7 +192,7 @@ def _bits_with_mark(pattern: str, mark: str, front: int) -> list[int]:
 
 
 def rearranged_frame_hypotheses(
-    placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
+    variant: Variant, placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
     """Yield hypotheses in which all bits are inverted, or the bits or bytes are in another order.
 
@@ -191,7 +206,10 @@ def rearranged_frame_hypotheses(
         if placed_layout.bits % 8 == 0:
             other_frames["bits_reversed_in_bytes"] = reflected_bytes(typed_frame.number, placed_layout.bits // 8)
         for kind, frame in other_frames.items():
-            yield frame_hypothesis(kind, TEXTS[kind], placed_layout, crc, frame)
+            hypothesis = frame_hypothesis(kind, TEXTS[kind], placed_layout, crc, frame)
+            lacks_pair = kind == "all_inverted" and variant.interface == Spi.name
+            frequency = INVERTED_WITHOUT_PAIR if lacks_pair else 1.0
+            yield replace(hypothesis, likelihood=hypothesis.likelihood * frequency)
     yield from _byte_order_hypotheses("bytes_reversed", placed_layout, crc, typed_frame)
     # With two bytes, this is the same.
     if placed_layout.bits > 16:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from ..model import Crc, Number, PlacedLayout
+from ..model import Crc, Flag, Number, PlacedLayout, Unused
 from ..model.known_crcs import KNOWN_CRCS
 from ..reference.bits import binary_to_gray, gray_to_binary, reflect
 from .hypotheses import (
@@ -126,6 +126,8 @@ def _status_hypotheses(without_mistake: Hypothesis, placed_layout: PlacedLayout,
         covered_data=data_without_status,
         covered_bits=data_bits,
     )
+    if not _has_active_low_status(placed_layout):
+        return
     frame_with_inverted_status = frame ^ frame_status_mask
     yield replace(
         without_mistake,
@@ -134,6 +136,12 @@ def _status_hypotheses(without_mistake: Hypothesis, placed_layout: PlacedLayout,
         covered_data=frame_with_inverted_status >> crc_bits,
         likelihood=likelihood(placed_layout, frame_with_inverted_status),
     )
+
+
+def _has_active_low_status(placed_layout: PlacedLayout) -> bool:
+    """Return whether an error or warning bit is 1 while it is inactive, so that it can be converted to active high."""
+    kinds = [status_field.kind for status_field in placed_layout.layout.status_fields]
+    return any(isinstance(kind, Unused) or (isinstance(kind, Flag) and kind.active_low) for kind in kinds)
 
 
 def status_mask(placed_layout: PlacedLayout) -> int:

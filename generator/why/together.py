@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from math import log2, prod
 
 from ..model.record import dataclass
-from .diagnosis import Diagnosis, Explanation
+from .diagnosis import Diagnosis, Explanation, without_details
 from .hypotheses import MISTAKES
 
 
@@ -18,6 +18,7 @@ class CommonMistake:
     frames: int
     one_in: int
     score: float
+    hides_shift: bool
 
 
 def judge_together(diagnoses: Sequence[Diagnosis]) -> list[CommonMistake]:
@@ -38,6 +39,7 @@ def judge_together(diagnoses: Sequence[Diagnosis]) -> list[CommonMistake]:
                 frames=most_frames,
                 one_in=prod(explanation.one_in for explanation in explanations),
                 score=_common_score(explanations),
+                hides_shift=explanations[0].hides_shift,
             )
             common_mistakes.append(common_mistake)
     return sorted(common_mistakes, key=lambda mistake: -mistake.score)
@@ -66,12 +68,8 @@ def _common_score(explanations: Sequence[Explanation]) -> float:
 
 
 def _common_text(explanations: Sequence[Explanation]) -> str:
-    """Return the text of the explanations, without the details in which the frames differ.
-
-    ``the first bit ({0}) is missing`` becomes ``the first bit is missing``, and any other detail ``some``.
-    """
+    """Return the text of the explanations, without the details in which the frames differ."""
     distinct_texts = {explanation.text for explanation in explanations}
     if len(distinct_texts) == 1:
         return explanations[0].text
-    template = explanations[0].template
-    return template.replace("({0}) ", "").format("some")
+    return without_details(explanations[0].template)

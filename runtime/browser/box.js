@@ -97,7 +97,7 @@ function box(root) {
       return { line, decoded: decodeText(line.text) };
     } catch (error) {
       if (!(error instanceof FrameText)) throw error;
-      return { line, error: error.message };
+      return { line, error: error.message, spellings: error.spellings };
     }
   }
 
@@ -142,8 +142,12 @@ function box(root) {
   }
 
   /** All about one frame, or the reason why it is not one. */
-  function resultOfLine({ line, decoded, error }) {
-    if (error) return [createPart("div", "bad", createElement("p", {}, toSentence(error)))];
+  function resultOfLine({ line, decoded, error, spellings = [] }) {
+    if (error) {
+      return [
+      createPart("div", "bad", createElement("p", {}, toSentence(error))),
+      ...(spellings.length ? [createCodeButtons(spellings, (spelling) => rewriteLine(line, spelling))] : [])];
+    }
     if (unansweredQuestions(decoded.placedLayout?.layout).length && decoded.fields.length) {
       return [createPart("div", "warning", createElement("p", {}, UNANSWERED_QUESTION))];
     }
@@ -152,6 +156,14 @@ function box(root) {
     const otherLayouts = selectedRegister() ? []
       : otherFrames(state.orderCode, sender, line.text, decoded, state.registerContents, state.answers);
     return createResult(decoded, state.orderCode.interface.measure, otherLayouts);
+  }
+
+  /** Replace the text of a frame in its line by another spelling, and show the result. */
+  function rewriteLine({ number, text }, spelling) {
+    const inputLines = frameInput.value.split(/\r\n|\r|\n/);
+    inputLines[number - 1] = inputLines[number - 1].replace(text, spelling);
+    frameInput.value = inputLines.join("\n");
+    showResult();
   }
 
   /** Return the table of many frames, and one of them in full below it. */

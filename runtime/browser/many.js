@@ -91,7 +91,8 @@ function listCommonMistakes(rows) {
     "together", `${mistakes[0].frames}`, `${Math.min(wrongFrames.length, TABLE.likely.frames)}`);
   const mistakeTexts = mistakes.map(
     ({ text, oneIn }) => (oneIn > ONE ? `${text} (matches by chance in 1 of ${oneIn})` : text));
-  return [createElement("p", {}, `${introduction}:`), createList(mistakeTexts)];
+  const shiftLines = mistakes[0].hidesShift ? [createElement("p", {}, toSentence(messageFor("hidden_shift")))] : [];
+  return [createElement("p", {}, `${introduction}:`), createList(mistakeTexts), ...shiftLines];
 }
 
 /** List the doubts that all lines have in common although they are valid: a dead line, own requests, other readings. */

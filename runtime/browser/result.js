@@ -177,7 +177,7 @@ function foldDoubt(measure, readings) {
 }
 
 /** Create the lines about the mistakes that could explain a wrong frame. */
-function createExplanations(decoded) {
+function createExplanations(decoded, hasOtherFrames) {
   const deadLineText = deadLine(decoded);
   if (deadLineText) return [createElement("p", {}, deadLineText)];
   if (!decoded.problems.length) return [];
@@ -195,16 +195,32 @@ function createExplanations(decoded) {
     (explanation) => describeExplanation(explanation.placedLayout ?? decoded.placedLayout, explanation)))] : [];
   const missingText = missingPart(decoded);
   const helpLines = anotherHelps(explanations) ? [createElement("p", {}, messageFor("another_frame"))] : [];
-  return [...noiseLines, ...explanationLines,
+  const isUnexplained = !explanations.length && !missingText && !hasOtherFrames && isCorrupted(decoded);
+  const unexplainedLines = isUnexplained ? [createElement("p", {}, toSentence(messageFor("no_explanation")))] : [];
+  return [...noiseLines, ...explanationLines, ...unexplainedLines, ...equalReadingsLines(decoded, explanations),
+    ...(explanations.length && hidesShift(explanations[0]) ? [createElement("p", {}, toSentence(messageFor("hidden_shift")))] : []),
     ...missingText ? [createElement("p", {}, toSentence(capitalize(missingText)))] : [], ...helpLines];
 }
 
+/** Return whether a frame has an error in transmission: a wrong CRC or length or, without a CRC, a wrong constant. */
+const isCorrupted = ({ problems, crc }) => problems.some(
+  ({ fault }) => ["crc", "length", "constant"].includes(fault)) && !(crc && crc.received === crc.computed);
+
+/** Create a line about readings of a frame without a CRC that fit equally well, or nothing. */
+function equalReadingsLines({ placedLayout }, explanations) {
+  if (placedLayout?.crc || explanations.length < 2) return [];
+  const mostFrames = explanations.map(({ oneIn }) => oneIn).reduce((most, oneIn) => (oneIn > most ? oneIn : most));
+  const equalCount = explanations.filter(({ oneIn }) => oneIn === mostFrames).length;
+  return equalCount > 1 ? [createElement("p", {}, toSentence(messageFor("equal_readings", `${equalCount}`)))] : [];
+}
+
 /** Describe one explanation: its text and chance, the numbers that the frame then contains, and the recording. */
-function describeExplanation(placedLayout, { text, oneIn, number, parts = [] }) {
+function describeExplanation(placedLayout, { text, oneIn, number, orNumbers = [], parts = [] }) {
   const chanceText = oneIn > ONE ? ` (matches by chance in 1 of ${oneIn} frames)` : "";
-  const numberTexts = number === undefined ? []
-    : numbersRead(placedLayout, number).map(([name, fieldNumber]) => `${name} ${fieldNumber}`);
-  const readsText = numberTexts.length ? `: ${numberTexts.join(", ")}` : "";
+  const numbers = number === undefined ? [] : [number, ...orNumbers];
+  const numberTexts = numbers.map((frameNumber) => numbersRead(placedLayout, frameNumber)
+    .map(([name, fieldNumber]) => `${name} ${fieldNumber}`).join(", ")).filter(Boolean);
+  const readsText = numberTexts.length ? `: ${numberTexts.join(" or ")}` : "";
   return [`${text}${chanceText}${readsText}`, parts.length ? drawParts(parts) : ""];
 }
 
@@ -234,7 +250,7 @@ function createResult(decoded, measure, otherLayouts) {
     ...(decoded.crc ? [createCrcLine(decoded.crc)] : []),
     ...nameOtherFrames(decoded, otherLayouts),
     ...createDoubts(decoded, measure),
-    ...(isAnotherFrame(decoded, otherLayouts) ? [] : createExplanations(decoded)),
+    ...(isAnotherFrame(decoded, otherLayouts) ? [] : createExplanations(decoded, otherLayouts.length > 0)),
   ];
 }
 

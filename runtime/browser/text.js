@@ -1,8 +1,13 @@
 // Licence 0BSD: use, modify and distribute this file without any condition.
 // Parsing of frames and labels, and inference of order codes from a frame.
 
-/** Error about a text that is unreadable as a frame, with how to write it. */
-class FrameText extends Error {}
+/** Error about a text that is unreadable as a frame, with how to write it: in words, and as ``spellings`` to pick. */
+class FrameText extends Error {
+  constructor(message, spellings = []) {
+    super(message);
+    this.spellings = spellings;
+  }
+}
 
 /** Most bits of a frame over BiSS, SSI and SPI. */
 const MOST_FRAME_BITS = 128;
@@ -43,9 +48,54 @@ function checked(text) {
   return plainText;
 }
 
+/** Return whether a piece of several digits begins with 0. */
+const hasLeadingZero = (pieces) => pieces.some((piece) => piece.length > 1 && piece[0] === "0");
+
+/**
+ * Return the text of a number of ``bitCount`` bits with 0b or 0x if its digits have only one meaning, and otherwise as
+ * it is. The command line has the same rules, in digits.py.
+ */
+function withPrefix(text, bitCount) {
+  const pieces = text.replaceAll("_", "").trim().split(/\s+/);
+  const areDigits = pieces.every((piece) => /^[0-9a-f]+$/i.test(piece));
+  if (!areDigits || /^0?b[01]+$/i.test(pieces.join(""))) return text;
+  if (/^[01]+$/.test(pieces.join(""))) {
+    const digits = binaryDigits(pieces, bitCount);
+    return digits ? `0b${digits}` : text;
+  }
+  if (pieces.length === 1) return /^(0|[1-9][0-9]{0,39})$/.test(pieces[0]) ? text : `0x${pieces[0]}`;
+  const bytePieces = withLeadingZeros(pieces);
+  return bytePieces.every((piece) => piece.length % 2 === 0) ? bytePieces.map((piece) => `0x${piece}`).join(" ") : text;
+}
+
+/** Return the bits of a number in pieces of zeros and ones, or "" if these may also be hex or decimal. */
+function binaryDigits(pieces, bitCount) {
+  const digits = pieces.join("");
+  if (digits.length === bitCount) return digits;
+  const lengths = new Set(pieces.map((piece) => piece.length));
+  const longest = Math.max(...lengths);
+  if (longest === 1 && pieces.length > Math.ceil(bitCount / 8)) return digits;
+  if (pieces.length === 1 || longest <= 2) return "";
+  const lacksZeros = lengths.size > 1 && longest <= 8 && !hasLeadingZero(pieces);
+  return lacksZeros ? pieces.map((piece) => piece.padStart(8, "0")).join("") : digits;
+}
+
+/** Return bytes in hex or binary, of a program that omits leading zeros, as two hex digits each. */
+function withLeadingZeros(pieces) {
+  const lengths = pieces.map((piece) => piece.length);
+  const longest = Math.max(...lengths);
+  if (pieces.every((piece) => /^[01]+$/.test(piece))) {
+    const areBytes = pieces.length > 1 && longest >= 3 && longest <= 8;
+    const cannotBeHex = lengths.some((length) => length % 2) || lengths.every((length) => length === 8);
+    return areBytes && cannotBeHex
+      ? pieces.map((piece) => parseInt(piece, 2).toString(16).toUpperCase().padStart(2, "0")) : pieces;
+  }
+  return longest === 2 && !hasLeadingZero(pieces) ? pieces.map((piece) => piece.padStart(2, "0")) : pieces;
+}
+
 /** Return the numbers of hex bytes, which are written in pieces of whole bytes. */
 function bytesIn(text) {
-  return text.split(/\s+/).flatMap((piece) => {
+  return withLeadingZeros(text.split(/\s+/)).flatMap((piece) => {
     const digits = piece.replace(/^0x/i, "");
     if (!/^[0-9a-f]+$/i.test(digits)) throw new FrameText(messageFor("not_hex", quoteText(piece)));
     const evenDigits = digits !== piece && digits.length === 1 ? `0${digits}` : digits;
@@ -60,13 +110,14 @@ function bytesIn(text) {
  * If ``areBytesExact``, bytes of another length have exactly the bits that are written.
  */
 function numberIn(text, bitCount, areBytesExact) {
-  let compactText = text.replace(/[\s_]/g, "");
+  const prefixedText = withPrefix(text, bitCount);
+  let compactText = prefixedText.replace(/[\s_]/g, "");
   if (/^0b[01]+$/i.test(compactText)) return makeTypedFrame(compactText, compactText.length - 2, true);
-  const pieces = text.split(/\s+/);
-  if (pieces.length > 1 && pieces.every((piece) => /^(0x)?[0-9a-f]{2}$/i.test(piece))) {
-    if (/^[01]+$/.test(pieces.join(""))) throw new FrameText(messageFor("bits_or_bytes", quoteText(text)));
-    compactText = "0x" + pieces.map((piece) => piece.slice(-2)).join("");
-    const writtenBits = 8 * pieces.length;
+  const pieces = prefixedText.split(/\s+/);
+  if (pieces.length > 1 && pieces.every((piece) => /^(0x)?([0-9a-f]{2})+$/i.test(piece))) {
+    if (pieces.every((piece) => /^[01]{2}$/.test(piece))) throw new FrameText(messageFor("bits_or_bytes", quoteText(text)));
+    compactText = "0x" + pieces.map((piece) => piece.replace(/^0x/i, "")).join("");
+    const writtenBits = 4 * (compactText.length - 2);
     if (areBytesExact && (writtenBits < bitCount || writtenBits >= bitCount + 8)) return makeTypedFrame(
       compactText, writtenBits, true);
   }
@@ -76,13 +127,18 @@ function numberIn(text, bitCount, areBytesExact) {
     };
   }
   const meanings = pieces.length === 1 ? listMeanings(compactText, bitCount) : [];
-  // As a decimal or hexadecimal number, this many digits would not fit.
-  if (meanings.length === 1 && compactText.length === bitCount && /^[01]+$/.test(compactText)) {
-    return makeTypedFrame(`0b${compactText}`, bitCount, true);
+  // Hex digits with one meaning have a prefix already, unless they may be a misspelt one.
+  if (meanings.length === 1 && /^[0-9]+$/.test(compactText)) {
+    const areBits = meanings[0] === messageFor("if_bits", compactText);
+    return areBits ? makeTypedFrame(`0b${compactText}`, compactText.length, true)
+      : makeTypedFrame(compactText, bitLength(BigInt(compactText)), false);
   }
-  const remedy = meanings.length
-    ? messageFor("write_one_of", meanings.join(", ")) : messageFor("write_number", bitCount);
-  throw new FrameText(messageFor("no_bits", quoteText(text), bitCount, remedy));
+  const isLongNumber = pieces.length === 1 && /^[1-9][0-9]{0,19}$/.test(compactText);
+  const remedies = meanings.length || !isLongNumber ? meanings
+    : [messageFor("if_decimal", `0x${BigInt(compactText).toString(16).toUpperCase()}`), messageFor("if_hex", compactText)];
+  const remedy = remedies.length ? messageFor("write_one_of", remedies.join(", ")) : messageFor("write_number", bitCount);
+  const spellings = remedies.map((remedyText) => remedyText.split(" ")[0]);
+  throw new FrameText(messageFor("no_bits", quoteText(text), bitCount, remedy), spellings);
 }
 
 /**
@@ -104,7 +160,7 @@ function listMeanings(digits, bitCount) {
   return [
     ...(isDecimal ? [messageFor("if_decimal", `0x${BigInt(digits).toString(16).toUpperCase()}`)] : []),
     ...(isHexadecimal ? [messageFor("if_hex", digits)] : []),
-    ...(/^[01]{1,96}$/.test(digits) ? [messageFor("if_bits", digits)] : []),
+    ...(/^[01]{1,160}$/.test(digits) ? [messageFor("if_bits", digits)] : []),
   ];
 }
 
@@ -126,21 +182,34 @@ function notOfAnyCode(text) {
       throw error;
     }
   };
-  const meanings = /^[0-9a-f]+$/i.test(plainText) ? listMeanings(plainText, MOST_FRAME_BITS).join(", ") : "";
+  const hasMeanings = /^[0-9a-f]+$/i.test(plainText) && withPrefix(plainText, MOST_FRAME_BITS) === plainText;
+  const meanings = hasMeanings ? listMeanings(plainText, MOST_FRAME_BITS).join(", ") : "";
   const remedy = meanings ? messageFor("write_one_of", meanings) : messageFor("write_any");
   if (!isReadable(numberIn) && !isReadable(bytesIn)) return messageFor("no_order_code", quoteText(plainText), remedy);
   return `this frame is not valid for any order code${meanings ? `. ${remedy}` : ""}`;
 }
 
-/** Return the bytes of a frame that is sent as bits, from 0b and every bit. */
-function bytesFromBits(placedLayout, text) {
-  const digits = text.slice(2).replaceAll("_", "");
+/** Return the digits of one binary number for a frame of ``bitCount`` bits in bytes, or "" for any other text. */
+function bitsOfBytes(text, bitCount, lineCarriesBytes) {
+  const [, prefix, digits] = /^(0b)?([01]*)$/i.exec(text.replaceAll("_", "")) ?? [];
+  if (!digits || (prefix && !lineCarriesBytes)) return digits ?? "";
+  const areBits = digits.length > Math.max(Math.floor(bitCount / 4), 8) && digits.length <= bitCount;
+  const hasAllBits = digits.length === bitCount && digits.includes("1");
+  return areBits && (hasAllBits || (lineCarriesBytes && digits[0] === "1")) ? digits : "";
+}
+
+/** Return the bytes of a frame in bytes: hex text, or one binary number of the bits sent, or of the bytes in order. */
+function placedBytes(placedLayout, text, lineCarriesBytes) {
   const sentBits = placedLayout.bits - (placedLayout.layout.fill ?? 0);
+  const digits = bitsOfBytes(text, sentBits, lineCarriesBytes);
+  if (!digits) return bytesIn(text);
+  const bytes = digits.padStart(placedLayout.bits, "0").match(/.{8}/g).map((byte) => parseInt(byte, 2));
+  if (lineCarriesBytes) return placedLayout.layout.order === "little" ? bytes.reverse() : bytes;
   if (digits.length !== sentBits) {
     throw new FrameText(
       messageFor("no_bits", quoteText(text), sentBits, messageFor("write_bits", sentBits, placedLayout.bits / 8)));
   }
-  return digits.padStart(placedLayout.bits, "0").match(/.{8}/g).map((byte) => parseInt(byte, 2));
+  return bytes;
 }
 
 /** Return the parameters of an order code by name, from the contents of registers and the answers of the user. */
@@ -184,9 +253,8 @@ function decodeFrame(orderCode, senderAndName, text, registerContents, answers) 
       interface: interface_,
     };
   }
-  const isWrittenInBits = interface_.name !== "rs485" && /^0b[01_]+$/i.test(plainText);
-  const bytes = isWrittenInBits
-    ? bytesFromBits(placedFor(orderCode, layouts[0], registerContents, answers), plainText) : bytesIn(plainText);
+  const firstLayout = placedFor(orderCode, layouts[0], registerContents, answers);
+  const bytes = placedBytes(firstLayout, plainText, interface_.name === "rs485");
   const layoutOrFailure = layoutName ? { layout: layouts[0] } : identifyLayout(orderCode.interface, sender, bytes);
   const decoded = layoutOrFailure.layout
     ? decodeBytes(placedFor(orderCode, layoutOrFailure.layout, registerContents, answers), bytes) : layoutOrFailure;
@@ -263,9 +331,13 @@ function decodeRegister(orderCode, register, text, registerContents, answers) {
   return decodeBytes(placedFor(orderCode, register, registerContents, answers), bytes);
 }
 
-/** Return all order codes for which a text is a valid frame, grouped by the places of its fields. */
+/**
+ * Return all order codes for which a text is a valid frame, grouped by the places of its fields. A number that may be
+ * decimal is of none, since it would fit many widths.
+ */
 function inferred(text) {
   const groups = new Map();
+  if (/^\s*(?=[0-9]*[2-9])[1-9][0-9]*\s*$/.test(text)) return [];
   for (const family of TABLE.families.filter((candidate) => !candidate.base)) {
     for (const orderCode of family.codes.map((row) => orderCodeOfRow(family, row))) {
       for (const sender of ["encoder", "master"]) addIfValid(groups, orderCode, sender, text);

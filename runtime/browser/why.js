@@ -109,15 +109,28 @@ const hasCrcInBytes = ({ orderCode, interface: interface_, sender }) => !orderCo
 /** Return the part that a recording without a complete frame lacks, or "". */
 function missingPart(decoded) {
   const { placedLayout, typedFrame, problems } = decoded;
+  if (!typedFrame || !placedLayout || deadLine(decoded)) return "";
+  if (isCutWord(decoded) && !explained(decoded).length) return findMissingPart(
+    placedLayout, typedFrame.number.toString(2).padStart(typedFrame.written, "0"));
   const hasWrongLength = problems.some((problem) => problem.fault === "length");
-  if (!typedFrame || !hasWrongLength || deadLine(decoded) || mayHaveBits(typedFrame, placedLayout.bits)) return "";
+  if (!hasWrongLength || mayHaveBits(typedFrame, placedLayout.bits)) return "";
   const crc = placedLayout.crc && placedLayout.family.crcs[placedLayout.crc];
-  const isSignificant = (hypothesis) => !crc || isSignificantWithCrc(hypothesis);
+  const isSignificant = (hypothesis) => !crc || (isSignificantWithCrc(hypothesis) && !isIdleLine(hypothesis));
   const isFoundByRule = (hypothesis) => (
     hypothesis.kind !== TABLE.inside[0] && fitsFrame(hypothesis) && isSignificant(hypothesis));
   if (tryMovedFrames(placedLayout, crc, typedFrame).some(isFoundByRule)) return "";
+  return findMissingPart(placedLayout, writeReceivedBits(placedLayout, typedFrame));
+}
+
+/** Whether a wrong word of SSI or SPI with a CRC has at least a byte fewer hex digits than the frame. */
+const isCutWord = ({ placedLayout, typedFrame, problems }) => !typedFrame.exact && typedFrame.written > 0
+  && typedFrame.written <= placedLayout.bits - 8 && interfaceOf(placedLayout).name !== "biss"
+  && problems.some((problem) => problem.fault === "crc");
+
+/** Return the part that these received bits lack, by the patterns of the line. */
+function findMissingPart(placedLayout, receivedText) {
   for (const [template, pattern] of lineRulesOf(placedLayout)?.incomplete ?? []) {
-    const match = matchRecording(pattern, placedLayout, writeReceivedBits(placedLayout, typedFrame));
+    const match = matchRecording(pattern, placedLayout, receivedText);
     const bitCount = match?.groups?.frame?.length ?? 0;
     if (match && bitCount < placedLayout.bits) {
       return fillTemplate(template, bitCount, placedLayout.bits, placedLayout.bits - bitCount);
@@ -177,12 +190,13 @@ function likeliestByMistake(explanations) {
 /** Merge the explanations of several frames by the same mistake: {text, frames, oneIn, score}. */
 function mergeExplanations(explanations) {
   const texts = new Set(explanations.map((explanation) => explanation.text));
-  const commonText = fillTemplate(explanations[0].template.replace("({0}) ", ""), "some");
+  const commonText = withoutDetails(explanations[0].template);
   return {
     text: texts.size === 1 ? explanations[0].text : commonText,
     frames: explanations.length,
     oneIn: explanations.reduce((product, explanation) => product * explanation.oneIn, ONE),
     score: computeCommonScore(explanations),
+    hidesShift: hidesShift(explanations[0]),
   };
 }
 
@@ -243,12 +257,16 @@ function matchKeyOf({
 /** Return whether a hypothesis has enough bits to contradict it, so that few random frames match. */
 const isSignificantWithCrc = ({ crcBitsReceived, otherBitsRequired }) => (
   crcBitsReceived + otherBitsRequired >= LEAST_BITS);
+/** Return whether all bits of the resulting frame are equal, as on an idle line. */
+const isIdleLine = ({ placedLayout, number }) => Boolean(placedLayout) && placedLayout.bits >= LEAST_EQUAL_BITS
+  && (number === 0n || number === ones(placedLayout.bits));
 
 /** The tries that do not match too many random frames, without those known to fail. */
 function selectSignificant(hypotheses, refuted) {
   const refutedKeys = new Set(refuted.map(matchKeyOf));
   const isRefuted = (hypothesis) => refutedKeys.has(matchKeyOf(hypothesis));
-  return hypotheses.filter((hypothesis) => isSignificantWithCrc(hypothesis) && !isRefuted(hypothesis));
+  return hypotheses.filter(
+    (hypothesis) => isSignificantWithCrc(hypothesis) && !isIdleLine(hypothesis) && !isRefuted(hypothesis));
 }
 
 /** Select the likeliest of the hypotheses that lead to the same frame. */
@@ -316,10 +334,34 @@ function pairWithInversion(hypothesis) {
 
 /** The readings of a frame without a CRC. Nothing proves one of them. */
 function explainWithoutCrc(hypotheses) {
-  const all = sortByScore(explainFitting(hypotheses, false));
-  const numbers = all.map((explanation) => explanation.number);
-  return { all, merged: all.filter((explanation, index) => numbers.indexOf(explanation.number) === index) };
+  const fitting = sortByScore(explainFitting(hypotheses, false));
+  const byMistake = new Map();
+  for (const [index, explanation] of fitting.entries()) {
+    const key = explanation.hasAssumedBit ? `${explanation.kind} ${explanation.template}` : index;
+    byMistake.set(key, [...byMistake.get(key) ?? [], explanation]);
+  }
+  const all = sortByScore([...byMistake.values()].map(mergeSameMistake));
+  const frames = all.map((explanation) => explanation.number ?? explanation.text);
+  return { all, merged: all.filter((explanation, index) => frames.indexOf(frames[index]) === index) };
 }
+
+/** Return whether the CRC of an explanation is also valid for every second frame that is shifted by one bit. */
+const hidesShift = ({ kind, crc, isOfBytes }) => kind === "crc_not_inverted" && Boolean(crc) && !isOfBytes
+  && !toBigInt(crc.init) && !toBigInt(crc.xorout);
+
+/** Merge explanations that differ only in the value of a lost bit. Each of them has half the evidence. */
+function mergeSameMistake([likeliest, ...others]) {
+  if (!others.length) return likeliest;
+  return {
+    ...likeliest, text: withoutDetails(likeliest.template),
+    oneIn: others.reduce((sum, { oneIn }) => sum + oneIn, likeliest.oneIn),
+    score: others.reduce((sum, { score }) => sum + score, likeliest.score),
+    orNumbers: others.map(({ number }) => number),
+  };
+}
+
+/** Return a template as a text without the details of a frame. */
+const withoutDetails = (template) => fillTemplate(template.replace("({0}) ", ""), "some");
 
 /** Return the bits that the CRC covers, shifted to bit 0, and how many they are. */
 function coveredBitsOf(placedLayout, number) {
@@ -339,22 +381,20 @@ function createHypothesisAsSent(placedLayout, crc, number) {
 }
 
 /**
- * The frame was this number, whose last ``missingLowBits`` bits were not received.
- * These bits belong to the CRC, of which the others are compared. In a frame that lacks a CRC, the first lost bits with
- * which constants and parity are right are assumed.
+ * The frame was this number, whose last bits were not received.
+ * These ``lost`` bits belong to the CRC, of which the others are compared. Without a CRC, they are assumed as in the
+ * number, so they prove nothing.
  */
 function createFrameHypothesis(
   placedLayout, crc, kind, text, frameNumber,
   { missingLowBits = 0, otherBitsRequired = 0, isConsistent = true, ...otherMembers } = {},
 ) {
   if (!crc) {
-    const completedFrames = [...Array(1 << missingLowBits).keys()].map((lastBits) => frameNumber | BigInt(lastBits));
-    const number = completedFrames.find((candidate) => hasRightConstants(placedLayout, candidate)) ?? frameNumber;
     return createHypothesis({
-      kind, text, placedLayout, number, missingLowBits, coveredData: number, coveredBits: placedLayout.bits,
-      likelihood: computeLikelihood(placedLayout, number),
+      kind, text, placedLayout, number: frameNumber, missingLowBits: missingLowBits, coveredData: frameNumber,
+      coveredBits: placedLayout.bits, likelihood: computeLikelihood(placedLayout, frameNumber),
       otherBitsRequired: otherBitsRequired + Math.max(countConstantBits(placedLayout) - missingLowBits, 0),
-      isConsistent: isConsistent && hasRightConstants(placedLayout, number), ...otherMembers,
+      isConsistent: isConsistent && hasRightConstants(placedLayout, frameNumber), ...otherMembers,
     });
   }
   return createHypothesis({
@@ -426,13 +466,13 @@ function tryOtherStatus(placedLayout, asSent, number, withMistake) {
   const remainingBits = [...Array(asSent.coveredBits).keys()].reverse()
     .filter((bit) => !extractBits(statusMask >> crcWidth, bit, 1));
   const remainingData = remainingBits.reduce((sum, bit) => (sum << ONE) | extractBits(asSent.coveredData, bit, 1), 0n);
-  return [
-    withMistake("status_left_out", TABLE.texts.status_left_out, {
-      coveredData: remainingData, coveredBits: remainingBits.length }),
-    withMistake("status_turned", TABLE.texts.status_turned, {
-      coveredData: (number ^ statusMask) >> crcWidth,
-      likelihood: computeLikelihood(placedLayout, number ^ statusMask) }),
-  ];
+  const leftOut = withMistake("status_left_out", TABLE.texts.status_left_out, {
+    coveredData: remainingData, coveredBits: remainingBits.length });
+  // Only bits that are 1 while they are inactive can be converted to active high.
+  const hasActiveLow = placedLayout.fields.filter(isStatusField).some(({ field }) => field.kind !== "flag");
+  return hasActiveLow ? [leftOut, withMistake("status_turned", TABLE.texts.status_turned, {
+    coveredData: (number ^ statusMask) >> crcWidth, likelihood: computeLikelihood(placedLayout, number ^ statusMask) })]
+    : [leftOut];
 }
 
 /** Find the bits of the number that a master would convert from Gray code: their low bit and width. */
@@ -469,7 +509,9 @@ function tryRearrangedFrames(placedLayout, crc, typedFrame) {
     createFrameHypothesis(placedLayout, crc, kind, TABLE.texts[kind], frameNumber, members));
   const hypotheses = [];
   if (possibleLengthsOf(placedLayout, typedFrame).includes(placedLayout.bits)) {
-    hypotheses.push(assumeFrame("all_inverted", typedFrame.number ^ ones(placedLayout.bits)),
+    const inverted = assumeFrame("all_inverted", typedFrame.number ^ ones(placedLayout.bits));
+    const frequency = interfaceOf(placedLayout)?.name === "spi" ? TABLE.likely.without_pair : 1;
+    hypotheses.push({ ...inverted, likelihood: inverted.likelihood * frequency },
       assumeFrame("bits_reversed", reverseBits(typedFrame.number, placedLayout.bits)));
     if (placedLayout.bits % 8 === 0) {
       const bytes = bytesOf("big", typedFrame.number, placedLayout.bits / 8);
@@ -637,21 +679,29 @@ function tryLeftOutCommand(placedLayout, crc, typedFrame) {
 function tryOffset(
   placedLayout, crc, typedFrame, length, [kind, template, front, missingFirstBits, missingLowBits, extraLowBits],
 ) {
-  const receivedFrameBits = length - front.length - extraLowBits;
-  if (receivedFrameBits !== placedLayout.bits - missingFirstBits.length - missingLowBits) return [];
-  const frontAndFrame = typedFrame.number >> BigInt(extraLowBits);
-  const markedBits = [...front].map((mark, index) => (
-    { mark, bit: extractBits(frontAndFrame, receivedFrameBits + front.length - 1 - index, 1) }));
-  const startBits = markedBits.filter(({ mark }) => mark === "1");
-  const mostlyZeroBits = markedBits.filter(({ mark }) => mark === "~");
-  const frameFromFirstBit = (BigInt(`0b0${missingFirstBits}`) << BigInt(receivedFrameBits))
-    | extractBits(frontAndFrame, 0, receivedFrameBits);
-  const hypothesis = createFrameHypothesis(
-    placedLayout, crc, kind, fillTemplate(template, missingFirstBits), frameFromFirstBit << BigInt(missingLowBits),
-    { template, missingLowBits, otherBitsRequired: startBits.length, isConsistent: startBits.every(({ bit }) => bit) });
+  if (length !== placedLayout.bits + front.length - missingFirstBits.length - missingLowBits + extraLowBits) return [];
+  const framePartBits = length - front.length - extraLowBits;
+  const frontAndFramePart = typedFrame.number >> BigInt(extraLowBits);
+  const highestBit = framePartBits + front.length - 1;
+  const startBits = [...front].flatMap((mark, index) => (mark === "1" ? [highestBit - index] : []));
+  const isConsistent = startBits.every((bit) => extractBits(frontAndFramePart, bit, 1));
+  const frameNumber = ((BigInt(`0b0${missingFirstBits}`) << BigInt(framePartBits))
+    | extractBits(frontAndFramePart, 0, framePartBits)) << BigInt(missingLowBits);
+  // Without a CRC, there is a hypothesis for each value of the lost last bits.
+  const assumedBits = crc ? 0 : missingLowBits + missingFirstBits.length;
+  const members = {
+    template, missingLowBits: crc ? missingLowBits : assumedBits, otherBitsRequired: startBits.length, isConsistent: isConsistent,
+    hasAssumedBit: assumedBits > 0 };
+  const lastBitValues = [...Array(crc ? 1 : 1 << missingLowBits).keys()].map(BigInt);
+  const text = fillTemplate(template, missingFirstBits);
+  const hypotheses = lastBitValues.map((lastBits) => (
+    createFrameHypothesis(placedLayout, crc, kind, text, frameNumber | lastBits, members)));
   const { idle, active } = TABLE.likely;
-  const frontLikelihood = mostlyZeroBits.reduce((product, { bit }) => product * (bit ? active : idle), 1);
-  return [{ ...hypothesis, likelihood: hypothesis.likelihood * frontLikelihood }];
+  const mostlyZeroBits = [...front].flatMap(
+    (mark, index) => (mark === "~" ? [extractBits(frontAndFramePart, highestBit - index, 1)] : []));
+  const frontLikelihood = mostlyZeroBits.reduce((product, bit) => product * (bit ? active : idle), 1);
+  return hypotheses.map(
+    (hypothesis) => ({ ...hypothesis, likelihood: hypothesis.likelihood * frontLikelihood }));
 }
 
 /**
@@ -931,15 +981,18 @@ function findRecordedFrames(placedLayout, typedFrame) {
     .map((hypothesis) => [`if ${hypothesis.text}`, hypothesis.number]);
 }
 
-/** Return {low, width}: the bits of the position in a frame, where it can be joined from several fields. */
-function findPositionBits(placedLayout, position) {
+/** Return the parts of the position in a frame, each as {low, width}: one, or several that are joined. */
+function listPositionParts(placedLayout, position) {
   const isJoined = position.high < 0;
-  if (!isJoined) return { low: position.low, width: position.high - position.low + 1 };
+  if (!isJoined) return [{ low: position.low, width: position.high - position.low + 1 }];
   const join = placedLayout.joins.find(({ name }) => name === position.name);
-  const joinedFields = join.parts.map(({ placedField }) => placedField).filter(Boolean);
-  return {
-    low: Math.min(...joinedFields.map((placedField) => placedField.low)),
-    width: joinedFields.reduce((sum, placedField) => sum + placedField.width, 0) };
+  return join.parts.map(({ placedField }) => placedField).filter(Boolean);
+}
+
+/** Return a number of which these bits are Gray code, with them in binary. */
+function decodeGrayBits(number, { low, width }) {
+  const grayBits = extractBits(number, low, width);
+  return number ^ ((grayBits ^ grayToBinary(grayBits)) << BigInt(low));
 }
 
 /**
@@ -947,15 +1000,17 @@ function findPositionBits(placedLayout, position) {
  * bit earlier, in Gray code, in binary, or with its bytes in reverse order. A frame is null if that cannot be.
  */
 function listDoubtfulFrames(placedLayout, number, position) {
-  const { low, width } = findPositionBits(placedLayout, position);
-  const sentPosition = extractBits(number, low, width);
-  const otherBits = number ^ (sentPosition << BigInt(low));
+  const parts = listPositionParts(placedLayout, position);
+  const low = Math.min(...parts.map((part) => part.low));
+  const width = parts.reduce((sum, part) => sum + part.width, 0);
+  const isSplit = parts.length > 1;
   const withLastBit0 = (number << ONE) & ones(placedLayout.bits);
   const isPossible = (frameNumber) => hasRightConstants(placedLayout, frameNumber);
   return [
     [withLastBit0, withLastBit0 | ONE].find(isPossible) ?? withLastBit0,
     number >> ONE,
-    placedLayout.gray ? null : otherBits | (grayToBinary(sentPosition) << BigInt(low)),
+    placedLayout.gray ? null : decodeGrayBits(number, { low, width }),
+    placedLayout.gray || !isSplit ? null : parts.reduce(decodeGrayBits, number),
     placedLayout.gray ? convertToGray(placedLayout, number) : null,
     placedLayout.bits % 8 ? null : numberOf("big", bytesOf("little", number, placedLayout.bits / 8)),
   ];

@@ -157,7 +157,8 @@
     return item.frames.map((text) => {
       const found = decoded(foundFor(item), item, text);
       const mistakes = wheel.explained(found).map((one) => [one.text, `${one.oneIn}`,
-        one.number === undefined ? [] : wheel.numbersRead(one.placedLayout ?? found.placedLayout, one.number).map(([name, value]) => `${name} ${value}`),
+        (one.number === undefined ? [] : [one.number, ...one.orNumbers ?? []]).flatMap((number) => (
+          wheel.numbersRead(one.placedLayout ?? found.placedLayout, number).map(([name, value]) => `${name} ${value}`))),
         (one.parts ?? []).map((pair) => pair.join(" "))]);
       return [mistakes, wheel.missingPart(found)];
     });

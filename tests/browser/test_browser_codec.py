@@ -552,5 +552,6 @@ def of_page(why: Diagnosis) -> Diagnosis:
 
 
 def reason(mistake: Explanation) -> Reason:
-    reads = [f"{name} {value}" for name, value in mistake.reads.items()]
+    readings = (mistake.reads, *mistake.or_reads)
+    reads = [f"{name} {value}" for numbers in readings for name, value in numbers.items()]
     return [mistake.text, str(mistake.one_in), reads, [" ".join(part) for part in mistake.parts]]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,17 @@ TEXTS = (
     (BISS, "", "0b" + f"{0xF4243D3:045b}"),
     (BISS, "", "0b" + f"{0xF4243D3:046b}"),
     (BISS, "", "0F4243D3"),
+    (BISS, "", "F 42 43 D3"),
+    (BISS, "", "0F42 43D3"),
+    (BISS, "", "0x0F42 0x43D3"),
+    (BISS, "", " ".join(f"{0xF4243D3:045b}")),
+    (BISS, "", f"{0xF4243D3:045b}"),
+    (BISS, "", "0 0 0 0 0 0 0 1"),
+    (BISS, "", "0 1 0 1"),
+    (BISS, "", "1111 1000010 1000011 11010011"),
+    (BISS, "", "0000 1111 0100 0010 0100 0011 1101 0011"),
+    (BISS, "", "10 0 11"),
+    (BISS, "", "b0101"),
     (BISS, "", "101"),
     (BISS, "", "256000979"),
     (BISS, "", "00256000979"),
@@ -56,6 +68,16 @@ TEXTS = (
     (RS485, "", "02 20C"),
     (RS485, "", "022 0C7D16A5E"),
     (RS485, "", "2 20 C7 D1 6A 5E"),
+    (RS485, "", "02 20 C7 D1 6A 5"),
+    (RS485, "", "2 3 4"),
+    (RS485, "", "10 100000 11000111 11010001 1101010 1011110"),
+    (RS485, "", "00000010 00100000 11000111 11010001 01101010 01011110"),
+    (RS485, "", "0b010111100110101011010001110001110010000000000010"),
+    (RS485, "", "10111100110101011010001110001110010000000000010"),
+    (RS485, "", "0b0101"),
+    (RS485, "", "1 10"),
+    (SSI, "", "7FFE"),
+    (SSI, "", "8021 97CA FEC5"),
     (RS485, "", ","),
     (RS485, "", "()"),
     (RS485, "", "02 00 C7"),
@@ -110,6 +132,22 @@ def test_page_and_command_line_say_the_same(node: Asker, library: Library) -> No
 
 
 @pytest.mark.slow
+def test_page_and_command_line_read_the_same_digits(node: Asker, library: Library) -> None:
+    """Pieces of digits without a prefix, with other lengths in each text, half of them only of zeros and ones."""
+    source = random.Random(48)
+    items = []
+    for _ in range(600):
+        alphabet = source.choice(("01", "01", "0123456789", "0123456789ABCDEF"))
+        longest = source.choice((1, 2, 4, 8, 40))
+        lengths = [source.randint(1, longest) for _ in range(source.choice((1, 1, 2, 3, 6, 37, 45)))]
+        text = " ".join("".join(source.choices(alphabet, k=length)) for length in lengths)
+        prefix = source.choice(("", "", "", "0b", "0x"))
+        items.append({"code": source.choice((BISS, RS485, SSI)), "register": "", "text": prefix + text})
+    for question, answer in zip(items, node("lines", items), strict=True):
+        assert answer == lines_of_command(library, question["code"], "", question["text"]), question
+
+
+@pytest.mark.slow
 def test_digits_without_a_prefix_have_each_meaning_that_fits(node: Asker, library: Library) -> None:
     """A debugger prints 0xF4243D3 as 256000979, which is also hex. 9999999999 as hex has more than 37 bits."""
     assert int("256000979") == 0xF4243D3
@@ -122,8 +160,8 @@ def test_digits_without_a_prefix_have_each_meaning_that_fits(node: Asker, librar
         lines_of_command(library, SSI, "", "256000979")[0][2]
         == f"'256000979' is not a frame of 37 bits. {both_meanings}"
     )
-    only = f"Write 0x{9999999999:X} if it is decimal"
-    assert lines_of_command(library, SSI, "", "9999999999")[0][2] == f"'9999999999' is not a frame of 37 bits. {only}"
+    decimal, hexadecimal = (lines_of_command(library, SSI, "", text)[0][2] for text in ("9999999999", "0x2540BE3FF"))
+    assert decimal == hexadecimal
     assert node("unread", [{"text": "256000979"}]) == [f"'256000979' is not a frame. {both_meanings}"]
 
 
@@ -138,7 +176,7 @@ def test_without_an_order_code_a_text_that_is_no_frame_has_the_help(node: Asker)
         "37255": f"'37255' is not a frame. {digits}",
         "02 00 C7 D1 6A 7F": invalid,
         "0xF4243D2": invalid,
-        "0200": f"{invalid}. Write 0x0200 if it is hex",
+        "0200": invalid,
         ",": "the frame is empty",
     }
     assert int("37255") == 0x9187

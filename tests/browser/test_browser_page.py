@@ -120,6 +120,9 @@ STEPS = """
   type(text, "02 00 C7 D1 6A 7E"); seen.inferred = said(box);
   box.querySelector(".codewheel-decode-codes button").click(); seen.picked = said(box); seen.code = code.value;
   type(code, "AMM5A21/65KSC1"); type(text, "0xF4243D2"); seen.why = said(box);
+  type(text, "256000979");
+  const spellings = [...box.querySelectorAll(".codewheel-decode-codes button")];
+  seen.spellings = spellings.map((one) => one.innerText); spellings[0].click(); seen.spelled = [text.value, said(box)];
   type(text, "0x0"); seen.low = said(box); type(text, "0b" + "1".repeat(45)); seen.high = said(box);
   type(code, "AMM5A23/65KBG1"); type(text, "0x0"); seen.ssi = said(box); type(code, "AMM5A21/65KSC1");
   choose(what, "=preset"); type(text, "00 30 24 f4 00 00 00"); seen.preset = said(box);
@@ -225,6 +228,13 @@ def test_an_order_code_that_is_left_out(steps: dict[str, Any]) -> None:
     assert steps["code"] == "AMM5A23/1JP1"
     assert "usable: no error. the position is usable." in steps["picked"].lower()
     assert "NOTHING/1" in steps["unknown"].upper()
+
+
+@pytest.mark.slow
+def test_the_meanings_of_digits_are_buttons(steps: dict[str, Any]) -> None:
+    assert steps["spellings"] == ["0xF4243D3", "0x256000979"]
+    assert steps["spelled"][0] == "0xF4243D3"
+    assert "1000003 counts" in steps["spelled"][1]
 
 
 @pytest.mark.slow

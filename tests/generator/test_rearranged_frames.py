@@ -106,8 +106,8 @@ def test_bits_without_a_prefix_that_can_only_be_bits(capsys: pytest.CaptureFixtu
     data = json.loads(capsys.readouterr().out)
     values = {field["name"]: field["value"] for field in data["fields"]}
     assert values["position"] == 0x123456
-    # One digit fewer, and digits that are also a number, are still refused.
-    assert main(["decode", WHOLE, frame_of(0x123456, 24)[1:]]) == 2
+    # One digit fewer is a wrong length, and digits that are also a number are refused.
+    assert main(["decode", WHOLE, frame_of(0x123456, 24)[1:]]) == 1
     assert main(["decode", "ssi:position=24", "0101"]) == 2
 
 

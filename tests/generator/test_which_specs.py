@@ -127,9 +127,10 @@ def test_a_spec_of_the_user_comes_before_a_packaged_one(capsys: pytest.CaptureFi
     code, out, err = run(capsys, "list")
     assert (code, err) == (
         0,
-        "codewheel: in your specs and in the packaged ones: am36, asc85, sma21; yours are used\n",
+        "codewheel: in your specs and in the packaged ones: sma21; yours are used\n",
     )
     assert out.count("sma21  ") == out.count("amm5  ") == 1
+    assert run(capsys, "show", "asc85")[2] == "", "a copy of a packaged spec is not worth a word"
     (here / "lika/sma21.yaml").write_text(text.replace("title: ", "titel: ", 1), encoding="utf-8")
     assert run(capsys, "show", "sma21")[0] == 1, "the packaged spec does not replace one with a problem"
 

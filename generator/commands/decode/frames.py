@@ -21,12 +21,14 @@ from ...model import (
     PlacedChannels,
     PlacedLayout,
     Variant,
+    number_to_bytes,
 )
 from ...model.layout import have_lengths
 from ...reference import codec
 from ...reference.registers import decode_register
 from ...say import report as say_report
 from ...why.hypotheses import TypedFrame
+from .digits import bits_of_bytes, meanings_of_long_number, possible_meanings, with_leading_zeros, with_prefix
 
 if TYPE_CHECKING:
     from ...why.diagnosis import Diagnosis
@@ -35,7 +37,7 @@ _HEX = re.compile(r"(?:0x)?[0-9A-Fa-f]+", re.IGNORECASE)
 _GAPS = re.compile(r"[\s_]")
 _BITS = re.compile(r"0[bB][01]+")
 _NUMBER = re.compile(r"0[xX][0-9A-Fa-f]+")
-_ONE_BYTE = re.compile(r"(?:0x)?[0-9A-Fa-f]{2}", re.IGNORECASE)
+_WHOLE_BYTES = re.compile(r"(?:0x)?((?:[0-9A-F]{2})+)", re.IGNORECASE)
 #: Only a number with its prefix, such as ``0x1F``.
 _BARE = re.compile(r"0[xXbB][0-9A-Fa-f]+")
 #: Spellings of programs and logs, and their replacement. The page has the same list. In this order: ``b'..'`` of
@@ -107,13 +109,13 @@ def undecorated(frame_text: str) -> str:
 def frame_bytes(frame_text: str) -> bytes:
     """Return the bytes of hex text, such as ``1F 2A`` or ``1F2A``. Each piece between spaces has whole bytes.
 
-    A piece may begin with ``0x``. A single digit is a byte only after ``0x``.
+    A piece may begin with ``0x``. A single digit is a byte after ``0x``, or if all pieces lack their leading zeros.
 
     Raises:
         FrameTextError: A piece is not hex, or has an odd number of digits.
     """
     frame = b""
-    for piece in frame_text.split():
+    for piece in with_leading_zeros(frame_text.split()):
         quoted_piece = quoted(visible(piece))
         if not _HEX.fullmatch(piece):
             raise FrameTextError(say_report.not_hex(quoted_piece))
@@ -130,23 +132,27 @@ def frame_bytes(frame_text: str) -> bytes:
 
 
 def placed_bytes(placed_layout: PlacedLayout, variant: Variant, frame_text: str) -> bytes:
-    """Return the bytes of a frame in bytes: hex text or, if the line carries bits, also ``0b`` with every bit sent.
+    """Return the bytes of a frame in bytes: hex frame_text, or one binary number.
+
+    If the line carries bits, the number has every bit sent. If it carries bytes, their order gives the number, whose
+    leading zeros may be missing.
 
     Raises:
         FrameTextError: The text has another form, or another number of bits.
     """
-    line_carries_bits = INTERFACES[variant.interface].carried_as != "bytes"
-    without_gaps = frame_text.replace("_", "")
-    if not line_carries_bits or not _BITS.fullmatch(without_gaps):
-        return frame_bytes(frame_text)
-    # The line may carry fewer bits than the bytes of the frame have. The missing ones are the first, and zero.
     bits = placed_layout.layout.sent_bits.value(placed_layout.parameters)
+    line_carries_bytes = INTERFACES[variant.interface].carried_as == "bytes"
+    digits = bits_of_bytes(frame_text, bits, line_carries_bytes=line_carries_bytes)
+    if not digits:
+        return frame_bytes(frame_text)
+    if line_carries_bytes:
+        return number_to_bytes(placed_layout.layout, int(digits, 2), placed_layout.bits)
+    # The line may carry fewer bits than the bytes of the frame have. The missing ones are the first, and zero.
     length = placed_layout.bits // 8
-    written_bits = len(without_gaps) - len("0b")
-    if written_bits != bits:
+    if len(digits) != bits:
         remedy = say_report.write_bits(str(bits), str(length))
         raise FrameTextError(say_report.no_bits(quoted(visible(frame_text)), str(bits), remedy))
-    return int(without_gaps, 2).to_bytes(length, "big")
+    return int(digits, 2).to_bytes(length, "big")
 
 
 def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exact: bool = False) -> TypedFrame:
@@ -154,38 +160,44 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
 
     ``0b`` gives the exact number of bits. Hex digits do not, because the frame may begin with further zeros. With
     ``exact``, which means that frames of the sender have different lengths, hex bytes give it too if they are more or
-    fewer than the layout has. Digits without a prefix are accepted only as all bits of the frame, and only if no other
-    reading of them fits.
+    fewer than the layout has. Digits without a prefix are accepted if only one reading of them fits.
 
     Raises:
         FrameTextError: The text has another form.
     """
-    without_gaps = _GAPS.sub("", frame_text)
+    prefixed_text = with_prefix(frame_text, placed.bits)
+    without_gaps = _GAPS.sub("", prefixed_text)
     if _BITS.fullmatch(without_gaps):
         bits = len(without_gaps) - len("0b")
         return TypedFrame(int(without_gaps, 2), bits, exact=True, written=bits)
-    pieces = frame_text.split()
-    are_bytes = len(pieces) > 1 and all(map(_ONE_BYTE.fullmatch, pieces))
+    pieces = prefixed_text.split()
+    are_bytes = len(pieces) > 1 and all(map(_WHOLE_BYTES.fullmatch, pieces))
     if are_bytes:
         # Raises an error if the pieces may also be pairs of bits.
         _refuse_bits_in_pairs(pieces, frame_text)
-        # The last two characters of a piece are its digits. A byte may have a prefix of its own.
-        without_gaps = "0x" + "".join(piece[-2:] for piece in pieces)
-        if exact and len(pieces) != (placed.bits + 7) // 8:
-            bits = 8 * len(pieces)
+        # A byte may have a prefix of its own.
+        digits = _WHOLE_BYTES.sub(r"\1", "".join(f"{piece} " for piece in pieces))
+        without_gaps = "0x" + digits.replace(" ", "")
+        bits = 4 * (len(without_gaps) - len("0x"))
+        if exact and bits // 8 != (placed.bits + 7) // 8:
             return TypedFrame(int(without_gaps, 16), bits, exact=True, written=bits)
     if _NUMBER.fullmatch(without_gaps):
         number = int(without_gaps, 16)
         hex_digits = len(without_gaps) - len("0x")
         return TypedFrame(number, number.bit_length(), exact=False, written=4 * hex_digits)
-    possible_meanings = list(_possible_meanings(without_gaps, placed.bits)) if len(pieces) == 1 else []
-    are_all_bits = len(without_gaps) == placed.bits and set(without_gaps) <= {"0", "1"}
-    if len(possible_meanings) == 1 and are_all_bits:
-        # As a decimal or hexadecimal number, this many digits would not fit.
-        return TypedFrame(int(without_gaps, 2), placed.bits, exact=True, written=placed.bits)
+    meanings = list(possible_meanings(without_gaps, placed.bits)) if len(pieces) == 1 else []
+    if meanings == [say_report.if_bits(without_gaps)]:
+        bits = len(without_gaps)
+        return TypedFrame(int(without_gaps, 2), bits, exact=True, written=bits)
+    # Hex digits with one meaning have a prefix already, unless they may be a misspelt one.
+    if len(meanings) == 1 and without_gaps.isdecimal():
+        number = int(without_gaps)
+        return TypedFrame(number, number.bit_length(), exact=False, written=number.bit_length())
     remedy = say_report.write_number(str(placed.bits))
-    if possible_meanings:
-        remedy = say_report.write_one_of(", ".join(possible_meanings))
+    if len(pieces) == 1:
+        meanings = meanings or list(meanings_of_long_number(without_gaps))
+    if meanings:
+        remedy = say_report.write_one_of(", ".join(meanings))
     raise FrameTextError(say_report.no_bits(quoted(visible(frame_text)), str(placed.bits), remedy))
 
 
@@ -198,22 +210,6 @@ def _refuse_bits_in_pairs(pieces: Sequence[str], frame_text: str) -> None:
     are_zeros_and_ones = set("".join(pieces)) <= {"0", "1"}
     if have_no_prefix and are_zeros_and_ones:
         raise FrameTextError(say_report.bits_or_bytes(quoted(frame_text)))
-
-
-def _possible_meanings(digits: str, bits: int) -> Iterator[str]:
-    """Yield how to write digits without a prefix, for each meaning that they can have in a frame of ``bits`` bits.
-
-    For ``10``: ``0xA if it is decimal``, ``0x10 if it is hex``, ``0b10 if it is bits``. A decimal or hexadecimal number
-    must fit into the frame. Bits may be of any number, since the length is checked later. The page has the same rule.
-    """
-    largest = (1 << bits) - 1
-    # A decimal number has no leading zero. More than 40 digits are not read as any of the three.
-    if re.fullmatch(r"0|[1-9][0-9]{0,39}", digits) and int(digits) <= largest:
-        yield say_report.if_decimal(f"0x{int(digits):X}")
-    if re.fullmatch(r"[0-9A-Fa-f]{1,40}", digits) and int(digits, 16) <= largest:
-        yield say_report.if_hex(digits)
-    if re.fullmatch(r"[01]{1,96}", digits):
-        yield say_report.if_bits(digits)
 
 
 # -- decoding
@@ -352,7 +348,8 @@ def why_text(
     if placed is not None and not placed.layout.in_bytes:
         return _why_bits(device, variant, sender, frame_text, placed, decoded, with_pairs=with_pairs)
     if placed is None:
-        data = frame_bytes(undecorated(frame_text))
+        first_layout = _layouts_of(device, variant, sender)[0]
+        data = placed_bytes(first_layout.place(variant.parameters), variant, undecorated(frame_text))
     else:
         faults = {problem.fault for problem in decoded.problems}
         if not faults & {*_TRANSMISSION_FAULTS, Fault.CONSTANT}:

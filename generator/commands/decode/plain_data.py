@@ -138,6 +138,7 @@ def _why_data(diagnosis: Diagnosis) -> dict[str, Any]:
         "disturbed": list(diagnosis.disturbed),
         "missing": diagnosis.missing or None,
         "another_frame_helps": diagnosis.needs_another_frame,
+        "equal_readings": diagnosis.equal_readings,
     }
 
 
@@ -150,5 +151,6 @@ def _explanation_data(explanation: Explanation) -> dict[str, Any]:
         "twice": explanation.twice,
         "order_codes": list(explanation.codes),
         "reads": dict(explanation.reads),
+        "or_reads": [dict(numbers) for numbers in explanation.or_reads],
         "parts": [{"name": name, "bits": bits} for name, bits in explanation.parts],
     }

@@ -7,7 +7,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from ...model import Alternative, Crc, Device, Measurement, PlacedLayout, Variant, Verdict
+from ...model import Alternative, Crc, Device, Fault, Measurement, PlacedLayout, Variant, Verdict
 from ...model.expressions import Expression
 from ...order_codes.labels import Match
 from ...order_codes.parameters import parameters_of
@@ -83,6 +83,15 @@ def described_frame(
     yield from _other_position_lines(device, variant, decoded, frame_text)
     if diagnosis is not None:
         yield from _why_lines(diagnosis, decoded.layout)
+    elif _is_corrupted(decoded) and not other_frames:
+        yield from ("", sentence(say_report.NO_EXPLANATION))
+
+
+def _is_corrupted(decoded: codec.Decoded) -> bool:
+    """Return whether a frame is corrupted: its CRC or length is wrong or, without a right CRC, a constant."""
+    faults = {problem.fault for problem in decoded.problems}
+    has_right_crc = decoded.crc is not None and decoded.crc.ok
+    return bool(faults & {Fault.CRC, Fault.LENGTH, Fault.CONSTANT}) and not has_right_crc
 
 
 def evidence_lines(device: Device) -> Iterator[str]:
@@ -339,7 +348,7 @@ def _mistake_lines(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.explanations:
         lines.append(wrapped(_introduction_sentence(diagnosis, chance), WIDTH, prefix="  ", first=""))
     elif diagnosis.tried:
-        lines.append(wrapped(f"No common mistake explains it ({chance}).", WIDTH, prefix="  ", first=""))
+        lines.append(wrapped(f"{say_report.NO_EXPLANATION} ({chance}).", WIDTH, prefix="  ", first=""))
     for explanation in diagnosis.explanations:
         lines.append(wrapped(explanation.text, WIDTH, prefix=" " * 6, first="    - "))
         for detail in (_chance_and_values(explanation), _parts_of_recording(explanation)):
@@ -353,6 +362,12 @@ def _hint_lines(diagnosis: Diagnosis) -> list[str]:
     lines = []
     if diagnosis.missing:
         lines.append(wrapped(sentence(capitalized(diagnosis.missing)), WIDTH, prefix="  ", first=""))
+    if diagnosis.explanations and diagnosis.explanations[0].hides_shift:
+        lines.append(wrapped(sentence(say_report.HIDDEN_SHIFT), WIDTH, prefix="  ", first=""))
+    if diagnosis.equal_readings:
+        lines.append(
+            wrapped(sentence(say_report.equal_readings(f"{diagnosis.equal_readings}")), WIDTH, prefix="  ", first="")
+        )
     if diagnosis.needs_another_frame:
         lines.append(wrapped(ANOTHER_FRAME, WIDTH, prefix="  ", first=""))
     if diagnosis.cannot_see:
@@ -372,6 +387,8 @@ def together_lines(mistakes: Sequence[CommonMistake], failed_frames: int) -> Ite
     for mistake in mistakes:
         chance = f"; matches by chance in {_frequency_text(mistake.one_in)}" if mistake.one_in > 1 else ""
         yield wrapped(f"{mistake.text}{chance}", WIDTH, prefix=" " * 6, first="    - ")
+    if mistakes[0].hides_shift:
+        yield wrapped(sentence(say_report.HIDDEN_SHIFT), WIDTH, prefix="  ", first="")
     yield ""
 
 
@@ -390,9 +407,14 @@ def _chance_and_values(explanation: Explanation) -> str:
     if explanation.one_in > 1:
         details.append(f"matches by chance in {_frequency_text(explanation.one_in)} frames")
     if explanation.reads:
-        values = ", ".join(f"{name} {number}" for name, number in explanation.reads.items())
-        details.append(f"gives {values}")
+        readings = (explanation.reads, *explanation.or_reads)
+        details.append(f"gives {' or '.join(map(_numbers_text, readings))}")
     return ", and ".join(details)
+
+
+def _numbers_text(numbers: Mapping[str, int]) -> str:
+    """Return the numbers of a frame, such as ``multiturn 3, singleturn 1000``."""
+    return ", ".join(f"{name} {number}" for name, number in numbers.items())
 
 
 def _parts_of_recording(explanation: Explanation) -> str:

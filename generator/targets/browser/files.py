@@ -54,7 +54,7 @@ from ...why.exchanges import (
     MOST_BYTES,
     WORD_ECHO_TEXT,
 )
-from ...why.hypotheses import ACTIVE, IDLE, MISTAKES
+from ...why.hypotheses import ACTIVE, IDLE, INVERTED_WITHOUT_PAIR, MISTAKES
 from ...why.other_crcs import POLYNOMIALS, OtherCrc, other_crcs_over_bits, other_crcs_over_bytes
 from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, Line, line_name
 from ...why.texts import START_BITS, TEXTS
@@ -332,6 +332,9 @@ _MESSAGES = {
     "own_requests": report.own_requests("{0}"),
     "another_frame": report.ANOTHER_FRAME,
     "uncertain": report.UNCERTAIN_READINGS,
+    "hidden_shift": report.HIDDEN_SHIFT,
+    "no_explanation": report.NO_EXPLANATION,
+    "equal_readings": report.equal_readings("{0}"),
     "compared": report.compared("{0}", "{1}", agree=True),
     "compared_not": report.compared("{0}", "{1}", agree=False),
     "nearest": labels.nearest_codes_hint("{0}"),
@@ -388,7 +391,13 @@ def script_table(library: Library) -> Data:
         "texts": dict(TEXTS),
         "start_bits": START_BITS,
         "polynomials": POLYNOMIALS,
-        "likely": {"kinds": dict(MISTAKES), "idle": IDLE, "active": ACTIVE, "frames": MOST_FRAMES},
+        "likely": {
+            "kinds": dict(MISTAKES),
+            "idle": IDLE,
+            "active": ACTIVE,
+            "without_pair": INVERTED_WITHOUT_PAIR,
+            "frames": MOST_FRAMES,
+        },
         "line": {"mark": GRADES[-1], "evidence": f"Evidence: {lowest_grade()}."},
         "known_crcs": [[json_number(known.polynomial), known.init, known.use] for known in KNOWN_CRCS],
         "byte_polynomials": [polynomial for polynomial in POLYNOMIALS if polynomial.bit_length() == 9],

@@ -1,0 +1,123 @@
+"""Digits without a prefix, as programs and logs print them: give them the only meaning that they can have.
+
+The page has the same rules.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+
+from ...say import report as say
+
+_DIGITS = re.compile(r"[0-9A-Fa-f]+")
+#: A decimal number has no leading zero. More than 40 digits are not read as a number.
+_DECIMAL = re.compile(r"0|[1-9][0-9]{0,39}")
+_ZEROS_AND_ONES = re.compile(r"[01]+")
+_BITS = re.compile(r"0[bB][01]+")
+#: Bits with a prefix, which may be misspelt as b, although all of it are hex digits.
+_PREFIXED_BITS = re.compile(r"0?[bB][01]+")
+
+
+def with_prefix(text: str, bits: int) -> str:
+    """Return the text of a number of ``bits`` bits with the prefix ``0b`` or ``0x`` if its digits have one meaning.
+
+    These are digits with a letter or a leading zero, all bits of the frame, bits in groups, and bytes or words in hex
+    or binary, also without their leading zeros. Other text is returned as it is.
+    """
+    pieces = text.replace("_", "").split()
+    are_digits = all(_DIGITS.fullmatch(piece) for piece in pieces)
+    if not are_digits or _PREFIXED_BITS.fullmatch("".join(pieces)):
+        return text
+    if _ZEROS_AND_ONES.fullmatch("".join(pieces)):
+        digits = _binary_digits(pieces, bits)
+        return f"0b{digits}" if digits else text
+    if len(pieces) == 1:
+        return text if _DECIMAL.fullmatch(pieces[0]) else f"0x{pieces[0]}"
+    byte_pieces = with_leading_zeros(pieces)
+    are_whole_bytes = all(len(piece) % 2 == 0 for piece in byte_pieces)
+    return " ".join(f"0x{piece}" for piece in byte_pieces) if are_whole_bytes else text
+
+
+def _binary_digits(pieces: Sequence[str], bits: int) -> str:
+    """Return the bits of a number in pieces of zeros and ones, or "" if these may also be hex or decimal.
+
+    They are bits if they are as many as the frame has, or in groups of more than two. Groups of different lengths
+    are bytes without their leading zeros, unless such a zero is written.
+    """
+    digits = "".join(pieces)
+    byte_count = (bits + 7) // 8
+    if len(digits) == bits:
+        return digits
+    longest = max(map(len, pieces))
+    are_single_bits = longest == 1 and len(pieces) > byte_count
+    if are_single_bits:
+        return digits
+    if len(pieces) == 1 or longest <= 2:
+        return ""
+    lengths = {len(piece) for piece in pieces}
+    lack_zeros = len(lengths) > 1 and longest <= 8 and not _has_leading_zero(pieces)
+    return "".join(piece.zfill(8) for piece in pieces) if lack_zeros else digits
+
+
+def with_leading_zeros(pieces: Sequence[str]) -> Sequence[str]:
+    """Return bytes in hex or binary, of a program that omits leading zeros, as two hex digits each: ``FF 1``.
+
+    The pieces are returned as they are if a leading zero shows that none is omitted, or if they may be whole bytes in
+    hex already.
+    """
+    longest = max(map(len, pieces), default=0)
+    are_binary = all(_ZEROS_AND_ONES.fullmatch(piece) for piece in pieces)
+    if are_binary:
+        are_bytes = len(pieces) > 1 and 3 <= longest <= 8
+        cannot_be_hex = any(len(piece) % 2 for piece in pieces) or {len(piece) for piece in pieces} == {8}
+        return [f"{int(piece, 2):02X}" for piece in pieces] if are_bytes and cannot_be_hex else pieces
+    lack_zeros = longest == 2 and not _has_leading_zero(pieces)
+    return [piece.zfill(2) for piece in pieces] if lack_zeros else pieces
+
+
+def _has_leading_zero(pieces: Sequence[str]) -> bool:
+    """Return whether a piece of several digits begins with 0."""
+    return any(len(piece) > 1 and piece.startswith("0") for piece in pieces)
+
+
+def bits_of_bytes(text: str, bits: int, *, line_carries_bytes: bool) -> str:
+    """Return the digits of one binary number for a frame of ``bits`` bits in bytes, or "" for any other text.
+
+    Without a prefix, or if the line carries bytes, so that ``0b`` may be hex, it has more digits than in hex, and more
+    than one byte. It has all bits or, if the line carries bytes, no leading zeros.
+    """
+    compact_text = text.replace("_", "")
+    has_prefix = _BITS.fullmatch(compact_text) is not None
+    digits = compact_text[len("0b") :] if has_prefix else compact_text
+    if has_prefix and not line_carries_bytes:
+        return digits
+    are_bits = _ZEROS_AND_ONES.fullmatch(digits) and max(bits // 4, 8) < len(digits) <= bits
+    has_all_bits = len(digits) == bits and "1" in digits
+    lacks_zeros = line_carries_bytes and digits.startswith("1")
+    return digits if are_bits and (has_all_bits or lacks_zeros) else ""
+
+
+def possible_meanings(digits: str, bits: int) -> Iterator[str]:
+    """Yield how to write digits without a prefix, for each meaning that they can have in a frame of ``bits`` bits.
+
+    For ``10``: ``0xA if it is decimal``, ``0x10 if it is hex``, ``0b10 if it is bits``. A decimal or hexadecimal number
+    must fit into the frame. Bits may be of any number, since the length is checked later. The page has the same rule.
+    """
+    largest = (1 << bits) - 1
+    if _DECIMAL.fullmatch(digits) and int(digits) <= largest:
+        yield say.if_decimal(f"0x{int(digits):X}")
+    if re.fullmatch(r"[0-9A-Fa-f]{1,40}", digits) and int(digits, 16) <= largest:
+        yield say.if_hex(digits)
+    if re.fullmatch(r"[01]{1,160}", digits):
+        yield say.if_bits(digits)
+
+
+def meanings_of_long_number(digits: str) -> Iterator[str]:
+    """Yield how to write a decimal or hexadecimal number without a prefix that is too large for the frame.
+
+    It may have further bits, as a register of a program or a raw buffer.
+    """
+    if re.fullmatch(r"[1-9][0-9]{0,19}", digits):
+        yield say.if_decimal(f"0x{int(digits):X}")
+        yield say.if_hex(digits)
