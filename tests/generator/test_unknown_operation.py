@@ -53,7 +53,7 @@ ASKING = {
         ("device", "_is_read_twice"),
         ("encode", "_unsigned_bits_of_member"),
         ("enumerations", "__init__"),
-        ("examples", "asking"),
+        ("examples", "request_for_reply"),
         ("examples", "is_signed"),
         ("registers", "_with_masks"),
         ("structs", "_check_supported"),
@@ -61,7 +61,7 @@ ASKING = {
     },
     "rust": {("family", "width_problems")},
     "biss": set[Place](),
-    "python": {("codec", "usable"), ("decode", "_comment")},
+    "python": {("codec", "usable_position"), ("decode", "_place_comment")},
     "browser": set[Place](),
 }
 
@@ -176,7 +176,7 @@ def test_an_unknown_refusal_is_refused(output: str, monkeypatch: pytest.MonkeyPa
         yield UnknownCheck(field, bits_of(layout, field))
 
     monkeypatch.setattr("codewheel.plan.limits._field_refusals", unknown_checks)
-    monkeypatch.setattr("codewheel.targets.c.codec.depends", lambda _: False)
+    monkeypatch.setattr("codewheel.targets.c.codec.depends_on_order_code", lambda _: False)
     with pytest.raises(AssertionError, match="no case for UnknownCheck"):
         render(output)
 
