@@ -3370,22 +3370,35 @@
     const deadLineText = deadLine(decoded);
     if (deadLineText) return [createElement("p", {}, deadLineText)];
     if (!decoded.problems.length) return [];
+    const noiseText = describeNoise(decoded);
+    const explanations = explained(decoded);
+    const missingText = missingPart(decoded);
+    const describedExplanations = explanations.map(
+      (explanation) => describeExplanation(explanation.placedLayout ?? decoded.placedLayout, explanation));
+    const explanationLines = explanations.length ? [
+      createElement("p", {}, introduceExplanations(decoded, noiseText !== "")), createList(describedExplanations)] : [];
+    return [
+      ...(noiseText ? [createElement("p", {}, noiseText)] : []), ...explanationLines,
+      ...(missingText ? [createElement("p", {}, toSentence(capitalize(missingText)))] : []),
+      ...(anotherHelps(explanations) ? [createElement("p", {}, messageFor("another_frame"))] : []),
+    ];
+  }
+
+  /** Return the text about a disturbed bit, or "" if the frame stays wrong with any single bit inverted. */
+  function describeNoise(decoded) {
     const disturbedBits = findDisturbedBits(decoded);
+    if (!disturbedBits.length) return "";
     const bitText = disturbedBits.length === 1
       ? nameBit(decoded.placedLayout, disturbedBits[0]) : `one of ${disturbedBits.length} bits`;
-    const noiseLines = disturbedBits.length ? [createElement("p", {},
-      `If only some frames fail, one bit may have been disturbed on the line: the CRC matches with ${bitText} inverted. `
-      + "In that case, no change is needed.")] : [];
-    const explanations = explained(decoded);
-    const matchText = "these changes make the CRC match:";
-    const withCrc = noiseLines.length ? `If all frames fail, ${matchText}` : `T${matchText.slice(1)}`;
-    const introduction = decoded.placedLayout?.crc ? withCrc : `${messageFor("uncertain")}:`;
-    const explanationLines = explanations.length ? [createElement("p", {}, introduction), createList(explanations.map(
-      (explanation) => describeExplanation(explanation.placedLayout ?? decoded.placedLayout, explanation)))] : [];
-    const missingText = missingPart(decoded);
-    const helpLines = anotherHelps(explanations) ? [createElement("p", {}, messageFor("another_frame"))] : [];
-    return [...noiseLines, ...explanationLines,
-      ...missingText ? [createElement("p", {}, toSentence(capitalize(missingText)))] : [], ...helpLines];
+    return "If only some frames fail, one bit may have been disturbed on the line: "
+      + `the CRC matches with ${bitText} inverted. `
+      + "In that case, no change is needed.";
+  }
+
+  /** Return the words in front of the explanations, which are another cause if noise is one (``hasNoise``). */
+  function introduceExplanations(decoded, hasNoise) {
+    if (!decoded.placedLayout?.crc) return `${messageFor("uncertain")}:`;
+    return hasNoise ? "If all frames fail, these changes make the CRC match:" : "These changes make the CRC match:";
   }
 
   /** Describe one explanation: its text and chance, the numbers that the frame then contains, and the recording. */
