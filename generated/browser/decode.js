@@ -3497,37 +3497,54 @@
     const deadLineText = deadLine(decoded);
     if (deadLineText) return [createElement("p", {}, deadLineText)];
     if (!decoded.problems.length) return [];
+    const noiseText = describeNoise(decoded);
+    const explanations = explained(decoded);
+    const missingText = missingPart(decoded);
+    const describedExplanations = explanations.map(
+      (explanation) => describeExplanation(explanation.placedLayout ?? decoded.placedLayout, explanation));
+    const explanationLines = explanations.length ? [
+      createElement("p", {}, introduceExplanations(decoded, noiseText !== "")), createList(describedExplanations)] : [];
+    const isUnexplained = !explanations.length && !missingText && !hasOtherFrames && isCorrupted(decoded);
+    const notes = [
+      ...(isUnexplained ? [toSentence(messageFor("no_explanation"))] : []),
+      ...describeEqualReadings(decoded, explanations),
+      ...(explanations.length && hidesShift(explanations[0]) ? [toSentence(messageFor("hidden_shift"))] : []),
+      ...(missingText ? [toSentence(capitalize(missingText))] : []),
+      ...(anotherHelps(explanations) ? [messageFor("another_frame")] : []),
+    ];
+    return [
+      ...(noiseText ? [createElement("p", {}, noiseText)] : []), ...explanationLines,
+      ...notes.map((note) => createElement("p", {}, note)),
+    ];
+  }
+
+  /** Return the text about a disturbed bit, or "" if the frame stays wrong with any single bit inverted. */
+  function describeNoise(decoded) {
     const disturbedBits = findDisturbedBits(decoded);
+    if (!disturbedBits.length) return "";
     const bitText = disturbedBits.length === 1
       ? nameBit(decoded.placedLayout, disturbedBits[0]) : `one of ${disturbedBits.length} bits`;
-    const noiseLines = disturbedBits.length ? [createElement("p", {},
-      `If only some frames fail, one bit may have been disturbed on the line: the CRC matches with ${bitText} inverted. `
-      + "In that case, no change is needed.")] : [];
-    const explanations = explained(decoded);
-    const matchText = "these changes make the CRC match:";
-    const withCrc = noiseLines.length ? `If all frames fail, ${matchText}` : `T${matchText.slice(1)}`;
-    const introduction = decoded.placedLayout?.crc ? withCrc : `${messageFor("uncertain")}:`;
-    const explanationLines = explanations.length ? [createElement("p", {}, introduction), createList(explanations.map(
-      (explanation) => describeExplanation(explanation.placedLayout ?? decoded.placedLayout, explanation)))] : [];
-    const missingText = missingPart(decoded);
-    const helpLines = anotherHelps(explanations) ? [createElement("p", {}, messageFor("another_frame"))] : [];
-    const isUnexplained = !explanations.length && !missingText && !hasOtherFrames && isCorrupted(decoded);
-    const unexplainedLines = isUnexplained ? [createElement("p", {}, toSentence(messageFor("no_explanation")))] : [];
-    return [...noiseLines, ...explanationLines, ...unexplainedLines, ...equalReadingsLines(decoded, explanations),
-      ...(explanations.length && hidesShift(explanations[0]) ? [createElement("p", {}, toSentence(messageFor("hidden_shift")))] : []),
-      ...missingText ? [createElement("p", {}, toSentence(capitalize(missingText)))] : [], ...helpLines];
+    return "If only some frames fail, one bit may have been disturbed on the line: "
+      + `the CRC matches with ${bitText} inverted. `
+      + "In that case, no change is needed.";
+  }
+
+  /** Return the words in front of the explanations, which are another cause if noise is one (``hasNoise``). */
+  function introduceExplanations(decoded, hasNoise) {
+    if (!decoded.placedLayout?.crc) return `${messageFor("uncertain")}:`;
+    return hasNoise ? "If all frames fail, these changes make the CRC match:" : "These changes make the CRC match:";
   }
 
   /** Return whether a frame has an error in transmission: a wrong CRC or length or, without a CRC, a wrong constant. */
   const isCorrupted = ({ problems, crc }) => problems.some(
     ({ fault }) => ["crc", "length", "constant"].includes(fault)) && !(crc && crc.received === crc.computed);
 
-  /** Create a line about readings of a frame without a CRC that fit equally well, or nothing. */
-  function equalReadingsLines({ placedLayout }, explanations) {
+  /** Return the sentence on readings of a frame without a CRC that fit equally well, in a list, or an empty list. */
+  function describeEqualReadings({ placedLayout }, explanations) {
     if (placedLayout?.crc || explanations.length < 2) return [];
     const mostFrames = explanations.map(({ oneIn }) => oneIn).reduce((most, oneIn) => (oneIn > most ? oneIn : most));
     const equalCount = explanations.filter(({ oneIn }) => oneIn === mostFrames).length;
-    return equalCount > 1 ? [createElement("p", {}, toSentence(messageFor("equal_readings", `${equalCount}`)))] : [];
+    return equalCount > 1 ? [toSentence(messageFor("equal_readings", `${equalCount}`))] : [];
   }
 
   /** Describe one explanation: its text and chance, the numbers that the frame then contains, and the recording. */

@@ -9,7 +9,7 @@ import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..language.master_items import NUMBERS, STEPS, WORDS
 from ..model.expressions import Expression, ExpressionError
@@ -22,6 +22,14 @@ Raw = Mapping[str, Any]
 #: Bound of a clock that is in use, while the limits of the encoder are not known.
 START_WITH = "start_with"
 _HZ_BY_UNIT = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
+
+
+class ValueOfSetting(NamedTuple):
+    """Value of a setting, its text, and the bound of a clock, such as ``at_most``, or an empty bound."""
+
+    value: int | bool | str | None
+    text: str
+    bound: str = ""
 
 
 class UnknownValue(Exception):
@@ -105,8 +113,8 @@ def actual_value(name: str, record: Record) -> str:
     return f"{NUMBERS[name]}: {number}"
 
 
-def value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | None, str, str]:
-    """Return the value, its text, and its bound, such as ``(5000, "5000 kHz", "at_most")``.
+def value_of_setting(rule: Raw, record: Record) -> ValueOfSetting:
+    """Return the value of a setting, such as ``(5000, "5000 kHz", "at_most")``.
 
     Raises:
         UnknownValue: It depends on a number that the spec does not give.
@@ -118,12 +126,12 @@ def value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | None
         number = _evaluate_expression(rule["value"], rule["name"], record, may_be_negative=rule.get("as") == "signed")
         if rule.get("as") == "boolean":
             text = "TRUE" if number else "FALSE"
-            return bool(number), text, ""
+            return ValueOfSetting(bool(number), text)
         text = f"0x{number:02X}" if rule.get("as") == "hex" else str(number)
-        return number, text, rule.get("bound", "")
+        return ValueOfSetting(number, text, bound=rule.get("bound", ""))
     if "choice" in rule:
         chosen_value = _choose_value(rule, record)
-        return chosen_value, str(chosen_value), ""
+        return ValueOfSetting(chosen_value, str(chosen_value))
     if "clocks" in rule:
         return _listed_clock(rule, record)
     if "any_clock" in rule:
@@ -131,9 +139,9 @@ def value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | None
     # What is left are texts: ``text`` with items filled in, or ``string`` with a text for each part of the frame.
     if "text" in rule:
         text = _filled_if_known(rule["text"], record)
-        return text, text, ""
+        return ValueOfSetting(text, text)
     text = "".join(_field_texts(rule["string"], rule["name"], record))
-    return text, text, ""
+    return ValueOfSetting(text, text)
 
 
 def _evaluate_expression(value: int | str, setting_name: str, record: Record, *, may_be_negative: bool = False) -> int:
@@ -186,14 +194,14 @@ def _clock_limits_hz(record: Record) -> tuple[int, int]:
     return slowest_hz or 0, fastest_hz
 
 
-def _listed_clock(rule: Raw, record: Record) -> tuple[int | str, str, str]:
-    """Return the value, text and bound of a clock that the master selects from a list: ``(3, "3 (5 MHz)", "")``."""
+def _listed_clock(rule: Raw, record: Record) -> ValueOfSetting:
+    """Return the value of a clock that the master selects from a list: ``(3, "3 (5 MHz)", "")``."""
     best_clock = best_listed_clock(rule, record)
     frequency_text = hertz(best_clock["hz"])
     value = best_clock["set"]
     text = frequency_text if str(value) == frequency_text else f"{value} ({frequency_text})"
     bound = "" if _is_highest_clock_known(record) else START_WITH
-    return value, text, bound
+    return ValueOfSetting(value, text, bound)
 
 
 def best_listed_clock(rule: Raw, record: Record) -> Raw:
@@ -228,8 +236,8 @@ def _fastest_clock_text(record: Record) -> str:
     return hertz(record.known_numbers["clock_max_hz"])
 
 
-def _selectable_clock(clock_rule: Raw, record: Record) -> tuple[int | str, str, str]:
-    """Return the value, text and bound of a clock that the master takes as a number: ``(5000, "5000 kHz", "at_most")``.
+def _selectable_clock(clock_rule: Raw, record: Record) -> ValueOfSetting:
+    """Return the value of a clock that the master takes as a number: ``(5000, "5000 kHz", "at_most")``.
 
     The number has the unit of the rule, or Hz if that is not a unit of frequency.
     """
@@ -241,12 +249,12 @@ def _selectable_clock(clock_rule: Raw, record: Record) -> tuple[int | str, str, 
         bound = "below"
     unit = clock_rule["unit"]
     if unit not in _HZ_BY_UNIT:
-        return clock_hz, hertz(clock_hz), bound
+        return ValueOfSetting(clock_hz, hertz(clock_hz), bound)
     whole_number, remainder_hz = divmod(clock_hz, _HZ_BY_UNIT[unit])
     number = f"{clock_hz / _HZ_BY_UNIT[unit]:g}" if remainder_hz else str(whole_number)
     text = f"{number} Hz ({hertz(clock_hz)})" if unit == "Hz" else f"{number} {unit}"
     value: int | str = int(number) if number.isdigit() else number
-    return value, text, bound
+    return ValueOfSetting(value, text, bound)
 
 
 def best_selectable_clock(clock_rule: Raw, record: Record) -> int:

@@ -181,14 +181,14 @@ def _offset_hypotheses(
         )
 
 
-def _bits_with_mark(pattern: str, mark: str, front: int) -> list[int]:
-    """Return those bits before the frame at which the pattern has the mark, last received bit first.
+def _bits_with_mark(marks_in_front: str, mark: str, received_front: int) -> list[int]:
+    """Return those received bits before the frame that have this mark, the last one first.
 
-    The pattern ``1~`` is a start bit that must be 1 and a bit that is mostly 0. For the mark ``~`` and ``front`` =
-    0b10, this is ``[0]``.
+    The marks ``1~`` are those of a start bit, which must be 1, and of a bit that is mostly 0. If the bits are 0b10, the
+    one with the mark ``~`` is ``[0]``.
     """
-    marks_from_last_bit = enumerate(reversed(pattern))
-    return [(front >> bit) & 1 for bit, mark_of_bit in marks_from_last_bit if mark_of_bit == mark]
+    marks_from_last_bit = enumerate(reversed(marks_in_front))
+    return [(received_front >> bit) & 1 for bit, mark_of_bit in marks_from_last_bit if mark_of_bit == mark]
 
 
 def rearranged_frame_hypotheses(

@@ -95,7 +95,7 @@ def test_its_faults_are_one_line(
 def test_ours_run_behind_the_same_guard(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("codewheel.targets.docs.files._index", fails)
+    monkeypatch.setattr("codewheel.targets.docs.files._index_values", fails)
     assert main(["generate", "-o", str(tmp_path / "out"), "--target", "docs"]) == 1
     err = capsys.readouterr().err
     assert err.startswith("codewheel: the target 'docs' fails: KeyError: 'a\\nb' (")

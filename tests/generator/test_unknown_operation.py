@@ -54,7 +54,7 @@ ASKING = {
         ("encode", "_unsigned_bits_of_member"),
         ("encode", "number"),
         ("enumerations", "__init__"),
-        ("examples", "asking"),
+        ("examples", "request_for_reply"),
         ("examples", "is_signed"),
         ("examples", "printed"),
         ("registers", "_is_byte"),
@@ -70,8 +70,8 @@ ASKING = {
     "biss": {("data_channels", "_active_level")},
     "python": {
         ("codec", "_field_attributes"),
-        ("codec", "usable"),
-        ("decode", "_comment"),
+        ("codec", "usable_position"),
+        ("decode", "_place_comment"),
         ("facts", "_field"),
         ("first_byte", "_members"),
         ("procedures", "members"),
@@ -191,7 +191,7 @@ def test_an_unknown_refusal_is_refused(output: str, monkeypatch: pytest.MonkeyPa
         yield UnknownCheck(field, bits_of(layout, field))
 
     monkeypatch.setattr("codewheel.plan.limits._field_refusals", unknown_checks)
-    monkeypatch.setattr("codewheel.targets.c.codec.depends", lambda _: False)
+    monkeypatch.setattr("codewheel.targets.c.codec.depends_on_order_code", lambda _: False)
     with pytest.raises(AssertionError, match="no case for UnknownCheck"):
         render(output)
 
