@@ -193,11 +193,9 @@ class LayeredSpec:
             return
         places_in_spec = change[change_kind] if isinstance(change[change_kind], list) else [change[change_kind]]
         for index, text in enumerate(places_in_spec):
-            change_path: Path = (
-                (change_number, change_kind, index)
-                if isinstance(change[change_kind], list)
-                else (change_number, change_kind)
-            )
+            change_path: Path = (change_number, change_kind)
+            if isinstance(change[change_kind], list):
+                change_path = (*change_path, index)
             if text.partition(".")[0] in _FIXED:
                 message = f"an overlay cannot change {quoted(text)}, only facts about the encoder"
                 self._report_problem("overlay-change", layer, change_path, message)

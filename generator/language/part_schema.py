@@ -192,11 +192,9 @@ def _value_text(word: str, schema_value: Any, indent: int) -> str:
         return _in_braces(
             [f"{json.dumps(name)}: {_format_schema(inner, indent + 2)}" for name, inner in schema_value.items()], indent
         )
-    return (
-        _format_schema(schema_value, indent)
-        if isinstance(schema_value, dict)
-        else json.dumps(schema_value, ensure_ascii=False)
-    )
+    if isinstance(schema_value, dict):
+        return _format_schema(schema_value, indent)
+    return json.dumps(schema_value, ensure_ascii=False)
 
 
 def _in_braces(lines: Sequence[str], indent: int) -> str:

@@ -38,6 +38,11 @@ class Located(Generic[Part]):
         """The text with the sources."""
         return self.data.get("source")
 
+    @property
+    def is_given(self) -> bool:
+        """True if the spec has the part with at least one key."""
+        return bool(self.data)
+
     def has(self, name: str) -> bool:
         """Return True if a key was given, whatever its value."""
         return name in self.data
@@ -67,6 +72,11 @@ class WrittenPart:
                 described_keys.append(described_key(name.rstrip("_"), notation, member))
                 setattr(cls, name, _Attribute(name, described_keys[-1], cls.__module__))
         cls.described_keys = tuple(described_keys)
+
+    @property
+    def is_given(self) -> bool:
+        """True if the spec has the part with at least one key. A missing required part is empty."""
+        return bool(self.data)
 
     def has(self, *names: str) -> bool:
         """Return True if one of these keys was given, whatever its value."""

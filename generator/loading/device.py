@@ -276,11 +276,8 @@ def _build_register(raw_register: Raw, path: Path, context: Context) -> Register
     """Return a register, or None if its layout is not valid. A register without fields is one number."""
     interface = raw_register.get("interface", Biss.name)
     register_bits = 8 * raw_register["length"]
-    raw_with_fields = (
-        raw_register
-        if "fields" in raw_register
-        else {**raw_register, "fields": [{"name": raw_register["name"], "bits": register_bits}]}
-    )
+    only_field = {"name": raw_register["name"], "bits": register_bits}
+    raw_with_fields = {"fields": [only_field], **raw_register}
     layout = build_layout(raw_with_fields, Site(path, context, interface), register_bits)
     if layout is None:
         return None

@@ -327,11 +327,10 @@ class PlacedLayout:
         if end is None or not isinstance(end.field.kind, CrcValue):
             return (0, 0)
         covered_fields = self.find_fields(end.field.kind.of)
-        return (
-            (covered_fields[-1].low, covered_fields[0].high + 1 - covered_fields[-1].low)
-            if covered_fields
-            else (end.width, self.bits - end.width)
-        )
+        if not covered_fields:
+            return end.width, self.bits - end.width
+        first, last = covered_fields[0], covered_fields[-1]
+        return last.low, first.high + 1 - last.low
 
     @property
     def covers_part(self) -> bool:

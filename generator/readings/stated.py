@@ -168,11 +168,9 @@ def _step_text(reading: Reading, step: Step, procedure: Procedure) -> str:
     match step:
         case WriteStep(register, name, value):
             written_register = reading.device.register(register)
-            value_text = (
-                written_register.bytes_of(value).hex(" ").upper()
-                if value is not None
-                else _argument_text(procedure, name)
-            )
+            value_text = _argument_text(procedure, name)
+            if value is not None:
+                value_text = written_register.bytes_of(value).hex(" ").upper()
             return f"write {_register_and_bits(reading, register, '')} = {value_text}"
         case ModifyStep(register, field, name, value):
             value_text = in_hex(value) if value is not None else _argument_text(procedure, name)

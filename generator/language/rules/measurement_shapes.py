@@ -54,14 +54,14 @@ def check_position_range_shape(spec: WrittenSpec, as_read: WrittenSpec, report: 
     raw_frames = {frame.owner.path: frame for frame in layouts(as_read)}
     for frame in layouts(spec):
         own_range = frame.layout.position_range if frame.layout is not None else None
-        if own_range is None or not own_range.data:
+        if own_range is None or not own_range.is_given:
             continue
         own_measurement = own_measurements[frame.interface]
-        has_own_measurement = own_measurement is not None and own_measurement.data
+        has_own_measurement = own_measurement is not None and own_measurement.is_given
         measurement = own_measurement if has_own_measurement else as_read.measurement
         raw_frame = raw_frames[report.document.original(frame.owner.path)]
         name = quoted(raw_frame.name)
-        if measurement is None or not measurement.data:
+        if measurement is None or not measurement.is_given:
             problem = "'position_range' needs a 'measurement', which gives the unit of the position"
             message = f"{problem}; add it to the interface or the encoder"
             report.add("measurement-shape", own_range.path, message, at_key=True)

@@ -166,7 +166,7 @@ def field_lists(spec: WrittenSpec) -> Iterator[FieldList]:
     for name, interface in interfaces(spec):
         # An interface with an unknown name, which is reported, may be BiSS.
         control_data = WrittenBiss(interface.data, interface.path).control_data
-        if control_data is not None and control_data.data:
+        if control_data is not None and control_data.is_given:
             yield FieldList(Has.CONTROL, control_data, name)
     for register in spec.registers:
         if register.has("fields"):
@@ -256,17 +256,17 @@ def timings(spec: WrittenSpec) -> Iterator[Located[Timing]]:
 
 def measurements(spec: WrittenSpec) -> Iterator[Located[Measurement]]:
     """Yield the measurements of the device and its interfaces."""
-    if spec.measurement is not None and spec.measurement.data:
+    if spec.measurement is not None and spec.measurement.is_given:
         yield spec.measurement
     for _, interface in interfaces(spec):
-        if interface.measurement is not None and interface.measurement.data:
+        if interface.measurement is not None and interface.measurement.is_given:
             yield interface.measurement
 
 
 def measurement_of(spec: WrittenSpec, interface: str) -> Located[Measurement] | None:
     """Return the measurement of an interface or, if it has none, that of the device. None if there is neither."""
     own_measurement = dict(interfaces(spec))[interface].measurement if interface in spec.interfaces.data else None
-    return own_measurement if own_measurement is not None and own_measurement.data else spec.measurement
+    return own_measurement if own_measurement is not None and own_measurement.is_given else spec.measurement
 
 
 def position_names(spec: WrittenSpec, interface: str) -> set[str]:

@@ -222,7 +222,7 @@ def check_timeout_mismatch(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
     """Check that the time-outs of BiSS that the manual calculates match its rule, and are at possible clocks."""
     biss = spec.interfaces.biss
     for timeout in biss.timeout if biss is not None else ():
-        if biss is None or not timeout.data:
+        if biss is None or not timeout.is_given:
             continue
         _check_timeout_rule(timeout, report)
         for clock in biss.clock:

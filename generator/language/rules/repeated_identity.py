@@ -65,7 +65,7 @@ def check_alignment(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
 def check_serial_port(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the note of an RS-485 interface has the stop bits, parity and bits per character of its port."""
     rs485 = spec.interfaces.rs485
-    if rs485 is None or not rs485.port.data:
+    if rs485 is None or not rs485.port.is_given:
         return
     port = rs485.port.part
     parity_bits = 0 if port.parity == "none" else 1

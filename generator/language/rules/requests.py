@@ -90,7 +90,7 @@ def check_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
     A character of a frame has 8 data bits.
     """
     interface, raw_interface = spec.interfaces.rs485, as_read.interfaces.rs485
-    if interface is None or raw_interface is None or not interface.data:
+    if interface is None or raw_interface is None or not interface.is_given:
         return
     port = interface.port
     if port.has("data_bits") and port.part.data_bits != 8:
@@ -136,7 +136,7 @@ _NEEDED = {"read": (("address",), ("data",)), "write": (("address", "data"), ())
 def check_spi_exchanges(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that each frame over SPI is a request or its reply, and that accesses to registers have their fields."""
     interface, raw_interface = spec.interfaces.spi, as_read.interfaces.spi
-    if interface is None or raw_interface is None or not interface.data:
+    if interface is None or raw_interface is None or not interface.is_given:
         return
     check_exchanges(interface, raw_interface, as_read, "spi-exchange", report)
     _check_registers(spec, as_read, report)

@@ -144,7 +144,7 @@ def check_clock_range(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
     for name, interface in interfaces(spec):
         raw_clocks_by_path = {clock.path: clock for clock in raw_clocks[name]}
         for clock in clocks_of(interface):
-            if clock.data:
+            if clock.is_given:
                 _check_clock(clock, report)
                 if not may_be_unknown:
                     _report_missing_limit(clock, raw_clocks_by_path.get(clock.path), report)
@@ -263,7 +263,7 @@ def _parse_date(date_text: str) -> datetime.date | None:
 def check_supply_range(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that not both the device and order code values have a supply, and that each has its voltages in order."""
     supplies: list[Located[Supply]] = []
-    if spec.supply is not None and spec.supply.data:
+    if spec.supply is not None and spec.supply.is_given:
         supplies.append(spec.supply)
     has_supply_of_device = bool(supplies)
     for part in spec.order_code.parts:
