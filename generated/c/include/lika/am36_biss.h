@@ -572,7 +572,7 @@ static inline double lika_am36_biss_degrees(lika_am36_biss variant, uint64_t pos
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_AM36_BISS_##code##_RX_BYTES])&(rx))), \
         (position))
-/** Read a position from a pointer to any number of bytes. */
+/** Read a position from a pointer to any number of bytes, or from a constant array. */
 #define LIKA_AM36_BISS_READ_BYTES(code, bytes, length, position) \
     lika_am36_biss_read(LIKA_AM36_BISS_##code, \
         (bytes), (length), (position))

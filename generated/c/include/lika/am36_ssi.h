@@ -430,7 +430,7 @@ static inline double lika_am36_ssi_degrees(lika_am36_ssi variant, uint64_t posit
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_AM36_SSI_##code##_RX_BYTES])&(rx))), \
         (position))
-/** Read a position from a pointer to any number of bytes. */
+/** Read a position from a pointer to any number of bytes, or from a constant array. */
 #define LIKA_AM36_SSI_READ_BYTES(code, bytes, length, position) \
     lika_am36_ssi_read(LIKA_AM36_SSI_##code, \
         (bytes), (length), (position))

@@ -566,7 +566,7 @@ static inline double lika_amm5_biss_degrees(lika_amm5_biss variant, uint64_t pos
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_AMM5_BISS_##code##_RX_BYTES])&(rx))), \
         (position))
-/** Read a position from a pointer to any number of bytes. */
+/** Read a position from a pointer to any number of bytes, or from a constant array. */
 #define LIKA_AMM5_BISS_READ_BYTES(code, bytes, length, position) \
     lika_amm5_biss_read(LIKA_AMM5_BISS_##code, \
         (bytes), (length), (position))

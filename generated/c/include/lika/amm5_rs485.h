@@ -1453,7 +1453,7 @@ static inline double lika_amm5_rs485_degrees(lika_amm5_rs485 variant, uint64_t p
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_AMM5_RS485_COMPLETE_REPLY_LENGTH])&(rx))), \
         (position))
-/** Read a position from a pointer to any number of bytes. */
+/** Read a position from a pointer to any number of bytes, or from a constant array. */
 #define LIKA_AMM5_RS485_READ_BYTES(code, bytes, length, position) \
     lika_amm5_rs485_complete_reply_position(LIKA_AMM5_RS485_##code, \
         (bytes), (length), (position))

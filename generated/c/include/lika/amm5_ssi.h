@@ -416,7 +416,7 @@ static inline double lika_amm5_ssi_degrees(lika_amm5_ssi variant, uint64_t posit
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_AMM5_SSI_##code##_RX_BYTES])&(rx))), \
         (position))
-/** Read a position from a pointer to any number of bytes. */
+/** Read a position from a pointer to any number of bytes, or from a constant array. */
 #define LIKA_AMM5_SSI_READ_BYTES(code, bytes, length, position) \
     lika_amm5_ssi_read(LIKA_AMM5_SSI_##code, \
         (bytes), (length), (position))

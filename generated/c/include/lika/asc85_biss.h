@@ -571,7 +571,7 @@ static inline double lika_asc85_biss_degrees(lika_asc85_biss variant, uint64_t p
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_ASC85_BISS_##code##_##zero_bit##_RX_BYTES])&(rx))), \
         (position))
-/** Read a position from a pointer to any number of bytes. */
+/** Read a position from a pointer to any number of bytes, or from a constant array. */
 #define LIKA_ASC85_BISS_READ_BYTES(code, zero_bit, bytes, length, position) \
     lika_asc85_biss_read(LIKA_ASC85_BISS_##code, \
         LIKA_ASC85_BISS_ZERO_BIT_##zero_bit, \

@@ -421,7 +421,7 @@ static inline double lika_asc85_ssi_degrees(lika_asc85_ssi variant, uint64_t pos
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_ASC85_SSI_##code##_RX_BYTES])&(rx))), \
         (position))
-/** Read a position from a pointer to any number of bytes. */
+/** Read a position from a pointer to any number of bytes, or from a constant array. */
 #define LIKA_ASC85_SSI_READ_BYTES(code, bytes, length, position) \
     lika_asc85_ssi_read(LIKA_ASC85_SSI_##code, \
         (bytes), (length), (position))

@@ -585,7 +585,7 @@ static inline double lika_sma21_biss_millimetres(lika_sma21_biss variant, int64_
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_SMA21_BISS_##code##_RX_BYTES])&(rx))), \
         (position))
-/** Read a position from a pointer to any number of bytes. */
+/** Read a position from a pointer to any number of bytes, or from a constant array. */
 #define LIKA_SMA21_BISS_READ_BYTES(code, bytes, length, position) \
     lika_sma21_biss_read(LIKA_SMA21_BISS_##code, \
         (bytes), (length), (position))

@@ -1084,7 +1084,7 @@ static inline double lika_sma21_rs485_millimetres(lika_sma21_rs485 variant, int6
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_SMA21_RS485_POSITION_REPLY_LENGTH])&(rx))), \
         (position))
-/** Read a position from a pointer to any number of bytes. */
+/** Read a position from a pointer to any number of bytes, or from a constant array. */
 #define LIKA_SMA21_RS485_READ_BYTES(code, bytes, length, position) \
     lika_sma21_rs485_position_reply_position(LIKA_SMA21_RS485_##code, \
         (bytes), (length), (position))

@@ -470,7 +470,7 @@ static inline double lika_sma21_ssi_millimetres(lika_sma21_ssi variant, int64_t 
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_SMA21_SSI_##code##_RX_BYTES])&(rx))), \
         (position))
-/** Read a position from a pointer to any number of bytes. */
+/** Read a position from a pointer to any number of bytes, or from a constant array. */
 #define LIKA_SMA21_SSI_READ_BYTES(code, bytes, length, position) \
     lika_sma21_ssi_read(LIKA_SMA21_SSI_##code, \
         (bytes), (length), (position))
