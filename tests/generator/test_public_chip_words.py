@@ -95,7 +95,7 @@ POLYNOMIALS = {5: 0x25, 6: 0x43, 16: 0x190D9}
 
 
 def remainder(number: int, bits: int, crc_bits: int) -> int:
-    """Return the CRC of a number of so many bits: the remainder of a division in binary, inverted."""
+    """Return the CRC of the lowest bits of a number: the remainder of a division in binary, inverted."""
     number <<= crc_bits
     for place in reversed(range(bits)):
         if number >> (place + crc_bits) & 1:
