@@ -175,7 +175,7 @@ def expected_c58(order_code: str, word: int) -> int | None:
     """Return the position of a word of the C58, or None if its parity or its zeros are wrong."""
     _, data, special = order_code.split("-")
     data_bits, code = int(data[:-1]), data[-1]
-    if special == "C":
+    if special.startswith("C"):
         # 28 data bits, filled up with zeros, and 15 bits of the check sum.
         number, zeros = divmod(word >> 15, 1 << (28 - data_bits))
         return None if zeros else number
@@ -190,9 +190,12 @@ def expected_c58(order_code: str, word: int) -> int | None:
 
 def test_words_of_the_c58(import_generated: Importer) -> None:
     package = package_of(import_generated, "trelectronic", "c58")
-    options = {"B": ("N", "E", "O", "T", "TE", "TO", "C"), "G": ("N", "E", "O", "T", "TE", "TO")}
+    options = {"B": ("N", "E", "O", "T", "TE", "TO", "C{bits}"), "G": ("N", "E", "O", "T", "TE", "TO")}
     order_codes = [
-        f"C58-{bits}{code}-{special}" for bits in range(25, 29) for code in "BG" for special in options[code]
+        f"C58-{bits}{code}-{special.format(bits=bits)}"
+        for bits in range(25, 29)
+        for code in "BG"
+        for special in options[code]
     ]
     rejected = 0
     for order_code in order_codes:
