@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from codewheel.say.markdown import table, text
+from codewheel.say.markdown import escape, table
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = ROOT / "docs/extend/words.md"
+PAGE = ROOT / "docs/trust/words.md"
 SCHEMA = ROOT / "generator/language/device.schema.json"
 CODE = ("generator/", "templates/", "runtime/")
 #: Encoders that are named. If more use a word, the page has only their number.
@@ -30,7 +30,7 @@ _INTRODUCTION = """\
 Words that were added after the first encoders. The last column counts the files in `generator/`, `templates/` and
 `runtime/`, without schemas, in the commits that added the word. Compare a new word with a similar one, and with the
 number of encoders that would use it. A word without an encoder is shown only on test specs.
-[How to add a word](how-to-change.md#add-a-word) lists the steps."""
+[How to add a word](../extend/how-to-change.md#add-a-word) lists the steps."""
 
 
 @dataclass(frozen=True)
@@ -147,7 +147,7 @@ def words_page() -> str:
     for word in WORDS:
         files = changed_files(word.commits)
         code = [file for file in files if file.startswith(CODE) and not file.endswith(".json")]
-        rows.append((word.name, text(encoders_cell(families[word.name])), str(len(code))))
+        rows.append((word.name, escape(encoders_cell(families[word.name])), str(len(code))))
     return f"{_INTRODUCTION}\n\n{table(['Word', 'Encoders', 'Changed files'], rows)}\n"
 
 

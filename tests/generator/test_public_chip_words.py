@@ -95,7 +95,7 @@ POLYNOMIALS = {5: 0x25, 6: 0x43, 16: 0x190D9}
 
 
 def remainder(number: int, bits: int, crc_bits: int) -> int:
-    """Return the CRC of a number of so many bits: the remainder of a division in binary, inverted."""
+    """Return the CRC of the lowest bits of a number: the remainder of a division in binary, inverted."""
     number <<= crc_bits
     for place in reversed(range(bits)):
         if number >> (place + crc_bits) & 1:
@@ -175,7 +175,7 @@ def expected_c58(order_code: str, word: int) -> int | None:
     """Return the position of a word of the C58, or None if its parity or its zeros are wrong."""
     _, data, special = order_code.split("-")
     data_bits, code = int(data[:-1]), data[-1]
-    if special == "C":
+    if special.startswith("C"):
         # 28 data bits, filled up with zeros, and 15 bits of the check sum.
         number, zeros = divmod(word >> 15, 1 << (28 - data_bits))
         return None if zeros else number
@@ -190,9 +190,12 @@ def expected_c58(order_code: str, word: int) -> int | None:
 
 def test_words_of_the_c58(import_generated: Importer) -> None:
     package = package_of(import_generated, "trelectronic", "c58")
-    options = {"B": ("N", "E", "O", "T", "TE", "TO", "C"), "G": ("N", "E", "O", "T", "TE", "TO")}
+    options = {"B": ("N", "E", "O", "T", "TE", "TO", "C{bits}"), "G": ("N", "E", "O", "T", "TE", "TO")}
     order_codes = [
-        f"C58-{bits}{code}-{special}" for bits in range(25, 29) for code in "BG" for special in options[code]
+        f"C58-{bits}{code}-{special.format(bits=bits)}"
+        for bits in range(25, 29)
+        for code in "BG"
+        for special in options[code]
     ]
     rejected = 0
     for order_code in order_codes:

@@ -9,8 +9,11 @@ import pytest
 from codewheel.loading.library import load_library
 from codewheel.masters.record import record
 from codewheel.masters.sheet import Sheet, sheet, shipped_masters
+from codewheel.targets import Library
+from codewheel.targets.masters.files import generate
 
 SPECS = Path(__file__).resolve().parents[1] / "specs"
+ENCODERS = Path(__file__).resolve().parents[2] / "specs"
 #: Masters whose documents have settings for several slaves or encoders of a frame.
 WITH_CHANNELS = {"ic_mb", "ti_motor_control_sdk"}
 GAP = "The description of this master covers a single data channel. Nothing reads 'safety_word' after it."
@@ -67,3 +70,15 @@ def test_a_frame_with_one_channel_has_no_such_note(name: str, tmp_path: Path) ->
     text = re.sub(r", accurate_bits: [0-9]+|  accurate_bits: {.*}\n", "", text)
     settings = sheets(text, tmp_path)[name]
     assert settings.master.several_channels not in settings.notes
+
+
+def test_a_file_is_written_for_order_codes_without_a_known_value() -> None:
+    """With a life counter and without a known clock, the TI SDK has no value for its structure."""
+    folder = ENCODERS / "ichaus"
+    devices, report = load_library([folder / "icmr.yaml", folder / "manufacturer.yaml"])
+    assert not report
+    text = generate(Library(tuple(devices)))["masters/ti_motor_control_sdk/c_struct/icmr.h"]
+    blocks = re.split(r"^// === ", text, flags=re.MULTILINE)[1:]
+    blocks_without = [block for block in blocks if "#define" not in block]
+    assert len(blocks) > len(blocks_without)
+    assert [block.startswith("iC-MR-12-L") for block in blocks_without] == [True]

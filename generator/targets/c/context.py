@@ -104,8 +104,7 @@ def number_function(scope: Scope, name: str, expression: Expression, largest: in
     largest_intermediate = largest - subtracted
     bits = max(largest_intermediate.bit_length(), 32)
     value = scope.expression_of(expression)
-    # A power of two is computed in 64 bits.
-    if bits == 32 and any(term.is_power for term in expression.terms):
+    if bits == 32 and scope.has_64_bits(expression):
         value = Cast("uint32_t", value)
     return Function(name, type=unsigned(bits), value=value, about=about, uses_variant=not expression.is_constant)
 

@@ -435,10 +435,19 @@ class Scope:
         if not further:
             return first
         if not term.factors[0].power:
-            # A parameter that an order code does not set has up to 32 bits.
-            largest = abs(term.multiple) * prod(self.largest.get(factor.parameter, 1 << 32) for factor in term.factors)
-            first = Cast("uint64_t" if term.is_power or largest >> 32 else "uint32_t", first)
+            first = Cast("uint64_t" if self._has_64_bits(term) else "uint32_t", first)
         return Operation("*", (first, *further))
+
+    def _has_64_bits(self, term: Term) -> bool:
+        """Return True if a term is computed in 64 bits: a power of two, or a product that may need more than 32."""
+        is_product = len(term.factors) > 1 or abs(term.multiple) != 1
+        # A parameter that an order code does not set has up to 32 bits.
+        largest = abs(term.multiple) * prod(self.largest.get(factor.parameter, 1 << 32) for factor in term.factors)
+        return term.is_power or (is_product and largest >> 32 != 0)
+
+    def has_64_bits(self, expression: Expression) -> bool:
+        """Return True if the expression is computed in 64 bits, also if its result is small."""
+        return any(map(self._has_64_bits, expression.terms))
 
     def _express_factor(self, factor: Factor) -> Expr:
         name = self.atom(factor.parameter)

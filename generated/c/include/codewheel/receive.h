@@ -403,7 +403,7 @@ static inline cw_result cw_biss_find_frame(
     const size_t start = cw_biss_start(rx, received);
     const size_t data_index = start + 2U;
     const size_t frame_end = data_index + (size_t)bits;
-    /* The checks of cw_biss_receive_bits again: a shared function makes that one longer. */
+    /* The checks of the receiver of one frame again: a shared function makes that one longer. */
     if (start > received) {
         return CW_FAULT_LINE_HIGH;
     }
