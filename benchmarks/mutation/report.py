@@ -188,8 +188,8 @@ gives pages. No rule can check a *page without contents* or a *place in another 
 
 Each mistake is in one file. If the same mistake is in the spec and in its second reading, only facts that are repeated
 elsewhere can show it: in an example, in the order code, in another table, or in the specs of the same manufacturer. No
-rule can find a word that is turned round both in a text and in the sheet of its turning words, or two states of an LED
-or two flags that are exchanged in both readings. Words without an opposite, such as *speed* for *position*, are in no
+rule can find a word that is turned round both in a text and in the sheet of its turning words, or two flags that are
+exchanged in both readings. Words without an opposite, such as *speed* for *position*, are in no
 sheet. They are checked by reading the spec.
 """
     return "\n".join([head, *table(outcome), "", *survivors(outcome)]).rstrip() + "\n"
