@@ -181,17 +181,18 @@ class OrderCode(NamedTuple):
         Raises:
             OrderCodeError: No listed code has these values together.
         """
-        # The listed value of each part, or None if the manual does not list it.
+        # None for a value that the manual does not list.
         listed_values = {part.name: _find_listed(part, texts[part.name]) for part in self.parts}
         unlisted = tuple(name for name, value in listed_values.items() if value is None)
         part_texts = {name: value or texts[name] for name, value in listed_values.items()}
-        listed = self._find_fitting_code(listed_values, codes)
-        if listed is None:
+        fitting_code = self._find_fitting_code(listed_values, codes)
+        if fitting_code is None:
             raise self._clash_error(text, part_texts, listed_values, codes)
         return Label(
+            # Each name in braces is replaced by the text of this part.
             code=_BRACES.sub(lambda brace: part_texts[brace[1]], self.pattern),
             parts=tuple(part_texts.values()),
-            listed=listed,
+            listed=fitting_code,
             unlisted=unlisted,
             tail=match["tail_"] or "",
             special=match["special_"] or "",
@@ -205,11 +206,11 @@ class OrderCode(NamedTuple):
         A value of None is unlisted. Any value of the code fits it, if it can be combined with the other values.
         """
         names = [part.name for part in self.parts]
+        unlisted_parts = [part for part in self.parts if listed_values[part.name] is None]
         for values in codes.values():
-            values_by_part = dict(zip(names, values, strict=False))
-            if any(value not in (None, values_by_part[name]) for name, value in listed_values.items()):
-                continue
-            if all(_can_be_combined(part, listed_values) for part in self.parts if listed_values[part.name] is None):
+            values_of_code = dict(zip(names, values, strict=False))
+            differs = any(value not in (None, values_of_code[name]) for name, value in listed_values.items())
+            if not differs and all(_can_be_combined(part, listed_values) for part in unlisted_parts):
                 return values
         return None
 
@@ -260,21 +261,35 @@ class OrderCode(NamedTuple):
         It names the wrong part: with any text for this part, the label would be an order code. If there is no such
         part, the message names none.
         """
-        # Number of other parts with an unlisted value, the part, and its text in the label.
-        candidates: list[tuple[int, Part, str]] = []
+        nearest_codes = find_nearest(codes, text)
+        candidates: list[_WrongPart] = []
         for part in self.parts:
-            match = re.fullmatch(f"{self._make_expression(part.name)}{_AFTER}", text, re.IGNORECASE)
+            match = re.fullmatch(f"{self._make_expression(any_for=part.name)}{_AFTER}", text, re.IGNORECASE)
             if match:
-                neighbours = [neighbour for neighbour in self.parts if neighbour is not part]
-                unlisted = sum(_find_listed(neighbour, match[neighbour.name]) is None for neighbour in neighbours)
-                candidates.append((unlisted, part, match[part.name]))
-        if candidates:
-            # Blame the part whose removal leaves the fewest unlisted values, and among equals a missing part.
-            _, part, part_text = min(candidates, key=lambda candidate: (candidate[0], candidate[2] != ""))
-            problem = f"has {part.name} '{part_text}'" if part_text else f"has no {part.name}"
-            valid = ", ".join(value.text for value in part.values)
-            return OrderCodeError(text, part.name, f"{problem}; valid values: {valid}", find_nearest(codes, text))
-        return OrderCodeError(text, "", f"is not an order code of {family}", find_nearest(codes, text))
+                other_parts = [other_part for other_part in self.parts if other_part is not part]
+                unlisted_count = sum(_find_listed(other, match[other.name]) is None for other in other_parts)
+                candidates.append(_WrongPart(part, match[part.name], unlisted_count))
+        if not candidates:
+            return OrderCodeError(text, "", f"is not an order code of {family}", nearest_codes)
+        # Blame the part whose removal leaves the fewest unlisted values, and among equals a missing part.
+        part, part_text, _ = min(candidates, key=lambda candidate: (candidate.unlisted_count, candidate.text != ""))
+        problem = f"has {part.name} '{part_text}'" if part_text else f"has no {part.name}"
+        valid_values = ", ".join(value.text for value in part.values)
+        return OrderCodeError(text, part.name, f"{problem}; valid values: {valid_values}", nearest_codes)
+
+
+class _WrongPart(NamedTuple):
+    """Part of a label that may be the wrong one.
+
+    Attributes:
+        part: The part.
+        text: Its text in the label. Empty if it is missing.
+        unlisted_count: Number of other parts whose values are not listed.
+    """
+
+    part: Part
+    text: str
+    unlisted_count: int
 
 
 def check_label(label: str) -> str:

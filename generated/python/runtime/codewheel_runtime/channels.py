@@ -163,8 +163,10 @@ class ChannelLayout:
         low_bit = self.bits
         for frame_class, arguments, channel_bits in zip(self.kinds, self._arguments, self.channel_bits, strict=True):
             low_bit -= channel_bits
+            channel_mask = (1 << channel_bits) - 1
+            channel_number = (number >> low_bit) & channel_mask
             try:
-                channels.append(frame_class.decode((number >> low_bit) & ((1 << channel_bits) - 1), *arguments))
+                channels.append(frame_class.decode(channel_number, *arguments))
             except FrameError as error:
                 error.channel = frame_class.__name__
                 raise

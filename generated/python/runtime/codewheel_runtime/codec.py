@@ -139,27 +139,38 @@ def as_word(frame: Word, length: int, bits: int | None) -> int:
     """
     if bits is not None:
         bits = whole_number("bits", bits)
+    number: SupportsIndex
     if isinstance(frame, str):
-        # Underscores and spaces between digits are accepted: they make long frames readable.
-        text = frame.strip().removeprefix("0b").replace("_", "").replace(" ", "")
-        if set(text) - {"0", "1"}:
-            shortened = frame if len(frame) <= 80 else f"{frame[:80]}..."
-            raise RangeError("the frame", shortened, "a string of 0 and 1 (for hexadecimal text, use int(text, 16))")
-        if bits is not None and bits != len(text):
-            raise LengthError(bits, len(text), "bits")
-        # From here on, the frame is a number. A text also shows how many bits were received.
-        frame = int(text or "0", 2)
-        bits = len(text)
+        digits = _take_binary_digits(frame)
+        # A text also shows how many bits were received.
+        if bits is not None and bits != len(digits):
+            raise LengthError(bits, len(digits), "bits")
+        bits = len(digits)
+        number = int(digits or "0", 2)
     elif isinstance(frame, (bytes, bytearray, memoryview)):
         # As in files: as few bytes as possible, padded with zeros in front.
         data = as_bytes(frame)
-        size = (length + 7) // 8
-        if len(data) != size:
-            raise LengthError(size, len(data))
-        frame = int.from_bytes(data, "big")
+        byte_count = (length + 7) // 8
+        if len(data) != byte_count:
+            raise LengthError(byte_count, len(data))
+        number = int.from_bytes(data, "big")
+    else:
+        number = frame
     if bits is not None and bits != length:
         raise LengthError(length, bits, "bits")
-    return whole_number("the frame", frame)
+    return whole_number("the frame", number)
+
+
+def _take_binary_digits(text: str) -> str:
+    """Return the binary digits of a frame, without ``0b`` in front. Raises RangeError if there are other characters.
+
+    Underscores and spaces between digits are accepted: they make long frames readable.
+    """
+    digits = text.strip().removeprefix("0b").replace("_", "").replace(" ", "")
+    if set(digits) - {"0", "1"}:
+        shortened = text if len(text) <= 80 else f"{text[:80]}..."
+        raise RangeError("the frame", shortened, "a string of 0 and 1 (for hexadecimal text, use int(text, 16))")
+    return digits
 
 
 def too_long_error(word: int, length: int) -> FrameError:
@@ -369,16 +380,17 @@ def crc_of_bits(
     the CRC, and ``xorout`` inverts some of them.
     """
     number = check_width("number", number, bits)
-    top = 1 << (width - 1)
+    highest_place = width - 1
     mask = (1 << width) - 1
     register = init
-    for bit in range(bits - 1, -1, -1):
-        # The highest bit of the register that is shifted out, XORed with the next bit of the number.
-        feedback = bool(register & top) != bool((number >> bit) & 1)
+    for bit in reversed(range(bits)):
+        # The bit of the register that is shifted out, XORed with the next bit of the number.
+        feedback = ((register >> highest_place) ^ (number >> bit)) & 1
         register = (register << 1) & mask
         if feedback:
             register ^= poly
-    return (_reverse_bits(register, width) if refout else register) ^ xorout
+    crc = _reverse_bits(register, width) if refout else register
+    return crc ^ xorout
 
 
 def crc_of_bytes(data: Data, *, width: int, poly: int, init: int, refin: bool, refout: bool, xorout: int) -> int:
@@ -410,19 +422,22 @@ def make_crc_tables(
     ``crc`` computes the CRC over ``covered`` bits of the word. ``gap`` bits are between them and the ``width`` bits of
     the CRC, which are the last ones of the word.
     """
-    zero_crc = crc(0, covered)
-    # The change of the XOR by each bit of the word, lowest first: bits of the CRC, of the gap, and those covered.
-    changes = [1 << bit for bit in range(width)]
-    changes += [0] * gap
-    changes += [crc(1 << bit, covered) ^ zero_crc for bit in range(covered)]
-    changes += [0] * (16 * count - len(changes))
+    crc_of_zero = crc(0, covered)
+    # How each bit of the word changes the XOR, the lowest bit first.
+    changes_by_crc_bits = [1 << bit for bit in range(width)]
+    changes_by_gap = [0] * gap
+    changes_by_covered_bits = [crc(1 << bit, covered) ^ crc_of_zero for bit in range(covered)]
+    changes = changes_by_crc_bits + changes_by_gap + changes_by_covered_bits
+    table_bits = 16
+    # Bits above the word are always 0.
+    changes += [0] * (table_bits * count - len(changes))
+    # An entry of at most 8 bits fits into a byte.
+    make_table = _make_byte_table if width <= 8 else _make_table
     tables: list[Sequence[int]] = []
-    for low in range(0, 16 * count, 16):
+    for lowest_bit in range(0, table_bits * count, table_bits):
         # The CRC of the word 0 is in one table only.
-        first = zero_crc if low == 0 else 0
-        # An entry of at most 8 bits fits into a byte.
-        table_of = _make_byte_table if width <= 8 else _make_table
-        tables.append(table_of(first, changes[low : low + 16]))
+        first_entry = 0 if tables else crc_of_zero
+        tables.append(make_table(first_entry, changes[lowest_bit : lowest_bit + table_bits]))
     return tuple(tables)
 
 

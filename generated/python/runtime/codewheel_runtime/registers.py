@@ -103,14 +103,16 @@ def read_parameters(
     for parameter in own_parameters:
         name = parameter.parameter
         addresses = range(parameter.address, parameter.address + len(parameter.default))
-        if not any(address in register_bytes for address in addresses):
+        is_given = any(address in register_bytes for address in addresses)
+        if not is_given:
             continue
         known_addresses.update(addresses)
         data = bytearray(parameter.bytes_with(getattr(variant, name)))
         for index, address in enumerate(addresses):
             if address in register_bytes:
                 data[index] = check_width(f"register 0x{address:02X}", register_bytes[address], 8)
-        values[name] = check_limits(name, parameter.value_in(bytes(data)), (parameter.min, parameter.max))
+        value = parameter.value_in(bytes(data))
+        values[name] = check_limits(name, value, (parameter.min, parameter.max))
     unknown = sorted(register_bytes.keys() - known_addresses)
     if unknown:
         own_addresses = sorted({parameter.address for parameter in own_parameters})

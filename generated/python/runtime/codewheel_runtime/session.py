@@ -393,14 +393,14 @@ class Session:
         is_measured = False
         received = yield Ask(pending.data, self.timeout_s)
         while True:
-            found = find_reply(received, pending, self.kinds)
-            if found is not None:
+            found_reply = find_reply(received, pending, self.kinds)
+            if found_reply is not None:
                 if not is_measured:
                     self._reply_times.append(self.clock() - begin)
                     is_measured = True
-                further_bytes = yield Ask(b"", self._find_quiet_s(received, found.reply, pending))
+                further_bytes = yield Ask(b"", self._find_quiet_s(received, found_reply.reply, pending))
                 if not further_bytes:
-                    return self._take_reply(found, received, pending)
+                    return self._take_reply(found_reply, received, pending)
             else:
                 remaining_s = deadline - self.clock()
                 further_bytes = b"" if remaining_s <= 0 else (yield Ask(b"", remaining_s))
@@ -439,27 +439,27 @@ class Session:
         third_quartile = times[3 * len(times) // 4]
         return max(reply_s, third_quartile)
 
-    def _take_reply(self, found: FoundReply, received: bytes, pending: PendingRequest) -> bytes:
+    def _take_reply(self, found_reply: FoundReply, received: bytes, pending: PendingRequest) -> bytes:
         """Return the reply, and count other replies. Raises an error if they differ."""
-        if found.same_kind or found.other_kinds:
-            self._count_replies_beside(found, received)
+        if found_reply.same_kind or found_reply.other_kinds:
+            self._count_replies_beside(found_reply, received)
         else:
             self._single_replies += 1
-        if not found.is_ambiguous:
-            return found.reply
+        if not found_reply.is_ambiguous:
+            return found_reply.reply
         self.statistics.conflicts += 1
         request_text = f"the request {_format_hex(pending.data)} to {self.encoder.code}"
-        different_replies = [reply for reply in found.same_kind if reply != found.reply]
-        replies_text = f"{_format_hex(different_replies[0])} and {_format_hex(found.reply)}"
+        different_replies = [reply for reply in found_reply.same_kind if reply != found_reply.reply]
+        replies_text = f"{_format_hex(different_replies[0])} and {_format_hex(found_reply.reply)}"
         raise DisturbedError(f"two different replies to {request_text}, so neither is used: {replies_text}", received)
 
-    def _count_replies_beside(self, found: FoundReply, received: bytes) -> None:
+    def _count_replies_beside(self, found_reply: FoundReply, received: bytes) -> None:
         """Count the replies that arrived with a reply. Raises SecondDeviceError if a second device seems to answer."""
         self._single_replies = 0
-        extra_count = self._count_extra(len(found.same_kind) + len(found.other_kinds))
+        extra_count = self._count_extra(len(found_reply.same_kind) + len(found_reply.other_kinds))
         # One of the unknown replies of this kind is the reply to this request, so all but one are foreign.
-        unknown_replies = {*found.same_kind, found.reply}.difference(self._recent_replies)
-        foreign_replies = [*self._find_foreign(found.other_kinds), *sorted(unknown_replies)[1:]]
+        unknown_replies = {*found_reply.same_kind, found_reply.reply}.difference(self._recent_replies)
+        foreign_replies = [*self._find_foreign(found_reply.other_kinds), *sorted(unknown_replies)[1:]]
         # Late replies to failed requests are not extra ones.
         self._count_foreign(foreign_replies[:extra_count], received, _FOREIGN_REPLIES)
 

@@ -395,6 +395,8 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
     default = VERDICTS.index(shape.default_verdict)
     verdicts = out["verdict"]
     verdicts[:] = default
+    if not shape.verdict_causes:
+        return
     active_by_verdict = _find_active_conditions(shape, out)
     warnings = active_by_verdict.get(Verdict.USABLE_WITH_WARNING)
     # A warning does not improve on an unknown position.

@@ -461,22 +461,23 @@ class Table(_TableOf[_Name, _Unit]):
         if unit not in (*_UNITS, "rpm"):
             raise ValueError(f"'{unit[:40]}' is not a unit of speeds: use {', '.join((*_UNITS, 'rpm'))}")
         usable_rows = np.flatnonzero(self.usable)
-        rows_with_speed = usable_rows[1:]
-        previous_position = previous[0] if previous is not None else None
-        positions = self.unwrapped(previous_position)[usable_rows]
         times = times[usable_rows]
-        if previous is not None:
-            # The earlier frame comes first, so even the first usable row has a speed.
+        if previous is None:
+            # The first usable row has no speed.
+            rows_with_speed = usable_rows[1:]
+            positions = self.unwrapped(None)[usable_rows]
+        else:
+            previous_position, previous_time = previous
             rows_with_speed = usable_rows
-            positions = np.insert(positions, 0, previous[0])
-            times = np.insert(times, 0, previous[1])
-        numerator, denominator = self._find_unit_size("turns" if unit == "rpm" else unit)
-        per_minute = 60 if unit == "rpm" else 1
+            positions = np.insert(self.unwrapped(previous_position)[usable_rows], 0, previous_position)
+            times = np.insert(times, 0, previous_time)
         elapsed = np.diff(times)
         # A clock that stands still or is set back gives no speed.
         elapsed = np.where(elapsed > 0, elapsed, np.nan)
+        numerator, denominator = self._find_unit_size("turns" if unit == "rpm" else unit)
+        units_per_second = np.diff(positions) * (_find_time_factor(unit) * numerator) / denominator / elapsed
         speeds = np.full(self.count, np.nan)
-        speeds[rows_with_speed] = np.diff(positions) * (per_minute * numerator) / denominator / elapsed
+        speeds[rows_with_speed] = units_per_second
         return speeds
 
     def _check_times(self, seconds: Any) -> Any:
@@ -533,17 +534,19 @@ class Table(_TableOf[_Name, _Unit]):
         if unit == "counts":
             return 1, 1
         encoder: Any = self.encoder
-        if unit not in _OF_A_TURN and unit not in _OF_A_LENGTH:
-            speed = "; it is a unit of speed" if unit == "rpm" else ""
-            raise ValueError(f"'{unit[:40]}' is not a unit of positions{speed}: use {', '.join(_UNITS)}")
-        kind_of_unit = _OF_A_TURN if unit in _OF_A_TURN else _OF_A_LENGTH
-        if not hasattr(encoder, "from_turns" if unit in _OF_A_TURN else "micrometres"):
-            raise UnitError(self._wrong_unit_error(unit, kind_of_unit))
         if unit in _OF_A_TURN:
-            per_turn: int = encoder.from_turns(1)
-            return _OF_A_TURN[unit], per_turn
-        micrometres = Fraction(encoder.micrometres(1))
-        return micrometres.numerator, micrometres.denominator * _OF_A_LENGTH[unit]
+            if not hasattr(encoder, "from_turns"):
+                raise UnitError(self._wrong_unit_error(unit, _OF_A_TURN))
+            counts_per_turn: int = encoder.from_turns(1)
+            return _OF_A_TURN[unit], counts_per_turn
+        if unit in _OF_A_LENGTH:
+            if not hasattr(encoder, "micrometres"):
+                raise UnitError(self._wrong_unit_error(unit, _OF_A_LENGTH))
+            micrometres_per_count = Fraction(encoder.micrometres(1))
+            micrometres_per_unit = _OF_A_LENGTH[unit]
+            return micrometres_per_count.numerator, micrometres_per_count.denominator * micrometres_per_unit
+        explanation = "; it is a unit of speed" if unit == "rpm" else ""
+        raise ValueError(f"'{unit[:40]}' is not a unit of positions{explanation}: use {', '.join(_UNITS)}")
 
     def _wrong_unit_error(self, unit: str, kind_of_unit: Mapping[str, float]) -> str:
         """Return the message for a unit that the encoder does not measure in. ``kind_of_unit`` has all of this kind."""
@@ -602,3 +605,8 @@ class Table(_TableOf[_Name, _Unit]):
 
         table: Any = self
         return load("pandas").DataFrame(pandas_columns(table, self.names, raw))
+
+
+def _find_time_factor(unit: str) -> int:
+    """Return the seconds in the unit of time of a speed: 60 for revolutions per minute, otherwise 1."""
+    return 60 if unit == "rpm" else 1

@@ -423,19 +423,20 @@ class _Saleae:
                 level = first_level
                 last_time = self._start
                 # One edge at the beginning of the chunk, with the other level before it.
-                yield level ^ 1, np.array([self._start]), self._file.tell()
+                level_before = level ^ 1
+                yield level_before, np.array([self._start]), self._file.tell()
             while count:
                 # The time of each edge is a number of eight bytes.
-                edge_times = np.frombuffer(self._read_exactly(8 * min(count, SAMPLES // 8)), "<f8")
-                if not (
-                    np.isfinite(edge_times).all() and last_time <= edge_times[0] and (np.diff(edge_times) >= 0).all()
-                ):
+                read_count = min(count, SAMPLES // 8)
+                edge_times = np.frombuffer(self._read_exactly(8 * read_count), "<f8")
+                are_finite = np.isfinite(edge_times).all()
+                if not are_finite or edge_times[0] < last_time or (np.diff(edge_times) < 0).any():
                     raise InputError(self._path, "", "the times of this Saleae file are not in ascending order")
                 yield level, edge_times, self._file.tell()
-                # An odd number of edges inverts the level.
-                count -= len(edge_times)
+                count -= read_count
                 last_time = float(edge_times[-1])
-                level = level ^ (len(edge_times) & 1)
+                # An odd number of edges inverts the level.
+                level ^= read_count & 1
 
 
 def _read_saleae(files: Sequence[BinaryIO], paths: Sequence[str]) -> Signals:

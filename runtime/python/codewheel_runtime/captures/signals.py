@@ -91,13 +91,15 @@ class Names(NamedTuple):
             return tuple(range(len(signals)))
         if len(signals) == len(channels) == 2:
             places = _add_remaining_channel(signals, places)
+        known_places: list[int] = []
         for (name, _, option), place in zip(signals, places, strict=True):
             if place is None:
                 problem = f"no channel {short(name)}" if name else f"choose a channel with {option}"
                 raise InputError(file, "", f"{problem}; the channels are {listed(list(channels))}")
-        if len({*places}) < len(places):
+            known_places.append(place)
+        if len({*known_places}) < len(known_places):
             raise UsageError("the clock and the data line are the same channel")
-        return tuple(place for place in places if place is not None)
+        return tuple(known_places)
 
 
 def _add_remaining_channel(signals: Sequence[_Signal], places: list[int | None]) -> list[int | None]:
@@ -210,14 +212,16 @@ def read_array(samples: Any, names: Names, rate: float | None = None) -> Signals
     """
     array = np.asarray(samples)
     has_rows = array.ndim == 2
-    if array.dtype.kind not in "uib" or array.ndim not in (1, 2) or (has_rows and not array.shape[1]):
+    has_no_channels = has_rows and not array.shape[1]
+    if array.dtype.kind not in "uib" or array.ndim not in (1, 2) or has_no_channels:
         raise TypeError(f"expected whole numbers in one or two dimensions, got {array.dtype} {array.shape}")
     channel_count = array.shape[1] if has_rows else 8 * array.dtype.itemsize
     places = names.places([str(number) for number in range(1, channel_count + 1)], "the array")
     # Bits of the signals in a sample. The chosen columns of rows are packed, so their bits are numbered from 0.
     bits = range(len(places)) if has_rows else places
-    edges = read_samples(_split_array(array, places), tuple(1 << bit for bit in bits))
-    return Signals(edges, 1 / rate if rate else None, True, len(array))
+    masks = tuple(1 << bit for bit in bits)
+    edges = read_samples(_split_array(array, places), masks)
+    return Signals(edges, seconds=1 / rate if rate else None, is_sampled=True, total=len(array))
 
 
 def _split_array(array: Any, places: tuple[int, ...]) -> Generator[tuple[Any, int, Any], None, None]:

@@ -186,18 +186,18 @@ def find_replies(
         InputError: The line never changes.
     """
     finder = _Replies(kinds, _BITS / baud)
-    first: list[CapturedFrames] = []
+    # Frames wait here until their kind is known.
+    waiting_frames: list[CapturedFrames] = []
     is_silent = True
-    for part in line:
+    for bytes_on_line in line:
         is_silent = False
-        first.append(finder.feed(part))
-        # Until the kind is known, the frames wait.
+        waiting_frames.append(finder.feed(bytes_on_line))
         if finder.wanted:
-            yield from map(finder.with_kind, first)
-            first.clear()
+            yield from map(finder.with_kind, waiting_frames)
+            waiting_frames.clear()
     if is_silent:
         raise InputError(name, "", "no byte was sent: choose another channel with --data")
-    yield from map(finder.with_kind, [*first, finder.finish()])
+    yield from map(finder.with_kind, [*waiting_frames, finder.finish()])
 
 
 class _Places(NamedTuple):

@@ -208,8 +208,9 @@ class _Screen:
         """Return the rows of alarms, rate and errors: labels and texts."""
         reports = self._frame.reports if self._frame is not None else ()
         times = [time for time, _ in self._recent]
+        span = times[-1] - times[0] if times else 0.0
         # Between n times there are n - 1 readings.
-        rate = (len(times) - 1) / (times[-1] - times[0]) if len(times) > 1 and times[-1] > times[0] else 0.0
+        rate = (len(times) - 1) / span if span > 0 else 0.0
         return [
             ("alarms", ", ".join(report.name for report in reports) or "none"),
             ("rate", f"{rate:.0f} readings/s"),
@@ -225,10 +226,14 @@ class _Screen:
 
     def _measure_speed(self) -> str:
         """Return the speed over the recent readings, with its unit, or ``-`` with fewer than two usable positions."""
-        timed_counts = [(at, count) for at, count in self._recent if count is not None]
-        if len(timed_counts) < 2 or timed_counts[-1][0] <= timed_counts[0][0]:
+        timed_counts = [(time, count) for time, count in self._recent if count is not None]
+        if len(timed_counts) < 2:
             return "-"
-        per_second = (timed_counts[-1][1] - timed_counts[0][1]) / (timed_counts[-1][0] - timed_counts[0][0])
+        first_time, first_count = timed_counts[0]
+        last_time, last_count = timed_counts[-1]
+        if last_time <= first_time:
+            return "-"
+        per_second = (last_count - first_count) / (last_time - first_time)
         encoder: Any = self._encoder
         if hasattr(encoder, "millimetres"):
             return f"{per_second * encoder.millimetres(1):.3f} mm/s"

@@ -192,9 +192,9 @@ def _thin_out(times: Any, values: Any) -> tuple[Any, Any]:
 def _draw_marks(axes: Sequence[Any], times: Any, label: str, colour: str) -> None:
     """Mark times with thin vertical lines."""
     # Where lines are too close to be distinguished, only some are drawn.
-    # The quotient is rounded up.
-    every = max(-(-len(times) // (_POINTS // 10)), 1)
-    lines_at = [[(time, 0), (time, 1)] for time in times[::every]]
+    most_lines = _POINTS // 10
+    step = max(ceil(len(times) / most_lines), 1)
+    lines_at = [[(time, 0), (time, 1)] for time in times[::step]]
     for index, plot_axes in enumerate(axes):
         lines = _COLLECTIONS.LineCollection(
             lines_at,

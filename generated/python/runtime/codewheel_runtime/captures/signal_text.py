@@ -250,17 +250,19 @@ def _read_regular_rows(block: bytes, delimiter: str | None, columns: list[int]) 
     if any(column >= len(cells) or len(cells[column]) != 1 for column in columns):
         return None
     # Each cell is followed by one byte: a delimiter, or the end of the line.
-    offsets: list[int] = []
+    cell_offsets: list[int] = []
     next_offset = 0
     for cell in cells:
-        offsets.append(next_offset)
+        cell_offsets.append(next_offset)
         next_offset += len(cell) + 1
+    delimiter_offsets = [offset - 1 for offset in cell_offsets[1:]]
+    line_end_offset = row_bytes - 1
     rows = np.frombuffer(block, np.uint8).reshape(-1, row_bytes)
-    # The byte before each cell, and that at the end of the row.
-    for fixed_offset in (*(offset - 1 for offset in offsets[1:]), row_bytes - 1):
-        if not (rows[:, fixed_offset] == first_row[fixed_offset]).all():
+    for offset in (*delimiter_offsets, line_end_offset):
+        if not (rows[:, offset] == first_row[offset]).all():
             return None
-    levels = rows[:, [offsets[column] for column in columns]] - np.uint8(ord("0"))
+    characters = rows[:, [cell_offsets[column] for column in columns]]
+    levels = characters - np.uint8(ord("0"))
     return pack_bits(levels) if (levels <= 1).all() else None
 
 
@@ -275,12 +277,13 @@ def read_vcd_signals(file: BinaryIO, path: str, names: Names) -> Signals:
     """Return the signals of a value change dump. Only its variables of one bit are channels."""
     size = measure_size(file)
     head = file.read(_BLOCK)
-    end = re.search(rb"\$enddefinitions\s+\$end", head)
-    header = head[: end.start()].decode("ascii", "replace") if end is not None else ""
+    header_end = re.search(rb"\$enddefinitions\s+\$end", head)
+    header = head[: header_end.start()].decode("ascii", "replace") if header_end is not None else ""
     scale = _SCALE.search(header)
-    if end is None or scale is None:
+    if header_end is None or scale is None:
         raise InputError(path, "", "this is not a valid VCD file: the header has no time scale or no end")
-    file.seek(end.end())
+    time_unit = int(scale[1]) * UNITS[scale[2]]
+    file.seek(header_end.end())
     codes: list[bytes] = []
     signal_names: list[str] = []
     for bits, code, name in _VAR.findall(header):
@@ -289,7 +292,7 @@ def read_vcd_signals(file: BinaryIO, path: str, names: Names) -> Signals:
             signal_names.append(name)
     places = names.places(signal_names, path)
     edges = _changes(file, path, [codes[place] for place in places])
-    return Signals(edges, int(scale[1]) * UNITS[scale[2]], False, size)
+    return Signals(edges, seconds=time_unit, is_sampled=False, total=size)
 
 
 def _changes(file: BinaryIO, path: str, codes: Sequence[bytes]) -> Generator[Edges, None, None]:

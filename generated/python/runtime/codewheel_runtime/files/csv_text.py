@@ -129,8 +129,9 @@ class _SlowReader:
         if cells:
             # The cell before the last one can be in the previous batch.
             cell_before = cells[-2] if len(cells) > 1 else self._last_cell
-            if lines.is_cut and len(cells[-1]) < len(cell_before):
-                # The last line is not terminated and is shorter than the previous one, so digits may be missing.
+            is_shorter = len(cells[-1]) < len(cell_before)
+            if lines.is_cut and is_shorter:
+                # The last line is not terminated, so digits may be missing.
                 cells[-1] = ""
             self._last_cell = cells[-1]
         return _Batch(cells, line_numbers, other_columns)
@@ -165,8 +166,9 @@ def _read_parts(
     cells = Cells(csv_file.shape, csv_file.stored.digits)
     is_first = True
     for block in blocks:
-        is_whole = block.endswith(b"\n")
-        parsed = read_fast(block) if read_fast is not None and is_whole and has_a_row_per_line(block) else None
+        can_be_fast = read_fast is not None and has_a_row_per_line(block)
+        has_whole_lines = block.endswith(b"\n")
+        parsed = read_fast(block) if read_fast is not None and can_be_fast and has_whole_lines else None
         if parsed is not None:
             lines += parsed.lines
             done += len(block)
@@ -179,8 +181,9 @@ def _read_parts(
             yield Part(parsed.frames, done, parsed.other_columns)
             continue
         # After a quote, a row can continue in the next block.
-        is_alone = read_fast is not None and has_a_row_per_line(block) and ends_with_row(block, slow_reader.delimiter)
-        slow_reader.open([block] if is_alone else chain([block], blocks), lines, done)
+        ends_here = can_be_fast and ends_with_row(block, slow_reader.delimiter)
+        blocks_to_read = [block] if ends_here else chain([block], blocks)
+        slow_reader.open(blocks_to_read, lines, done)
         while (batch := slow_reader.read_batch()).cells:
             frames = [cells.read(text, number) for text, number in zip(batch.cells, batch.line_numbers, strict=False)]
             if is_first:
@@ -188,7 +191,8 @@ def _read_parts(
                 is_first = False
             yield Part(frames, slow_reader.lines.read, batch.other_columns)
         # If the slow reader has read all blocks, this was the last one.
-        lines, done = lines + block.count(b"\n"), done + len(block)
+        lines += block.count(b"\n")
+        done += len(block)
 
 
 def _check_first_cells(cells: Cells, texts: list[str], csv_file: _CsvFile) -> None:
@@ -267,8 +271,15 @@ def _split_rows(lines: _Lines, texts: Iterable[str], delimiter: str) -> Iterator
         raise lines.make_error(str(error)) from None
 
 
-def _find_frame_column(first_row: list[str], name: str, stored: Stored, shape: Shape) -> tuple[int, bool]:
-    """Return the index of the column of frames, and whether the first row is a header.
+class _FrameColumn(NamedTuple):
+    """Index of the column of frames, and whether the first row is a header."""
+
+    place: int
+    has_header: bool
+
+
+def _find_frame_column(first_row: list[str], name: str, stored: Stored, shape: Shape) -> _FrameColumn:
+    """Return the column of frames.
 
     The column is the requested one, by name or by number from 1, or the only one, or one named ``frame`` or ``word``.
     Names are those of a header. Otherwise the first row is a header if its cell in the column is not a frame.
@@ -277,24 +288,24 @@ def _find_frame_column(first_row: list[str], name: str, stored: Stored, shape: S
         InputError: There is no such column.
     """
     names = [cell.strip() for cell in first_row]
-    wanted = stored.column
-    if wanted and wanted in names:
-        return names.index(wanted), True
-    if wanted:
-        index = int(wanted) - 1 if wanted.isascii() and wanted.isdigit() and len(wanted) < 9 else -1
+    chosen = stored.column
+    if chosen and chosen in names:
+        return _FrameColumn(names.index(chosen), has_header=True)
+    if chosen:
+        is_number = chosen.isascii() and chosen.isdigit() and len(chosen) < 9
+        index = int(chosen) - 1 if is_number else -1
         if not 0 <= index < len(names):
-            raise InputError(name, "line 1", f"no column {short(wanted)}; the columns are {listed(names)}")
+            raise InputError(name, "line 1", f"no column {short(chosen)}; the columns are {listed(names)}")
     elif len(names) == 1:
         index = 0
     else:
-        named_index = find_usual_column(names)
-        if named_index is None:
+        usual_index = find_usual_column(names)
+        if usual_index is None:
             raise InputError(name, "line 1", f"choose the column with the frames; the columns are {listed(names)}")
-        return named_index, True
+        return _FrameColumn(usual_index, has_header=True)
     # An empty cell is a missing frame, not a header.
-    cell = first_row[index]
-    is_header = bool(cell.strip()) and not _is_frame(cell, shape)
-    return index, is_header
+    first_cell = first_row[index]
+    return _FrameColumn(index, has_header=bool(first_cell.strip()) and not _is_frame(first_cell, shape))
 
 
 def _is_frame(text: str, shape: Shape) -> bool:

@@ -70,11 +70,13 @@ class Summary(NamedTuple):
         return {"frames": self.frames, "faults": faults, "verdicts": verdicts, "lost_cells": self.lost}
 
     def __str__(self) -> str:
-        valid = self.frames - sum(self.faults.values())
+        valid_count = self.frames - sum(self.faults.values())
         verdicts = ", ".join(f"{count} {kind.value.replace('_', ' ')}" for kind, count in self.verdicts.items())
-        phrases = [count_units(self.frames, "frame"), f"{valid} valid" + (f" ({verdicts})" if verdicts else "")]
+        valid_text = f"{valid_count} valid ({verdicts})" if verdicts else f"{valid_count} valid"
+        phrases = [count_units(self.frames, "frame"), valid_text]
         for kind, count in self.faults.items():
-            phrases.append(f"{count} with a {'CRC' if kind is ErrorKind.CRC else kind.name.lower()} error")
+            kind_name = "CRC" if kind is ErrorKind.CRC else kind.name.lower()
+            phrases.append(f"{count} with a {kind_name} error")
         if self.lost:
             phrases.append(f"{count_units(self.lost, 'cell')} of other columns left empty")
         return ", ".join(phrases)
