@@ -250,7 +250,7 @@ def _rules_of_kind(device: Device, frame_field: Field) -> Iterator[Statement]:
         case CrcValue() as crc:
             yield _covered_by_crc(crc)
         case Parity() as parity:
-            yield covered_by_parity(parity)
+            yield _covered_by_parity(parity)
         case Decimal(runs):
             runs_of_digits = [_run_of_digits(run) for run in runs]
             yield statement("Decimal digits, most significant first: ", *join_groups(runs_of_digits))
@@ -271,7 +271,12 @@ def _covered_by_crc(crc_value: CrcValue) -> Statement:
     return statement("CRC ", Ref("crc", crc_value.crc, crc_value.crc), " over ", *covered)
 
 
-def covered_by_parity(parity: Parity) -> Statement:
+def covered_by_parity_bit(frame_field: Field) -> Statement | None:
+    """Return the fields that a field covers if it is a parity bit, or None."""
+    return _covered_by_parity(frame_field.kind) if isinstance(frame_field.kind, Parity) else None
+
+
+def _covered_by_parity(parity: Parity) -> Statement:
     """Return the fields that a parity bit covers, such as ``Even parity of error, position``."""
     polarity = "Odd" if parity.is_odd else "Even"
     counted_bits = f"the {parity.over.replace('_', ' ')} of " if parity.over else ""

@@ -17,27 +17,23 @@ from ...model import (
     Measurement,
     OrderCode,
     Parameter,
-    Parity,
     PlacedField,
     PlacedLayout,
     Variant,
-    Verdict,
     member_named,
 )
 from ...order_codes.labels import fill_pattern
 from ...order_codes.parameters import parameters_of, run_time_names, with_answers
 from ...plan.values import Active, TwosComplement, meaning_of
-from ...plan.verdicts import Judgement, Match, VerdictCause
 from ...say.layout import crc_inverted, crc_reflected
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
 from ...say.names_and_places import bits, frame_bytes, heading
 from ...say.order_code import open_values, parameter_origin, parameter_value
 from ...say.plain_text import counted, number
-from ...say.register import covered_by_parity, measurement, own_ranges, position_range
-from ...say.report import conditions, deciding_bits
-from ...say.text import VERDICT_CLAUSES, statement
+from ...say.register import covered_by_parity_bit, measurement, own_ranges, position_range
+from ...say.report import deciding_bits
 from .page_links import style_in_folder
-from .verdict_table import EFFECTS, applicable_causes, join_as_any_of, judgement_of
+from .verdict_table import changed_verdicts_of, judgement_of, verdict_line
 
 
 def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
@@ -323,9 +319,10 @@ def frame_facts(
     family_layout = member_named(family_device.interface(variant.interface).layouts, layout.name, "layout")
     placed_layout = family_layout.place(variant.parameters)
     for placed_field in placed_layout.fields:
-        if isinstance(placed_field.field.kind, Parity):
-            covered = MARKDOWN.phrase(covered_by_parity(placed_field.field.kind))
-            yield "Parity", f"{code(placed_field.name)} ({_place(placed_field, placed_layout)}). {covered}"
+        covered_fields = covered_by_parity_bit(placed_field.field)
+        if covered_fields is not None:
+            place = _place(placed_field, placed_layout)
+            yield "Parity", f"{code(placed_field.name)} ({place}). {MARKDOWN.phrase(covered_fields)}"
     yield from _flag_facts(placed_layout)
     for placed_field in placed_layout.fields:
         if isinstance(meaning_of(placed_field.field), TwosComplement):
@@ -363,7 +360,7 @@ def _verdict_facts(
         # The first answer is the default.
         for answer in alternative.answers[1:]:
             variant_with_answer = with_answers(family_device, variant, {alternative.name: answer.name})
-            changed_verdicts = _changed_verdicts(judgement, variant, variant_with_answer)
+            changed_verdicts = changed_verdicts_of(judgement, variant, variant_with_answer)
             if changed_verdicts:
                 with_answer = link(f"With {code(answer.name)}", f"#alternative-{alternative.name}")
                 yield with_answer, "; ".join(changed_verdicts)
@@ -408,52 +405,3 @@ def crc_line(family_device: Device, crc: Crc) -> str:
 
 def _in_superscript(exponent: re.Match[str]) -> str:
     return exponent[1].translate(_SUPERSCRIPT)
-
-
-def verdict_line(judgement: Judgement, variant: Variant, has_crc: bool) -> str:
-    """Return the verdicts on the position of an order code with their conditions, the worst first."""
-    judgement = judgement.for_parameters(variant.parameters)
-    causes_by_verdict = applicable_causes(judgement, variant)
-    conditional_verdicts = [_verdict_if(verdict, causes) for verdict, causes in causes_by_verdict.items()]
-    if not conditional_verdicts:
-        return MARKDOWN.phrase(statement(VERDICT_CLAUSES[judgement.otherwise]))
-    correct = ", if the CRC is correct," if has_crc else ""
-    return "; ".join([*conditional_verdicts, f"otherwise{correct} {EFFECTS[judgement.otherwise]}"])
-
-
-def _changed_verdicts(judgement: Judgement, variant: Variant, variant_with_answer: Variant) -> list[str]:
-    """Return verdicts with the causes that an answer adds, which ``variant`` with the defaults lacks."""
-    default_causes = applicable_causes(judgement, variant)
-    changed_verdicts = []
-    for verdict, causes in applicable_causes(judgement, variant_with_answer).items():
-        default_conditions = [cause.by for cause in default_causes.get(verdict, ())]
-        added_causes = [cause for cause in causes if cause.by not in default_conditions]
-        if added_causes:
-            changed_verdicts.append(_verdict_if(verdict, added_causes))
-    return changed_verdicts
-
-
-def _verdict_if(verdict: Verdict, causes: Sequence[VerdictCause]) -> str:
-    return f"{EFFECTS[verdict]} if {', or if '.join(_cause_texts(causes))}"
-
-
-def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
-    """Yield the conditions of a verdict. Flags with the same active level are one: ``error or fault is 1``."""
-    names_by_level: dict[str, list[str]] = {}
-    for cause in causes:
-        if not isinstance(cause.by, Match):
-            # deciding() gives the level at which the flag is active, such as "1".
-            names_by_level.setdefault(deciding_bits(cause.by.field), []).append(_cause_text(cause))
-    yield from (f"{join_as_any_of(names)} is {level}" for level, names in names_by_level.items())
-    for cause in causes:
-        if isinstance(cause.by, Match):
-            yield MARKDOWN.phrase(conditions((part.field, value) for part, value in cause.by.conditions))
-
-
-def _cause_text(cause: VerdictCause) -> str:
-    """Return a flag, with the flags that must be inactive if it combines them."""
-    flag_name = code(cause.by.field.name)
-    if not cause.unless:
-        return flag_name
-    flags = " and ".join(code(part.field.name) for part in cause.unless)
-    return f"{flag_name} (while {flags} {'is' if len(cause.unless) == 1 else 'are'} inactive)"

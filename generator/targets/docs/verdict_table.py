@@ -1,4 +1,4 @@
-"""Table of the bits of a frame that say whether its position is usable, on the page of an order code."""
+"""Verdicts on the page of an order code: a table of the bits that decide them, and their conditions in a line."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ...say.layout import is_reserved
 from ...say.markdown import MARKDOWN, code, escape, join_filled, link
 from ...say.names_and_places import bits, frame_bytes, heading
 from ...say.report import alarm_of, conditions, deciding_bits, manual_steps, remedy_text
-from ...say.text import sentence
+from ...say.text import VERDICT_CLAUSES, sentence, statement
 
 Row = tuple[str, ...]
 #: Verdicts as cells of the table.
@@ -177,3 +177,52 @@ def _holds_for_variant(cause: VerdictCause, variant: Variant) -> bool:
 def join_as_any_of(names: Sequence[str]) -> str:
     """Return names as ``a or b``, and more than three as ``any of a, b, c, d``."""
     return f"any of {', '.join(names)}" if len(names) > _MOST_ALTERNATIVES else " or ".join(names)
+
+
+def verdict_line(judgement: Judgement, variant: Variant, has_crc: bool) -> str:
+    """Return the verdicts on the position of an order code with their conditions, the worst first."""
+    judgement = judgement.for_parameters(variant.parameters)
+    causes_by_verdict = applicable_causes(judgement, variant)
+    conditional_verdicts = [_verdict_if(verdict, causes) for verdict, causes in causes_by_verdict.items()]
+    if not conditional_verdicts:
+        return MARKDOWN.phrase(statement(VERDICT_CLAUSES[judgement.otherwise]))
+    correct = ", if the CRC is correct," if has_crc else ""
+    return "; ".join([*conditional_verdicts, f"otherwise{correct} {EFFECTS[judgement.otherwise]}"])
+
+
+def changed_verdicts_of(judgement: Judgement, variant: Variant, variant_with_answer: Variant) -> list[str]:
+    """Return verdicts with the causes that an answer adds, which ``variant`` with the defaults lacks."""
+    default_causes = applicable_causes(judgement, variant)
+    changed_verdicts = []
+    for verdict, causes in applicable_causes(judgement, variant_with_answer).items():
+        default_conditions = [cause.by for cause in default_causes.get(verdict, ())]
+        added_causes = [cause for cause in causes if cause.by not in default_conditions]
+        if added_causes:
+            changed_verdicts.append(_verdict_if(verdict, added_causes))
+    return changed_verdicts
+
+
+def _verdict_if(verdict: Verdict, causes: Sequence[VerdictCause]) -> str:
+    return f"{EFFECTS[verdict]} if {', or if '.join(_cause_texts(causes))}"
+
+
+def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
+    """Yield the conditions of a verdict. Flags with the same active level are one: ``error or fault is 1``."""
+    names_by_level: dict[str, list[str]] = {}
+    for cause in causes:
+        if not isinstance(cause.by, Match):
+            # deciding_bits() gives the level at which the flag is active, such as "1".
+            names_by_level.setdefault(deciding_bits(cause.by.field), []).append(_cause_text(cause))
+    yield from (f"{join_as_any_of(names)} is {level}" for level, names in names_by_level.items())
+    for cause in causes:
+        if isinstance(cause.by, Match):
+            yield MARKDOWN.phrase(conditions((part.field, value) for part, value in cause.by.conditions))
+
+
+def _cause_text(cause: VerdictCause) -> str:
+    """Return a flag, with the flags that must be inactive if it combines them."""
+    flag_name = code(cause.by.field.name)
+    if not cause.unless:
+        return flag_name
+    flags = " and ".join(code(part.field.name) for part in cause.unless)
+    return f"{flag_name} (while {flags} {'is' if len(cause.unless) == 1 else 'are'} inactive)"
