@@ -64,6 +64,7 @@ READERS = {
         "virtual/encoder.py",
         "virtual/memory.py",
     },
+    "compares a length with those of the frames of all order codes": {"loading/stated_lengths.py"},
     "denies something only if no fact of any order code mentions it": {
         "say/evidence.py",
         "targets/docs/wiring_tables.py",

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from ..language.document import Document
     from ..language.document import Path as SpecPath
     from ..language.problems import Problem, Report
+    from ..loading.configuration import FamilyFilters
     from ..loading.library import Family
     from ..model import Device
     from .review_formats import Finding
@@ -138,7 +139,7 @@ def _compare_sides(arguments: argparse.Namespace, cache: Cache) -> tuple[_Side, 
         progress.text = f"codewheel: reading {arguments.new}"
         new = _load_side(arguments.new, cache, lenient=arguments.lenient, old_side=old)
         progress.text = "codewheel: comparing the specs and what they generate"
-        return old, new, _compare_families(old, new, cache)
+        return old, new, _compare_families(old, new, cache, _filters_for(arguments.new))
 
 
 def _print_comparison(comparison: DiffResult, old_side: _Side, new_side: _Side, arguments: argparse.Namespace) -> None:
@@ -166,18 +167,28 @@ def _print_comparison(comparison: DiffResult, old_side: _Side, new_side: _Side, 
 # The comparison loads targets only if something has changed or is recorded, so it imports these modules by their names.
 
 
-def _changed_files(olds: Sequence[Device], news: Sequence[Device], cache: Cache) -> Files | None:
-    """Return the generated files that differ, or None if nothing can be generated.
+def _changed_files(
+    olds: Sequence[Device], news: Sequence[Device], cache: Cache, filters: FamilyFilters
+) -> Files | None:
+    """Return the generated files that differ, or None if nothing can be generated."""
+    files: Files | None = import_module(f"{__package__}.generate.files").changed_files(olds, news, cache, filters)
+    return files
 
-    They are those of the families that the settings accept for each output.
+
+def _filters_for(specs: str) -> FamilyFilters:
+    """Return the families of each output in the settings that hold for the current folder.
+
+    There are none for specs on the disk outside the folder of the settings, which belong to another project.
     """
     from ..loading.configuration import NO_FILTERS
     from .read_specs import find_settings
 
     settings = find_settings()
-    filters = settings.only if settings is not None else NO_FILTERS
-    files: Files | None = import_module(f"{__package__}.generate.files").changed_files(olds, news, cache, filters)
-    return files
+    path = Path(specs)
+    if settings is None:
+        return NO_FILTERS
+    is_elsewhere = path.exists() and not path.resolve().is_relative_to(settings.folder.resolve())
+    return NO_FILTERS if is_elsewhere else settings.only
 
 
 def _refuse_unproved(families: Sequence[Family], cache: Cache) -> None:
@@ -212,7 +223,7 @@ def _without_accepted(
         raise Stop(str(error), 2) from None
 
 
-def _compare_families(old_side: _Side, new_side: _Side, cache: Cache) -> DiffResult:
+def _compare_families(old_side: _Side, new_side: _Side, cache: Cache, filters: FamilyFilters) -> DiffResult:
     """Return the changes in the families that could be read on both sides, with the notices of both.
 
     Generated files are compared only if the families differ. Otherwise, and if they cannot be generated, they are None.
@@ -223,7 +234,7 @@ def _compare_families(old_side: _Side, new_side: _Side, cache: Cache) -> DiffRes
 
     old_devices, new_devices = _comparable_devices(old_side, new_side), _comparable_devices(new_side, old_side)
     changes = compare(old_devices, new_devices)
-    files = _changed_files(old_devices, new_devices, cache) if changes else None
+    files = _changed_files(old_devices, new_devices, cache, filters) if changes else None
     return DiffResult(
         changes=changes,
         packages=packages(old_devices, new_devices, changes),

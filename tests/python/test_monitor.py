@@ -168,8 +168,8 @@ def test_the_command_needs_no_numpy(
     generated_python: tuple[Path, ModuleType], tmp_path: Path, options: list[str]
 ) -> None:
     (tmp_path / "numpy.py").write_text("raise ModuleNotFoundError(name='numpy')")
-    command = [sys.executable, "-m", "lika_encoders", "monitor", "AMM5A23/65KJP1", "no-such-port", *options]
+    command = [sys.executable, "-m", "lika_encoders", "monitor", "AMM5A23/65KJP1", "missing-port", *options]
     environment = {"PYTHONPATH": python_path(generated_python[0])}
     completed = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
-    assert completed.stderr.startswith("lika-encoders: cannot open no-such-port: No such file or directory")
+    assert completed.stderr.startswith("lika-encoders: cannot open missing-port: No such file or directory")
     assert completed.returncode == 1
