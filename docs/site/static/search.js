@@ -39,7 +39,7 @@
 
   /** Words of a question that say nothing about its subject. */
   const FILLERS = new Set(("a an the is are do does did can could should must i my me it its of on in at for with and or how what which "
-    + "where when why not no never always there this that many much need get have has says say max maximum min minimum encoder encoders").split(" "));
+    + "where when why not no never always there this that many much need get have has says say new max maximum min minimum encoder encoders").split(" "));
 
   const superscripts = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 
