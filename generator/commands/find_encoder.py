@@ -1,27 +1,18 @@
-"""Find the family or the order code that the user named in the specs of a run, from the cache if it is in there.
-
-A few expressions find the names and the patterns of order codes in the text of the specs, without reading them as
-YAML. If the result could differ from the result of reading all specs, nothing is selected.
-"""
+"""Find the family or the order code that the user named in the specs of a run, from the cache if it is in there."""
 
 from __future__ import annotations
 
-import functools
-import re
 import sys
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..cache import Cache, content_of
-from ..language.files import MANUFACTURER, family_files, spec_files
-from ..language.schema_files import is_second
-from ..loading.stored import store_device, stored_device
+from ..cache import Cache
 from ..say.plain_text import counted, first_of
 from .arguments import bytes_by_address
 from .line_encoder import encoder_in_line, is_line, refuse_line
+from .specs_by_text import families_for, has_family, has_same_spec
 from .terminal import Stop, problems
 
 if TYPE_CHECKING:
@@ -31,208 +22,6 @@ if TYPE_CHECKING:
     from ..model import Device
     from ..order_codes.labels import Match
     from .read_specs import Specs
-
-
-#: Keys of files that can change a family, and those of descriptions of masters, which cannot.
-_OTHER_KINDS = frozenset((b"overlay", b"changes"))
-_MASTER_KEYS = frozenset((b"master", b"takes"))
-_KEY = re.compile(rb"\n([a-z_]+)[ \t]*:(?=[ \t\r\n]|$)")
-_NAME = re.compile(rb"\ndevice[ \t]*:[ \t]*([a-z][a-z0-9_]*)[ \t]*(?:#[^\n]*)?(?=\r?\n)")
-_PATTERN_KEY = re.compile(rb"pattern['\"]?[ \t]*:")
-_PATTERN = re.compile(rb"pattern[ \t]*:[ \t]*\"([^\"\\{}\r\n]*)\{")
-_ORDER_CODE = re.compile(r"\norder_code[ \t]*:[ \t]*(?=[\r\n]).*?(?=\n[^ #\r\n]|\Z)", re.DOTALL)
-
-#: Kind of entry in the cache for the beginnings of order codes that begin with a part.
-_BEGINNINGS = "beginnings"
-#: Kinds of files that can be selected.
-_DEVICE, _MANUFACTURER, _MASTER = "device", "manufacturer", "master"
-
-
-class _NotSelectable(Exception):
-    """The text of the specs does not show which of them are needed, so all must be read."""
-
-
-@dataclass(frozen=True, slots=True)
-class _SpecFile:
-    """A spec: its kind, the name of its device, and the beginnings of its order codes.
-
-    The kind is empty if the text does not show it. So are the beginnings, and then any label can belong to the device.
-    """
-
-    path: Path
-    kind: str = ""
-    name: str = ""
-    beginnings: tuple[str, ...] = ("",)
-
-    def can_have(self, label: str) -> bool:
-        return label.startswith(self.beginnings)
-
-
-def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device, ...] | None:
-    """Return the valid families that ``text`` can name or be an order code of.
-
-    Args:
-        paths: Files and folders.
-        text: The name of a family, or the text of a label.
-        cache: The place for families that were loaded before.
-
-    Returns:
-        The families, or None if all specs must be read, for example because one of them is an overlay.
-    """
-    try:
-        device_files = _device_files(paths)
-        name, label = text.strip().lower(), "".join(text.split()).upper()
-        named_files = [device_file for device_file in device_files if device_file.name == name]
-        if len(named_files) > 1:
-            return None
-        if named_files:
-            return (_load_if_possible(named_files[0].path, cache)[0],)
-        devices: list[Device] = []
-        for device_file in device_files:
-            if not device_file.can_have(label):
-                continue
-            shows_beginnings = all(device_file.beginnings)  # They have been compared with the label just now.
-            devices += _load_if_possible(device_file.path, cache, label="" if shows_beginnings else label)
-        return tuple(devices)
-    except (OSError, ValueError, _NotSelectable):
-        return None
-
-
-def has_family(paths: Sequence[Path], name: str) -> bool:
-    """Return True if one of the specs has a family of this name, without loading it."""
-    return bool(_specs_of_family(paths, name))
-
-
-def has_same_spec(paths: Sequence[Path], other_paths: Sequence[Path], name: str) -> bool:
-    """Return True if two groups of specs have the same file for the family of this name, and no overlay."""
-    specs = _specs_of_family(paths, name)
-    return bool(specs) and specs == _specs_of_family(other_paths, name)
-
-
-def _specs_of_family(paths: Sequence[Path], name: str) -> list[bytes]:
-    """Return the content of each spec with a family of this name, or nothing if the texts do not show which it is."""
-    try:
-        return [device_file.path.read_bytes() for device_file in _device_files(paths) if device_file.name == name]
-    except (OSError, ValueError, _NotSelectable):
-        return []
-
-
-def _device_files(paths: Sequence[Path]) -> list[_SpecFile]:
-    """Return the specs of devices that are next to their manufacturer's file. Files about masters are left out.
-
-    Raises:
-        OSError: A file cannot be read.
-        _NotSelectable: There is any other file except manufacturers' files. It may affect a family.
-    """
-    device_files = []
-
-    @functools.cache
-    def has_manufacturer(folder: Path) -> bool:
-        return (folder / MANUFACTURER).is_file()
-
-    for path in dict.fromkeys(spec_files(paths)):
-        spec_file = _read_spec_file(path)
-        is_device_of_manufacturer = spec_file.kind == _DEVICE and not is_second(path) and has_manufacturer(path.parent)
-        is_manufacturer = spec_file.kind == _MANUFACTURER and path.name == MANUFACTURER
-        if is_device_of_manufacturer:
-            device_files.append(spec_file)
-        elif spec_file.kind != _MASTER and not is_manufacturer:
-            raise _NotSelectable
-    return device_files
-
-
-def _read_spec_file(path: Path) -> _SpecFile:
-    """Return the kind that the top-level keys of a spec show, and a device's name and beginnings of order codes.
-
-    Raises:
-        OSError: The file cannot be read.
-    """
-    if not path.is_file():
-        raise OSError
-    spec_text = b"\n" + path.read_bytes()
-    keys = set(_KEY.findall(spec_text))
-    device_names = _NAME.findall(spec_text)
-    if not keys.isdisjoint(_OTHER_KINDS):
-        return _SpecFile(path)
-    if not keys.isdisjoint(_MASTER_KEYS):
-        return _SpecFile(path, kind="" if b"device" in keys else _MASTER)
-    if len(device_names) == 1:
-        name = device_names[0].decode()
-        return _SpecFile(path, kind=_DEVICE, name=name, beginnings=_beginnings_in_text(spec_text))
-    return _SpecFile(path, kind="" if b"device" in keys else _MANUFACTURER)
-
-
-def _beginnings_in_text(text: bytes) -> tuple[str, ...]:
-    """Return the text before the first part in each pattern: ``("X-24",)`` for ``X-24 {output}``, as in a label.
-
-    If the text of the spec does not show it for all patterns, the result is ``("",)``, which fits any label.
-    """
-    texts_before_part = _PATTERN.findall(text)
-    if not texts_before_part or len(texts_before_part) != len(_PATTERN_KEY.findall(text)):
-        return ("",)
-    beginnings = []
-    for text_before_part in texts_before_part:
-        without_spaces = "".join(text_before_part.decode("ascii", "replace").split())
-        beginnings.append(without_spaces.upper())
-    return tuple(beginnings)
-
-
-def _read_beginnings(spec: Path) -> tuple[str, ...]:
-    """Return the beginnings of order codes that begin with a part, from the data under ``order_code`` alone.
-
-    If these data have problems or refer to other data, the result is ``("",)``, which fits any label.
-    """
-    from ..language.read import Unreadable, parse
-    from ..loading.device import code_grammar
-    from ..order_codes.labels import beginnings
-
-    order_code_section = _ORDER_CODE.search("\n" + spec.read_text(encoding="utf-8"))
-    section_text = order_code_section[0] if order_code_section else ""
-    problems: list[object] = []
-    try:
-        section_data, _ = parse(section_text, problems.append, problems.append)
-        prefixes = beginnings(code_grammar(section_data["order_code"]))
-    except (Unreadable, LookupError, TypeError, ValueError, AttributeError):
-        return ("",)
-    has_unknown_part = any("{" in prefix for prefix in prefixes)
-    return ("",) if problems or has_unknown_part else prefixes
-
-
-def _load_if_possible(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
-    """Return the device of a spec as one item, or no item if it cannot have the order code ``label``. "" is any.
-
-    Raises:
-        _NotSelectable: The spec has problems or overlays.
-    """
-    files = family_files(spec)
-    if any(".overlay." in path.name for path in files):
-        raise _NotSelectable
-    content = content_of(files)
-    if label and not label.startswith(_cached_beginnings(spec, content, cache)):
-        return ()
-    device = stored_device(cache, content)
-    if device is not None:
-        return (device,)
-    from ..loading.library import load_library
-
-    devices, report = load_library([spec])
-    if report or len(devices) != 1:
-        raise _NotSelectable
-    # The files must not have changed since their content was read.
-    if content_of(family_files(spec)) == content:
-        store_device(cache, content, devices[0])
-    return devices
-
-
-def _cached_beginnings(spec: Path, content: Sequence[bytes | str], cache: Cache) -> tuple[str, ...]:
-    """Return the beginnings of order codes of a spec, from the cache if it has them for this content."""
-    stored = cache.get(_BEGINNINGS, content)
-    if stored is not None:
-        return tuple(stored)
-    beginnings = _read_beginnings(spec)
-    if content_of(family_files(spec)) == content:
-        cache.put(_BEGINNINGS, content, beginnings)
-    return beginnings
 
 
 #: Most files in a message.

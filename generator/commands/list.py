@@ -54,8 +54,8 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         Stop: There are problems in the specs, or a path does not exist.
     """
-    from .find_encoder import has_same_spec
     from .read_specs import specs_to_read
+    from .specs_by_text import has_same_spec
 
     cache = cache_for(arguments)
     specs = specs_to_read([*arguments.specs, *arguments.more_specs])

@@ -29,11 +29,12 @@ from .comments import HEADER_STYLE, Paragraph
 from .context import Context, timing_macros
 from .crc_code import CrcCode, crc_code
 from .interfaces import InterfaceCode, ReplyRequest
-from .names import BY_VALUE, Declared, Names, Passing, c_name, errata_page_name, runtime_version
+from .names import BY_VALUE, Declared, Names, Passing, c_name, errata_page_name
 from .positions import RangeFunctions, positions
 from .procedures import ProcedureCode
 from .reading import ReadCode
 from .registers import AlarmCode, RegisterCode, identity_codes, state_registers
+from .runtime_texts import runtime_version
 from .variants import LengthCode, Taker, VariantCode
 
 _Built = TypeVar("_Built")

@@ -7,7 +7,8 @@ from collections.abc import Iterable, Iterator
 
 from ...model import Biss, Rs485, Spi
 from .device import DeviceView
-from .names import FOLDER, runtime_headers, runtime_tests
+from .names import FOLDER
+from .runtime_texts import runtime_headers, runtime_tests
 
 #: Headers for every encoder: order codes, results, and the use of positions.
 _FOR_ALL = ("bits.h", "result.h", "result.hpp", "encoder.h", "angle.h", "tracker.h")

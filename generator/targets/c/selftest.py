@@ -32,9 +32,10 @@ from .codec import StructCodec
 from .crc_functions import WordCrc
 from .device import DeviceView
 from .enumerations import AlternativeCode
-from .names import c_name, number, runtime_tests, signed_number, string
+from .names import c_name, number, signed_number, string
 from .positions import LengthPositions
 from .procedures import ProcedureCode
+from .runtime_texts import runtime_tests
 
 
 @dataclass(frozen=True, slots=True)

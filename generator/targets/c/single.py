@@ -22,7 +22,8 @@ from .comments import COLUMNS, break_lines
 from .context import timing_macros
 from .declarations import Declaration, declarations_in, declarations_needed_by, names_of, without_settings
 from .device import DeviceView, views_of
-from .names import Passing, runtime_headers, runtime_version
+from .names import Passing
+from .runtime_texts import runtime_headers, runtime_version
 
 TEMPLATE = "single.h.jinja"
 #: The headers of the runtime that receive frames, in the order in which they include each other.
