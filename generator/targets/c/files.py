@@ -56,8 +56,6 @@ from .names import (
     describe_path,
     mask,
     number,
-    runtime_headers,
-    runtime_version,
     string,
     unsigned,
 )
@@ -76,6 +74,7 @@ from .package import (
 from .positions import Positions
 from .procedures import FilledRows
 from .runtime_files import needed_runtime
+from .runtime_texts import runtime_headers, runtime_version
 from .selftest import AllTests, FamilyTest, SelfTest, Work, own_test, selftest_files
 from .single import TEMPLATE as SINGLE_TEMPLATE
 from .single import SingleHeader, single_header, single_path, single_views

@@ -1,8 +1,7 @@
 """One header for one order code: what reads a position, cut from the headers of its interface and of the runtime.
 
-Functions and types are those of the headers that are generated for this order code alone. All names begin with the
-order code, so that several such headers, and the others, can be included together. Only the results and verdicts are
-shared, under their own guard.
+Functions and types are those of the headers for this order code alone. All names begin with the order code, so that
+several headers can be included together. Only the results and verdicts are shared, under their own guard.
 """
 
 from __future__ import annotations
