@@ -37,6 +37,9 @@ PATTERNS = {
     r"^[a-z][a-z0-9]*(_[a-z0-9]+)*\.[a-z][a-z0-9]*(_[a-z0-9]+)*$": (
         "it must be the names of a device and of one of its connectors or cables, as in tv62.m12_connector"
     ),
+    r"^interfaces(\.[a-z][a-z0-9]*(_[a-z0-9]+)*){2,}$": (
+        "it must be a place in an interface, as in interfaces.ssi.cable_lengths"
+    ),
     "^[a-z][a-z0-9]*$": "it must begin with a lowercase letter and contain only lowercase letters and digits",
     "^[a-z]{2}$": "a language code has two lowercase letters, as in en",
     "^[0-9]{4}-[0-9]{2}-[0-9]{2}$": "a date is written as year-month-day, as in 2024-05-10",

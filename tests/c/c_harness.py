@@ -340,7 +340,7 @@ def _takes(view: DeviceView) -> str:
         register = taker.name.removeprefix(f"{view.prefix}_take_")
         takes += _TAKE.replace("@register@", register).replace("@call@", taker.name)
     for question in view.alternatives:
-        takes += _ANSWER.replace("@alternative@", question.item.name).replace("@type@", question.type)
+        takes += _ANSWER.replace("@alternative@", question.alternative.name).replace("@type@", question.type)
     interface = view.interface.interface.name
     names = {parameter.name for parameter in view.device.parameters if parameter.interface == interface}
     for alternative in view.device.alternatives:

@@ -20,12 +20,20 @@ from typing import Any, NamedTuple
 import pytest
 from codewheel.loading.library import load_library
 from codewheel.targets import Library
+from python_path import new_packages
 
 pytestmark = pytest.mark.slow
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 FRAMES = 100_000
 Importer = Callable[[Library, str], tuple[Path, ModuleType]]
+
+
+@pytest.fixture(autouse=True)
+def _own_packages() -> Iterator[None]:
+    """Other tests have packages of the same manufacturers, with other encoders."""
+    with new_packages():
+        yield
 
 
 def package_of(import_generated: Importer, manufacturer: str, family: str) -> Any:

@@ -33,8 +33,8 @@ class Enum:
 class Struct:
     """A frame or register as a type. ``enums`` has the type of each member that is a choice.
 
-    ``code`` is the type of the order codes of its interface. ``measured`` is the member with the position if there is
-    a ``judgement`` on it, or empty.
+    ``code`` is the type of the order codes of its interface. ``position_member`` is the member with the position
+    if there is a ``judgement`` on it, or empty.
     """
 
     layout: Layout
@@ -46,7 +46,7 @@ class Struct:
     limits: Limits | None = None
     receiver: str = ""
     judgement: Judgement | None = None
-    measured: str = ""
+    position_member: str = ""
 
     @property
     def bits_to_decode(self) -> dict[str, Bits]:
@@ -72,12 +72,12 @@ class Struct:
     @property
     def is_joined(self) -> bool:
         """True if the position is several fields together."""
-        return self.measured in {join.name for join in self.layout.joins}
+        return self.position_member in {join.name for join in self.layout.joins}
 
     @property
     def position_type(self) -> str:
         """Return the type of the position."""
-        return "u64" if self.is_joined else self.type_of(self.layout.field(self.measured))
+        return "u64" if self.is_joined else self.type_of(self.layout.field(self.position_member))
 
     @property
     def is_extracted(self) -> bool:
@@ -150,7 +150,7 @@ class Family:
         measurement = self.device.measurement_of(interface.name)
         if judgement is None or measurement is None or measurement.of not in layout.member_names:
             return struct
-        return replace(struct, receiver=interface.name, judgement=judgement, measured=measurement.of)
+        return replace(struct, receiver=interface.name, judgement=judgement, position_member=measurement.of)
 
     def _register(self, register: Register) -> Struct:
         owners = {register_field.name: register.name for register_field in register.layout.fields}
