@@ -46,7 +46,7 @@ def test_the_index_leads_from_every_order_code_to_a_page_that_names_it(library: 
             assert device.interface(variant.interface).title in head
 
 
-def test_parity_bits_are_named_next_to_the_crc() -> None:
+def test_parity_bits_are_named_in_place_of_a_crc() -> None:
     """AMT21 has two check bits: odd parity of the odd and of the even bits of the position."""
     (device,), _ = load_library([ENCODERS / "cui" / "amt21.yaml"])
     (layout,) = [layout for layout in device.interfaces[0].layouts if layout.name == "position_reply"]

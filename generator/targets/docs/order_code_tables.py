@@ -309,7 +309,7 @@ def open_questions(device: Device, layout: Layout) -> Iterator[str]:
 def frame_facts(
     family_device: Device, layout: Layout, variant: Variant, choices: Sequence[str] = ()
 ) -> Iterator[tuple[str, str]]:
-    """Yield facts as label and text: the CRC, the parity bits, the flags, the ranges of signed fields, and the verdict.
+    """Yield facts as label and text: the CRC or the parity bits, the flags, the ranges of signed fields, and the verdict.
 
     ``choices`` are the names of the alternatives on the page, to which the verdicts link.
     """
@@ -318,16 +318,22 @@ def frame_facts(
     # The layout of a page is a copy with other notes. The family finds ranges only for its own layout objects.
     family_layout = member_named(family_device.interface(variant.interface).layouts, layout.name, "layout")
     placed_layout = family_layout.place(variant.parameters)
-    for placed_field in placed_layout.fields:
-        covered_fields = covered_by_parity_bit(placed_field.field)
-        if covered_fields is not None:
-            place = _place(placed_field, placed_layout)
-            yield "Parity", f"{code(placed_field.name)} ({place}). {MARKDOWN.phrase(covered_fields)}"
+    if crc is None:
+        yield from _parity_facts(placed_layout)
     yield from _flag_facts(placed_layout)
     for placed_field in placed_layout.fields:
         if isinstance(meaning_of(placed_field.field), TwosComplement):
             yield "Signed", _range_of_signed_number(family_device, placed_field, placed_layout)
     yield from _verdict_facts(family_device, family_layout, variant, choices, has_crc=crc is not None)
+
+
+def _parity_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
+    """Yield each parity bit with its place and the fields that it covers."""
+    for placed_field in placed_layout.fields:
+        covered_fields = covered_by_parity_bit(placed_field.field)
+        if covered_fields is not None:
+            place = _place(placed_field, placed_layout)
+            yield "Parity", f"{code(placed_field.name)} ({place}). {MARKDOWN.phrase(covered_fields)}"
 
 
 def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
