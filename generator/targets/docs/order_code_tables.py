@@ -309,7 +309,7 @@ def open_questions(device: Device, layout: Layout) -> Iterator[str]:
 def frame_facts(
     family_device: Device, layout: Layout, variant: Variant, choices: Sequence[str] = ()
 ) -> Iterator[tuple[str, str]]:
-    """Yield facts as label and text: the CRC or the parity bits, the flags, the ranges of signed fields, and the verdict.
+    """Yield facts as label and text: the CRC or parity bits, the flags, the ranges of signed fields, and the verdict.
 
     ``choices`` are the names of the alternatives on the page, to which the verdicts link.
     """
