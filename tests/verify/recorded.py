@@ -80,7 +80,9 @@ def _arguments(
     if not any(name in ("machine", "family", "run", "programs") or name.startswith("run_") for name in names):
         return
     rows: list[dict[str, Any]] = [{}]
-    for mark in getattr(function, "pytestmark", ()):
+    # Here, all cases of a test are called that make test runs in part.
+    marks = [mark for mark in getattr(function, "pytestmark", ()) if mark.name != "one_in"]
+    for mark in marks:
         rows = list(_rows(mark)) if mark.name == "parametrize" and len(rows) == 1 else []
     pairs = {"machine": tuple(devices), "family": FAMILIES}
     family_argument = next((name for name in names if name in pairs), "")
