@@ -424,16 +424,22 @@ def _rows_for_code(rows: tuple[_Row, ...], code: str) -> tuple[_Row, ...]:
 def _fits(only: str, code: str) -> bool:
     """Return whether an order code is among those of ``only``. An empty ``only`` means all of them.
 
-    ``...`` stands for any text and ``x`` for any one character. Commas separate several patterns. The hyphen after an
+    ``...`` stands for any text and ``x`` for any one character: ``X-2x, Y...`` fits ``X-24`` and ``Y8``. Commas
+    separate several patterns. The hyphen after an
     order code on a label counts as part of it.
     """
-    patterns = [re.escape(text.strip()) for text in only.split(",")]
-    expressions = [text.replace(r"\.\.\.", ".*").replace("…", ".*").replace("x", ".") for text in patterns]
-    return not only or any(re.fullmatch(expression, text) for expression in expressions for text in (code, f"{code}-"))
+    if not only:
+        return True
+    for pattern in only.split(","):
+        escaped = re.escape(pattern.strip())
+        expression = escaped.replace(r"\.\.\.", ".*").replace("…", ".*").replace("x", ".")
+        if re.fullmatch(expression, code) or re.fullmatch(expression, f"{code}-"):
+            return True
+    return False
 
 
 def _clock_for_code(clock: Clock, clocks: tuple[Clock, ...], code: str) -> Clock:
-    """Return the clock of an order code: the common one, or the one that applies to it."""
+    """Return the clock of an order code: the first of ``clocks`` that applies to it, or else ``clock``."""
     return next(iter(_rows_for_code(clocks, code)), clock)
 
 

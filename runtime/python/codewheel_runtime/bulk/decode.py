@@ -415,8 +415,10 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
 def _find_active_conditions(shape: Shape, out: Mapping[str, Any]) -> dict[Verdict, list[Any]]:
     """Return the conditions of each verdict: arrays that are True for the frames that meet one.
 
-    Conditions that no frame can meet are left out.
+    ``out`` has the decoded columns. The conditions on unused bits are left out if none of these bits differs from the
+    manual.
     """
+    # Each bit of this column is 1 where an unused bit differs from the manual.
     unused: Any = out.get("unused")
     any_unused_differs = bool(shape.unused) and unused.any()
     active_by_verdict: dict[Verdict, list[Any]] = {}
@@ -426,12 +428,13 @@ def _find_active_conditions(shape: Shape, out: Mapping[str, Any]) -> dict[Verdic
         elif condition.flag:
             is_active = out[condition.flag]
             for name in condition.unless:
-                # For bools, this is "where and not out[name]".
+                # For two bools, "greater" means True and False: the flag is active, and the other one is not.
                 is_active = np.greater(is_active, out[name])
         elif any_unused_differs:
-            # Bits of the mask above the type of the column do not occur.
-            possible_mask = condition.mask & ((1 << (8 * unused.itemsize)) - 1)
-            is_active = unused & unused.dtype.type(possible_mask) != 0
+            # NumPy requires that the mask fits the type of the column. Bits above that do not occur.
+            column_bits = 8 * unused.itemsize
+            possible_mask = condition.mask & ((1 << column_bits) - 1)
+            is_active = (unused & unused.dtype.type(possible_mask)) != 0
         else:
             continue
         active_by_verdict.setdefault(condition.verdict, []).append(is_active)

@@ -218,8 +218,9 @@ class _Piece(NamedTuple):
 def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstError) -> Iterator[_Piece]:
     """Yield the pieces of a field. Wrong values are added to ``first_error``.
 
-    A string has one piece for each character, and any other field one.
+    A string has one piece for each character, and any other field one. ``arrays`` has the columns by name.
     """
+    # Only decimal digits have several columns, which ``_encode_digits`` takes from ``arrays``.
     values = arrays[list_names(column)[0]]
     match column.kind:
         case "flag" | "not_flag":

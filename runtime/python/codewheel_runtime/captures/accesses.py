@@ -72,7 +72,8 @@ class Access(NamedTuple):
 class Accesses:
     """Finder of accesses. It follows the bits of successive cycles on both sides, master and slave.
 
-    ``_state`` is the method that follows the next cycle. ``_is_free`` is True outside a control frame. ``_zeros`` is
+    ``_state`` is the method that follows the next cycle. ``_time`` is the time at which the control frame began, and
+    ``_is_write`` is True if it writes. ``_is_free`` is True outside a control frame. ``_zeros`` is
     the number of CDM zeros since the last 1. ``_sent`` and ``_answers`` are the CDM and CDS bits of the header or byte,
     the last one in bit 0, and ``_bit_count`` is the number of its cycles so far. ``_head`` has CTS, ID and address.
     """
@@ -184,6 +185,7 @@ class Accesses:
             if head is None or not head.is_register_access:
                 self._end_access()
         elif self._bit_count == HEADER_BITS:
+            # The last two bits are R and W. Only one of them is 1: R for a read, W for a write.
             r_and_w = self._sent & 0b11
             self._is_write = r_and_w == 0b01
         elif self._bit_count == HEADER_BITS + 1:

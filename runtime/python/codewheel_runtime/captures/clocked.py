@@ -39,6 +39,9 @@ _LEAST: Final = 1e-12
 _SHORTEST_PERIOD: Final = 1e-6
 #: Number of edges of the clock that are needed to determine its period.
 _FEW: Final = 64
+#: Indices of the two signals of a capture.
+_CLOCK: Final = 0
+_DATA: Final = 1
 
 
 class Lost(NamedTuple):
@@ -100,6 +103,7 @@ def find_clocked_frames(
         early=0.5 if signals.is_sampled else 0.0,
         unit=unit,
     )
+    # Inside the finder, times are in the unit of the edges: ``unit`` seconds, or samples.
     for part in signals.edges:
         # None: no cycle is complete yet.
         stretch = finder.feed(part, name)
@@ -184,10 +188,11 @@ class _CycleFinder:
         self._levels = (1, 1)
         #: Beginning of the capture, of which the first cycle may be cut off. Minus infinity after the first cycles.
         self._begin = -np.inf
-        #: End of the stretch of the capture so far, and the amount of the file that has been read.
+        #: End of the capture so far, and the amount of the file that has been read.
         self._end, self._done = 0.0, 0
         #: Time without an edge of the clock after which a cycle has ended. 0 while it is not known.
         self._rest = 0.0
+        #: True once the clock has an edge, and True until the first stretch has arrived.
         self.is_clocked, self._is_new = False, True
 
     def feed(self, part: Edges, name: str) -> CapturedFrames | None:
@@ -213,10 +218,10 @@ class _CycleFinder:
         """Append the edges of the next stretch of the capture: those of the clock, then those of the data line."""
         # Only the first stretch shows the levels at the beginning.
         if self._is_new:
-            self._levels, self._begin = (part.levels[0], part.levels[1]), part.begin
+            self._levels, self._begin = (part.levels[_CLOCK], part.levels[_DATA]), part.begin
             self._is_new = False
-        self._clock = np.concatenate([self._clock, part.times[0]])
-        self._data = np.concatenate([self._data, part.times[1]])
+        self._clock = np.concatenate([self._clock, part.times[_CLOCK]])
+        self._data = np.concatenate([self._data, part.times[_DATA]])
         self._end, self._done = part.end, part.done
         self.is_clocked = self.is_clocked or len(self._clock) > 0
 
@@ -241,8 +246,8 @@ class _CycleFinder:
 
     def _find_ends(self) -> Any:
         """Return the index after the last edge of each cycle, also of the last one, which may not be complete."""
-        gaps = np.flatnonzero(np.diff(self._clock) > self._rest) + 1
-        return np.append(gaps, len(self._clock)) if len(self._clock) else gaps
+        ends = np.flatnonzero(np.diff(self._clock) > self._rest) + 1
+        return np.append(ends, len(self._clock)) if len(self._clock) else ends
 
     def _take_cycles(self, ends: Any, is_last: bool = False) -> CapturedFrames:
         """Return the frames in the cycles that end before the edges ``ends``, and forget the edges of these cycles."""
@@ -330,7 +335,7 @@ class _CycleFinder:
         return _Cycles(falls=falls, ends=ends, rises=rises, begin=begin, last=last, after=next_edges, period=period)
 
     def _find_biss_bits(self, cycles: _Cycles) -> _Bits:
-        """Return the bits after the start bit, which is the first rise of the data line after its first fall.
+        """Return the places of the bits after the start bit, the first rise of the data line after its first fall.
 
         If several reasons apply to a cycle, the last one that is set below counts.
         """
@@ -376,7 +381,7 @@ class _CycleFinder:
         )
 
     def _find_ssi_bits(self, cycles: _Cycles) -> _Bits:
-        """Return the bits, one for each rising edge. The first change of the data line shows its delay."""
+        """Return the places of the bits, one for each rising edge. The first change of the data shows the delay."""
         clock, falls = self._clock, cycles.falls
         last_edge = cycles.ends - 1
         first_rise = clock[np.minimum(falls + 1, last_edge)]
@@ -408,11 +413,11 @@ class _CycleFinder:
     def _list_lost_cycles(self, cycles: _Cycles, bits: _Bits) -> list[Lost]:
         """Return the cycles without a frame, with their reasons."""
         lost: list[Lost] = []
+        # Without a rest in front, the capture may have begun within the first cycle.
         is_first_cut = cycles.begin[0] - self._begin < self._rest
         for index in np.flatnonzero(bits.reasons):
-            reason = self._explain_loss(
-                int(bits.reasons[index]), int(bits.sent[index]), bool(index == 0 and is_first_cut)
-            )
+            is_cut = bool(index == 0 and is_first_cut)
+            reason = self._explain_loss(int(bits.reasons[index]), int(bits.sent[index]), is_cut)
             lost.append(Lost(float(cycles.begin[index]) * self._unit, reason))
         return lost
 

@@ -108,10 +108,12 @@ def _add_remaining_channel(signals: Sequence[_Signal], places: list[int | None])
     A place is None if it is not known. It stays None if the chosen name of the signal does not exist.
     """
     known = [place for place in places if place is not None]
-    has_unknown_name = any(signal[0] and place is None for signal, place in zip(signals, places, strict=True))
+    has_unknown_name = any(name and place is None for (name, _, _), place in zip(signals, places, strict=True))
     if len(known) != 1 or has_unknown_name:
         return places
-    return [1 - known[0] if place is None else place for place in places]
+    # The places are 0 and 1.
+    remaining = 1 - known[0]
+    return [remaining if place is None else place for place in places]
 
 
 #: Chosen name of a signal, its usual names, and the option that chooses it.

@@ -202,9 +202,14 @@ def _find_increment_rate(headers: _Headers) -> float | None:
 
 def _is_row(cells: Sequence[str]) -> bool:
     """Return whether all cells can be those of a row: numbers, a time stamp, or X for a channel that was off."""
-    return bool(cells) and all(
-        _is_number(cell) or cell == "X" or (not place and _is_stamp(cell)) for place, cell in enumerate(cells)
-    )
+    if not cells:
+        return False
+    for index, cell in enumerate(cells):
+        is_value = _is_number(cell) or cell == "X"
+        # Only the first cell can be a time stamp.
+        if not is_value and (index > 0 or not _is_stamp(cell)):
+            return False
+    return True
 
 
 def _is_stamp(cell: str) -> bool:

@@ -43,13 +43,16 @@ def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, s
     place, is_header = _find_frame_column(first_row, name, stored, shape)
     header = [cell.strip() for cell in first_row] if is_header else [""] * len(first_row)
     names = [cell or f"column_{number}" for number, cell in enumerate(header, 1)]
-    other_names = [(index, cell) for index, cell in enumerate(names) if index != place]
-    empty_columns = select_columns((cell for _, cell in other_names), stored, lambda _: [], name)
-    columns = [(index, cell) for index, cell in other_names if cell in empty_columns]
+    # The index and the name of each column other than that of the frames.
+    other_columns = [(index, column_name) for index, column_name in enumerate(names) if index != place]
+    other_names = tuple(column_name for _, column_name in other_columns)
+    empty_columns = select_columns(other_names, stored, lambda _: [], name)
+    columns = [(index, column_name) for index, column_name in other_columns if column_name in empty_columns]
     # Lines before the first row of frames: comments, empty lines and the header. ``start`` is their length in bytes.
     skipped = lines.number if is_header else lines.number - 1
     start = 0
     for _ in range(skipped):
+        # ``find`` returns -1 if no line follows, which becomes 0 here.
         start = head.find(b"\n", start) + 1 or len(head)
     if b"\r" in head[:start].replace(b"\r\n", b""):
         # A line ends with a single CR, which only the reader of rows counts. It reads from the beginning, so it skips
@@ -62,7 +65,7 @@ def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, s
         read_fast = make_block_reader(names, place, columns, delimiter, shape, stored.digits)
     csv_file = _CsvFile(name, stored, shape, share)
     parts = _read_parts(slow_reader, read_fast, chain([head[start:]], blocks), skipped, start, csv_file)
-    return Source(parts, size, tuple(cell for _, cell in other_names), empty_columns)
+    return Source(parts, size, other_names, empty_columns)
 
 
 def _open_text(blocks: Iterable[bytes]) -> io.TextIOWrapper:
@@ -107,7 +110,7 @@ class _SlowReader:
     def open(self, blocks: Iterable[bytes], lines: int, done: int) -> None:
         """Read these blocks. ``lines`` and ``done`` are the numbers of lines and bytes before these blocks."""
         self.lines = _Lines(_open_text(blocks), self.lines.name, lines, done)
-        self._rows = _open_rows(self.lines, self.delimiter)[1]
+        _, self._rows = _open_rows(self.lines, self.delimiter)
         if self._skips_header:
             next(self._rows, None)
             self._skips_header = False
@@ -256,7 +259,9 @@ def _open_rows(lines: _Lines, delimiter: str = "") -> tuple[str, Iterator[list[s
     while first_line and (not first_line.strip() or first_line.lstrip().startswith("#")):
         first_line = next(texts, "")
     delimiter = delimiter or max(",;\t", key=first_line.count)
-    return delimiter, _split_rows(lines, chain([first_line], texts), delimiter) if first_line else iter(())
+    if not first_line:
+        return delimiter, iter(())
+    return delimiter, _split_rows(lines, chain([first_line], texts), delimiter)
 
 
 def _split_rows(lines: _Lines, texts: Iterable[str], delimiter: str) -> Iterator[list[str]]:
@@ -293,6 +298,7 @@ def _find_frame_column(first_row: list[str], name: str, stored: Stored, shape: S
         return _FrameColumn(names.index(chosen), has_header=True)
     if chosen:
         is_number = chosen.isascii() and chosen.isdigit() and len(chosen) < 9
+        # -1 is the index of no column.
         index = int(chosen) - 1 if is_number else -1
         if not 0 <= index < len(names):
             raise InputError(name, "line 1", f"no column {short(chosen)}; the columns are {listed(names)}")

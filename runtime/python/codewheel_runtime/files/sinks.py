@@ -334,7 +334,8 @@ class _ArrowFormatter:
 
 def _convert_to_plain(column: Any) -> list[Any]:
     """Return the cells of a column of the source for CSV: a list, an Arrow array or a NumPy array."""
-    # Only Arrow arrays have ``to_pylist``, and only NumPy arrays have ``tolist`` but not that.
+    # Arrow arrays have ``to_pylist``. Only their cells can be None, bools or bytes, which CSV cannot hold. Lists have
+    # texts, and NumPy arrays, with ``tolist``, have numbers.
     if hasattr(column, "to_pylist"):
         return [_convert_cell(cell) for cell in column.to_pylist()]
     cells: list[Any] = column.tolist() if hasattr(column, "tolist") else column

@@ -353,8 +353,11 @@ class Derived:
         usable_rows = np.flatnonzero(table.usable)
         if len(usable_rows):
             # Unwrapping continues from the last position of the previous table.
-            previous = None if self._last is None else self._last[0]
-            self._last = (int(table.unwrapped(previous)[-1]), float(times[usable_rows[-1]]))
+            previous_position = None if self._last is None else self._last[0]
+            # Later frames without a usable position have the same count.
+            last_position = int(table.unwrapped(previous_position)[-1])
+            last_usable_row = usable_rows[-1]
+            self._last = (last_position, float(times[last_usable_row]))
         return extended
 
 
@@ -380,8 +383,8 @@ class _Counts:
 
     def summary(self, lost: int) -> Summary:
         """Return the counts, without verdicts that no frame has. ``lost`` is the number of cells left empty."""
-        order = [*Verdict]
-        verdicts = {order[place]: count for place, count in self._verdicts.items() if count}
+        all_verdicts = [*Verdict]
+        verdicts = {all_verdicts[index]: count for index, count in self._verdicts.items() if count}
         return Summary(self.frames, dict(sorted(self._faults.items())), verdicts, lost)
 
 

@@ -80,6 +80,7 @@ def _open_single_file(
     """
     head = file.read(HEADER)
     file.seek(0)
+    # Only these two formats begin with their own mark. They can contain zeros, and text cannot.
     if head.startswith(b"PK"):
         return _read_archive(stack, file, path, names, rate, threshold)
     if head.startswith(b"\x93NUMPY"):
@@ -88,6 +89,7 @@ def _open_single_file(
         raise InputError(path, "", "the file is empty")
     if b"\0" in head:
         raise InputError(path, "", f"this is not a capture: {HINT}")
+    # A value change dump begins with a command such as $date or $timescale.
     if head.lstrip().startswith(b"$"):
         return read_vcd_signals(file, path, names)
     return read_table_signals(file, path, head, names, rate, threshold)
@@ -125,7 +127,9 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: Names, rate: float
         config.read_string(text)
         devices = [dict(config[name]) for name in config.sections() if "capturefile" in config[name]]
         device: dict[str, str] = devices[0] if devices else {}
+        # Number of bytes of a sample, and the name of the files of samples without their numbers.
         size, stem = _parse_small_number(device.get("unitsize", "1")), device.get("capturefile", "")
+        # The names of the channels are the values of the keys probe1, probe2 and so on.
         probe_keys = [key for key in device if re.fullmatch(r"probe[0-9]{1,3}", key)]
         probes = {_parse_small_number(key[5:]): device[key] for key in probe_keys}
     except (KeyError, ConfigError, ValueError, *_DAMAGED):
@@ -152,7 +156,8 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: Names, rate: float
         sizes = f"{total / 1e9:.1f} GB unpacked, and at most {_MOST_UNPACKED / 1e9:.1f} GB are read"
         raise InputError(path, "", f"the samples have {sizes}: save a shorter session")
     parts = _unpack_samples(archive, entries, size, path)
-    return Signals(read_samples(parts, masks), 1 / sample_rate if sample_rate else None, True, total)
+    seconds = 1 / sample_rate if sample_rate else None
+    return Signals(read_samples(parts, masks), seconds=seconds, is_sampled=True, total=total)
 
 
 def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], path: str) -> Any:
@@ -165,7 +170,8 @@ def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], 
         InputError: No probe in use has this number.
     """
     text = name or ""
-    if not (text.isascii() and text.isdigit() and len(text) < 4) or text in probes.values():
+    is_number = text.isascii() and text.isdigit() and len(text) < 4
+    if not is_number or text in probes.values():
         return name
     if int(text) not in numbers:
         raise InputError(path, "", f"no channel {short(text)}; the channels are {listed([*probes.values()])}")
@@ -195,13 +201,12 @@ def _unpack_samples(
     try:
         for info in entries:
             with archive.open(info) as file:
-                while data := file.read(SAMPLES * size):
-                    done += len(data)
-                    data = remainder + data
-                    # Number of bytes of complete samples.
-                    whole_bytes = len(data) // size * size
-                    remainder = data[whole_bytes:]
-                    yield np.frombuffer(data, f"<u{size}", whole_bytes // size), done, None
+                while block := file.read(SAMPLES * size):
+                    done += len(block)
+                    data = remainder + block
+                    sample_count = len(data) // size
+                    remainder = data[sample_count * size :]
+                    yield np.frombuffer(data, f"<u{size}", count=sample_count), done, None
     except _DAMAGED as error:
         raise InputError(path, f"offset {done}", f"the samples are damaged: {error or 'they end early'}") from None
 
@@ -254,7 +259,7 @@ def _read_array_file(file: BinaryIO, path: str, names: Names, rate: float | None
     bits = places if channels is None else range(len(places))
     parts = _read_array_parts(file, dtype, channels, places)
     edges = read_samples(parts, tuple(1 << bit for bit in bits))
-    return Signals(edges, 1 / rate if rate else None, True)
+    return Signals(edges, seconds=1 / rate if rate else None, is_sampled=True)
 
 
 def _read_array_parts(
@@ -270,7 +275,8 @@ def _read_array_parts(
     while data := file.read(max(SAMPLES // row_width, 1) * row_bytes):
         done += len(data)
         # An incomplete row at the end is ignored.
-        samples = np.frombuffer(data, dtype, len(data) // row_bytes * row_width)
+        row_count = len(data) // row_bytes
+        samples = np.frombuffer(data, dtype, count=row_count * row_width)
         if channels is not None:
             yield pack_bits(samples.reshape(-1, row_width)[:, places]), done, None
             continue
@@ -444,4 +450,4 @@ def _read_saleae(files: Sequence[BinaryIO], paths: Sequence[str]) -> Signals:
     readers = [_Saleae(file, path) for file, path in zip(files, paths, strict=True)]
     edge_streams = [reader.edges() for reader in readers]
     edges = merge_edges(edge_streams, end=lambda: max(reader.end for reader in readers))
-    return Signals(edges, 1.0, False, sum(map(measure_size, files)))
+    return Signals(edges, seconds=1.0, is_sampled=False, total=sum(map(measure_size, files)))

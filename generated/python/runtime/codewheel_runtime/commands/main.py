@@ -157,7 +157,11 @@ def _make_parser(package: str) -> argparse.ArgumentParser:
     def add_command(
         name: str, run: Callable[..., int | None], summary: str, description: str = "", epilog: str = ""
     ) -> Any:
-        """Add a command with its summary, and return its parser."""
+        """Add a command with its summary, and return its parser.
+
+        ``run`` carries out the command. ``main`` finds it as ``run`` in the parsed arguments. It takes the name of the
+        package and these arguments, and can return an exit code.
+        """
         description = description or f"{summary[0].upper()}{summary[1:]}."
         parser = commands.add_parser(
             name, help=summary, description=description, epilog=epilog, formatter_class=formatter, allow_abbrev=False
@@ -256,7 +260,8 @@ def _decode(package: str, chosen: argparse.Namespace) -> int | None:
         if frame is not None:
             return _show(encoder, frame, chosen)
     if len(chosen.file) > 1:
-        raise Failed(f"expected one file or one frame, got {' '.join(chosen.file)[:60]!r}", USAGE)
+        arguments_text = " ".join(chosen.file)
+        raise Failed(f"expected one file or one frame, got {arguments_text[:60]!r}", USAGE)
     chosen.file = chosen.file[0]
     _decode_file(package, encoder, chosen)
     return DONE
@@ -265,17 +270,20 @@ def _decode(package: str, chosen: argparse.Namespace) -> int | None:
 def _parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
     """Return the frame that the arguments contain, or None if they are the name of a file.
 
-    Over RS-485 it is hexadecimal bytes. A frame of bits is a number in hexadecimal, or text of 0 and 1 with ``0b``.
+    Over RS-485, ``"1A 2B"`` is bytes. A frame of bits is a number in hexadecimal, such as ``1A2B`` or ``0x1A2B``, or
+    text of 0 and 1 such as ``0b0110``, which also shows its length. If the encoder only sends frames that are too long
+    for a number of 64 bits, whole bytes without ``0x`` are bytes.
     """
+    # Separators between bytes or digits are ignored.
     packed = re.sub("[ _,:]", "", text)
     if encoder.interface is Interface.RS485:
         packed = packed.removeprefix("0x")
         return bytes.fromhex(packed) if re.fullmatch("([0-9a-fA-F]{2})+", packed) else None
     if re.fullmatch("0b[01]+", packed):
         return packed
-    # Frames of more than 64 bits are decoded from bytes.
-    in_bytes = all(find_any_shape(frame_class, encoder).length for frame_class in find_kinds(encoder))
-    if in_bytes and re.fullmatch("([0-9a-fA-F]{2})+", packed):
+    # Frames of more than 64 bits are decoded from bytes, so their shapes have a length in bytes.
+    are_long_frames = all(find_any_shape(frame_class, encoder).length for frame_class in find_kinds(encoder))
+    if are_long_frames and re.fullmatch("([0-9a-fA-F]{2})+", packed):
         return bytes.fromhex(packed)
     return int(packed, 16) if re.fullmatch("(0x)?[0-9a-fA-F]{1,64}", packed) else None
 
@@ -293,7 +301,7 @@ def _list_other_frames(encoder: Encoder, frame: int | bytes | str, result: Any) 
     (decoded_kind,) = decoded_kinds
     names: list[str] = []
     for frame_class in find_kinds(encoder):
-        # Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
+        # A number in hexadecimal does not show its leading zeros, so a short frame would be valid as a long one.
         has_same_length = find_any_shape(frame_class, encoder).bits == find_any_shape(decoded_kind, encoder).bits
         may_fit = has_same_length or isinstance(result, LengthError)
         if frame_class is not decoded_kind and may_fit and _is_valid_as(frame_class, encoder, frame):
