@@ -165,7 +165,7 @@ class ControlHead:
 
     @classmethod
     def decode(cls, bits: int) -> ControlHead:
-        """Split the 11 bits."""
+        """Split the 11 bits: CTS in bit 10, the ID in bits 9 to 7, and the address in bits 6 to 0."""
         return cls(is_register_access=bool(bit_at(bits, 10)), slave_id=(bits >> 7) & 0x7, address=bits & 0x7F)
 
     @classmethod
@@ -296,7 +296,8 @@ class Request:
 
     def _check_echo(self, answers: int) -> Outcome:
         """Return the outcome of 18 answers, from IDL0 in bit 17 to W in bit 0. RUNNING if the slave participates."""
-        # With all answers 1, CDS never changes. IDL0 is the first answer, followed by those of the other IDs.
+        # With all answers 1, CDS never changes. IDL0 is the first answer, followed by those of the other IDs: a 1 shows
+        # that a slave has taken the ID.
         has_taken_id = bit_at(answers, _ECHO_BITS - 1 - self.slave_id)
         if answers == _ALL_ONES or not has_taken_id:
             return Outcome.NO_ANSWER
@@ -376,9 +377,14 @@ class Answer:
 
 
 def _count_slaves(idl: int) -> int:
-    """Return how many slaves have taken an ID, according to IDL0 (bit 15) to IDL15 (bit 0). 9 means more than 8."""
-    # Slaves take IDs from 0 on, so their number is that of the ones before the first 0.
-    return min(9, 16 - (~idl & 0xFFFF).bit_length())
+    """Return how many slaves have taken an ID, according to IDL0 (bit 15) to IDL15 (bit 0). 9 means more than 8.
+
+    Three slaves give ``0b1110_0000_0000_0000``.
+    """
+    # Slaves take IDs from 0 on, so their number is that of the ones before the first 0. In the inverted bits, this is
+    # the highest 1.
+    inverted = ~idl & 0xFFFF
+    return min(9, 16 - inverted.bit_length())
 
 
 class _Phase(Enum):
@@ -415,13 +421,14 @@ class Master:
         self._requests: tuple[Request, ...] = ()
         #: Number of zeros that were sent since the last 1.
         self._zeros = 0
-        #: Number of CDS bits in ``_answers``, which are those of this phase, the last one in bit 0.
+        #: Number of CDS bits in ``_answer_bits``.
         self._bit_count = 0
         #: Number of successive frames in which the slave was busy, and the allowed number.
         self._busy_count = 0
         self._busy_limit = 0
         #: CDM bits of this phase, the first one highest: CTS to W, or a byte and its CRC.
         self._bits_to_send = 0
+        #: CDS bits of this phase, the last one in bit 0.
         self._answer_bits = 0
 
     def read(self, address: int, count: int = 1, *, slave_id: int = 0, busy_limit: int) -> None:
@@ -438,7 +445,7 @@ class Master:
             RangeError: The ID or the address is out of range, or the registers extend beyond 3Fh or 7Fh. Nothing is
                 sent.
         """
-        # This bounds the list, whatever the count is.
+        # A value of None reads a register. One more than allowed is enough for the error, so the list stays short.
         values: list[int | None] = [None] * min(whole_number("count", count), REGISTERS + 1)
         self._begin_frame(slave_id, address, values, busy_limit)
 
@@ -459,7 +466,10 @@ class Master:
         self._begin_frame(slave_id, address, list(as_bytes(data)), busy_limit)
 
     def _begin_frame(self, slave_id: int, address: int, values: list[int | None], busy_limit: int) -> None:
-        """Start a control frame, and forget the state of the previous one."""
+        """Start a control frame, and forget the state of the previous one.
+
+        ``values`` has the byte to write for each register from ``address`` on, or None to read it.
+        """
         slave_id = whole_number("slave_id", slave_id)
         address = whole_number("address", address)
         head = Request(slave_id, address, values[0] if values else None).encode()
@@ -649,7 +659,8 @@ class RegisterBus:
         """Carry out BiSS frames until the access ends. Raises AccessError if it fails."""
         while self._master.outcome is Outcome.RUNNING:
             received = self._exchange(self._cdm)
-            self._cdm = self._master.next(received[0] if isinstance(received, tuple) else received)
+            cds = received[0] if isinstance(received, tuple) else received
+            self._cdm = self._master.next(cds)
         if self._master.outcome is not Outcome.DONE:
             raise AccessError(self._master.outcome, address)
 

@@ -181,11 +181,13 @@ class _Procedure:
         written = self._stored_registers.get(step.address)
         if written is None:
             addresses = range(step.address, step.address + step.length)
+            # If no step wrote one of these bytes, it is missing here.
             written = bytes(self._stored_bytes[address] for address in addresses if address in self._stored_bytes)
         if len(written) < step.length:
             raise ValueError(f"no earlier step wrote to {step.register}, so it cannot be verified")
         data = self._read(step)
-        if (int.from_bytes(written, step.order) ^ int.from_bytes(data, step.order)) & step.mask:
+        differing_bits = int.from_bytes(written, step.order) ^ int.from_bytes(data, step.order)
+        if differing_bits & step.mask:
             raise VerifyError(step.register, step.address, written, data, step.mask)
 
     def _read(self, step: Read | Modify | Poll | Verify) -> bytes:
@@ -256,6 +258,7 @@ def _check_reply(step: Send, reply: bytes) -> None:
     for byte in reply[:-1]:
         crc ^= byte
     if step.reply_ends_in_xor and crc != reply[-1]:
+        # After an echo, the reply repeats the first byte of the request. So a request of one byte comes twice.
         echo = ". Is it an echo of the request?" if reply.startswith(step.request * 2) else ""
         raise ValueError(f"{reply_text}: expected CRC {crc:#04x}, got {reply[-1]:#04x}{echo}")
 

@@ -69,6 +69,7 @@ def watch(
         RuntimeError: The encoder never answered. This is the error that ``reader`` raised.
     """
     screen = _Screen(encoder, place, out or sys.stdout, recorder, is_shown)
+    # Number of readings so far, and the time at which the next one is to start.
     done, due = 0, 0.0
     try:
         while count is None or done < count:
@@ -165,12 +166,14 @@ class _Screen:
         It starts again if the range of the positions has changed. Without a known range, it is the position.
         """
         try:
-            valid = self._encoder.range_of(frame_class)
+            position_range = self._encoder.range_of(frame_class)
         except ValueError:
             return position
-        is_first = self._count is None or valid != self._range
-        self._range = valid
-        return valid.unwrap(position if is_first or self._count is None else self._count, position)
+        has_same_range = position_range == self._range
+        self._range = position_range
+        # The first position is the count from which unwrapping starts.
+        previous = self._count if self._count is not None and has_same_range else position
+        return position_range.unwrap(previous, position)
 
     def _update(self, now: float) -> None:
         """Draw the readings if the last drawing is old enough."""
@@ -180,6 +183,7 @@ class _Screen:
 
     def _draw(self) -> None:
         """Draw the readings over the previous ones."""
+        # The last column stays empty, because some terminals would begin a new line.
         columns = shutil.get_terminal_size().columns - 1
         head = f"{self._encoder.code}, {self._encoder.interface.title}, {self._place}    Ctrl-C ends"
         lines = [head, *(f"{name:<10}{value}" for name, value in (*self._list_values(), *self._list_state()))]
@@ -207,6 +211,7 @@ class _Screen:
     def _list_state(self) -> list[tuple[str, str]]:
         """Return the rows of alarms, rate and errors: labels and texts."""
         reports = self._frame.reports if self._frame is not None else ()
+        # Times of all frames in the last half second, also of those without a usable position.
         times = [time for time, _ in self._recent]
         span = times[-1] - times[0] if times else 0.0
         # Between n times there are n - 1 readings.

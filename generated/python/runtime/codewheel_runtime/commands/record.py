@@ -163,5 +163,5 @@ def open_recorder(target: str, kind: RecordKind | None, force: bool) -> Generato
 
 
 def _round(seconds: float) -> float:
-    """Return a time with microseconds."""
+    """Return a time rounded to microseconds."""
     return round(seconds, 6)
