@@ -336,7 +336,8 @@ def unwrap(
     After 1023, the position 2 of 1024 is the count 1026. ``lowest`` and ``highest`` are the limits of ``position``, by
     default 0 and ``modulus - 1``.
     """
-    limits = (lowest, modulus - 1 if highest is None else highest)
+    highest_position = modulus - 1 if highest is None else highest
+    limits = (lowest, highest_position)
     previous = whole_number("previous", previous)
     position = check_limits("position", position, limits)
     # The difference modulo ``modulus`` is moved to minus half to half of it, which is the nearest count.
@@ -406,7 +407,8 @@ def crc_of_bytes(data: Data, *, width: int, poly: int, init: int, refin: bool, r
     data = as_bytes(data)
     number = 0
     for byte in data:
-        number = (number << 8) | (_reverse_bits(byte, 8) if refin else byte)
+        next_byte = _reverse_bits(byte, 8) if refin else byte
+        number = (number << 8) | next_byte
     return crc_of_bits(number, 8 * len(data), width=width, poly=poly, init=init, refout=refout, xorout=xorout)
 
 

@@ -226,7 +226,8 @@ class OrderCode(NamedTuple):
     ) -> OrderCodeError:
         """Return the error for valid parts that cannot be combined.
 
-        It names each part of which another listed value would make a listed code.
+        It names each part of which another listed value would make a listed code. ``text`` is the label, and
+        ``part_texts`` has the text of each part. ``listed_values`` has its listed value, or None.
         """
         names: list[str] = []
         for part in self.parts:

@@ -184,7 +184,8 @@ def is_consistent(
 ) -> bool:
     """Return whether a register has the expected value. True if it was not read completely.
 
-    ``is_expected`` decides for its bytes. If they cannot be decoded, the value is not the expected one.
+    ``register_bytes`` are the bytes that were read, by address. ``is_expected`` decides for its bytes. If they cannot
+    be decoded, the value is not the expected one.
     """
     addresses = range(address, address + length)
     data = [register_bytes[byte_address] for byte_address in addresses if byte_address in register_bytes]

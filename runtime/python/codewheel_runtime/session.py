@@ -207,13 +207,15 @@ class Session:
         if value is None:
             # Reports with the verdict of the frame are the reasons for it. The first sentence of each is enough.
             meanings = (report.meaning for report in frame.reports if report.makes_position is frame.verdict)
-            reasons = "; ".join(text.partition(". ")[0] for text in meanings) or frame.verdict.value
+            first_sentences = (meaning.partition(". ")[0] for meaning in meanings)
+            reasons = "; ".join(first_sentences) or frame.verdict.value
             raise NotUsableError(f"the position of {self.encoder.code} is not usable: {reasons}", frame)
         return value
 
     def read(self, request: Any = None) -> Work[PositionFrame]:
         """Request a frame with the position, with ``request`` or with factory defaults."""
-        frame = yield from self.exchange(self._make_position_request() if request is None else request)
+        position_request = self._make_position_request() if request is None else request
+        frame = yield from self.exchange(position_request)
         return cast(PositionFrame, frame)
 
     def _make_position_request(self) -> Any:
@@ -451,7 +453,7 @@ class Session:
         return max(reply_s, third_quartile)
 
     def _take_reply(self, found_reply: FoundReply, received: bytes, pending: PendingRequest) -> bytes:
-        """Return the reply, and count other replies. Raises an error if they differ."""
+        """Return the reply among the ``received`` bytes, and count other replies. Raises an error if they differ."""
         if found_reply.same_kind or found_reply.other_kinds:
             self._count_replies_beside(found_reply, received)
         else:
@@ -573,7 +575,8 @@ class Session:
     ) -> LinkError:
         """Return the error for bytes without a valid reply of an encoder without data IDs.
 
-        It is that the reply is incomplete, or has another value than the request, or is invalid.
+        It is that the reply is incomplete, or has another value than the request, or is invalid. ``request_text`` names
+        the request, and ``bytes_text`` has the received bytes.
         """
         if len(received) < pending.kind.length:
             text = f"incomplete reply to {request_text}: {len(received)} of {pending.kind.length} bytes, {bytes_text}"

@@ -282,7 +282,9 @@ class Request:
             raise ConstantError("CTS", 0, 1)
         if access_bits not in (_READS, _WRITES):
             raise ConstantError("R W S", access_bits >> 14, _READS >> 14)
-        trailing_zeros = word & (0x3 if is_write else 0x3FFF)
+        # To write, the two bits after the byte and its CRC. To read, all 14 bits after R W S.
+        trailing_mask = 0x3 if is_write else 0x3FFF
+        trailing_zeros = word & trailing_mask
         if trailing_zeros:
             raise ConstantError("the zeros at the end", trailing_zeros, 0)
         return cls(head.slave_id, head.address, value)
@@ -321,7 +323,8 @@ class Request:
         """
         if self.value is not None:
             is_repeated = answers == encode_byte(self.value)
-            return (Outcome.DONE if is_repeated else Outcome.BAD_ECHO), None
+            outcome = Outcome.DONE if is_repeated else Outcome.BAD_ECHO
+            return outcome, None
         try:
             return Outcome.DONE, decode_byte(answers)
         except CrcError:
@@ -472,7 +475,8 @@ class Master:
         """
         slave_id = whole_number("slave_id", slave_id)
         address = whole_number("address", address)
-        head = Request(slave_id, address, values[0] if values else None).encode()
+        first_value = values[0] if values else None
+        head = Request(slave_id, address, first_value).encode()
         # The access ends at 3Fh or 7Fh.
         count_limit = REGISTERS - address % REGISTERS
         if not 0 < len(values) <= count_limit:
@@ -532,9 +536,12 @@ class Master:
         if self._bit_count <= HEADER_BITS:
             # The first call, with one answer, returns CTS, the highest bit.
             return bit_at(self._bits_to_send, HEADER_BITS - self._bit_count)
-        # R and W follow the IDL bits.
-        self.slaves = _count_slaves(self._answer_bits >> 2)
-        echo = self._requests[0]._check_echo(self._answer_bits)
+        # R and W, the last two answers, follow the IDL bits.
+        idl = self._answer_bits >> 2
+        self.slaves = _count_slaves(idl)
+        # The header is that of the first register.
+        first_request = self._requests[0]
+        echo = first_request._check_echo(self._answer_bits)
         if echo is not Outcome.RUNNING:
             return self._end_access(echo)
         return self._request_register()

@@ -59,7 +59,8 @@ _MOST_EXTRA_BYTES: Final = 3
 def _explain_dead_line(encoder: Sender, frame: object, has_crc: bool) -> str:
     """Return the description of a dead line, or an empty string if the line changes.
 
-    On a dead line nothing is received, or at least 12 bits that are all equal.
+    On a dead line nothing is received, or at least 12 bits that are all equal. Without a CRC or another check
+    (``has_crc``), such bits can also be a valid frame.
     """
     received = _convert_to_number(frame, _count_frame_bits(encoder))
     if received is None:

@@ -256,8 +256,9 @@ class SerialTransport:
             return first_byte + bytes(self._port.read(self._port.in_waiting)) if first_byte else b""
         from select import select
 
-        # Without a wait (timeout=0), the port returns at most this many bytes that have arrived.
-        return bytes(self._port.read(4096)) if select([handle], [], [], timeout_s)[0] else b""
+        # ``select`` waits. The port itself does not (timeout=0), and returns at most this many bytes that have arrived.
+        readable, _, _ = select([handle], [], [], timeout_s)
+        return bytes(self._port.read(4096)) if readable else b""
 
     def close(self) -> None:
         """Close the port."""

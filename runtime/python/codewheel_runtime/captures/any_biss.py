@@ -167,7 +167,10 @@ def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tupl
             unused.append(Unused(low, width, value=0, place=unused_width))
             unused_width += width
         else:
-            columns.append(Column(name, low, width, "not_flag" if name in _FLAGS else "number"))
+            # The flags of BiSS are active low.
+            columns.append(Column(name, low, width, kind="not_flag" if name in _FLAGS else "number"))
+    # Without a flag, nothing says whether the position is usable.
+    has_flag = any(name in widths for name in _FLAGS)
     return Shape(
         bits,
         columns=tuple(columns),
@@ -176,7 +179,7 @@ def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tupl
         checks=tuple(checks),
         crc=crc,
         position="position" if "position" in widths else "",
-        default_verdict=Verdict.USABLE if _FLAGS.keys() & widths.keys() else Verdict.UNKNOWN,
+        default_verdict=Verdict.USABLE if has_flag else Verdict.UNKNOWN,
         verdict_causes=tuple(VerdictCause(verdict, flag) for flag, verdict in _FLAGS.items() if flag in widths),
     )
 

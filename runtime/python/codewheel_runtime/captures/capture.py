@@ -11,7 +11,7 @@ from functools import partial
 from importlib import import_module
 from math import isfinite
 from types import MappingProxyType
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, Literal, NamedTuple
 
 from ..bulk.decode import decode_many
 from ..bulk.shape import Shape
@@ -85,11 +85,12 @@ class Probes(NamedTuple):
             raise UsageError(f"threshold must be a number, got {self.threshold!r}")
 
     def names(self, is_serial: bool) -> Names:
-        """Return the channels by their names or numbers."""
+        """Return the choice of the channels. A serial line has no clock."""
         for channel in (self.clock, self.data):
             if not isinstance(channel, (str, int)) or isinstance(channel, bool):
                 raise UsageError(f"a channel is a name or a number from 1, got {channel!r}")
-        return Names(None if is_serial else str(self.clock), str(self.data))
+        clock = None if is_serial else str(self.clock)
+        return Names(clock=clock, data=str(self.data))
 
 
 def _is_finite(number: object) -> bool:
@@ -174,7 +175,7 @@ class _Log:
         """Count the lost cycles, accesses and other frames of a stretch."""
         for cycle in stretch.lost:
             # After the colon, a reason quotes the received bytes, which differ each time.
-            reason = cycle.reason.partition(":")[0]
+            reason, _, _ = cycle.reason.partition(":")
             self.reasons[reason] = self.reasons.get(reason, 0) + 1
         # Number of lost cycles that can still be kept, or None for all of them.
         free = None if self._limit is None else max(self._limit - len(self.lost), 0)
@@ -223,6 +224,8 @@ def _open_capture(
 ) -> Generator[_CaptureFrames, None, None]:
     """Open a capture, and yield its frames. With ``exchanged``, the clock and the data line are exchanged.
 
+    For the other arguments, see ``read_capture``. ``probes`` has those about the connection and the timing.
+
     Raises:
         UsageError: Captures of this encoder are not read, or a rate or another number is not one.
     """
@@ -265,7 +268,8 @@ def _find_replies(
 ) -> _CaptureFrames:
     """Return the replies among the bytes on a serial line.
 
-    The first stretch is read at once, because it shows the kind of the replies, and so their shape.
+    The first stretch is read at once, because it shows the kind of the replies, and so their shape. ``name`` is that of
+    the file, for errors. For the other arguments, see ``read_capture``.
 
     Raises:
         InputError: There is no valid reply.
@@ -291,17 +295,21 @@ def _find_frames(
     layout: str,
     answers: Mapping[str, Any],
 ) -> _CaptureFrames:
-    """Return the frames in the signals of a capture, with the column ``time``, or ``sample`` without a sample rate."""
+    """Return the frames in the signals of a capture, with the column ``time``, or ``sample`` without a sample rate.
+
+    ``name`` is that of the file, for errors. For the other arguments, see ``read_capture``.
+    """
     time_column = "sample" if signals.seconds is None else "time"
     if isinstance(encoder, Encoder) and encoder.interface is Interface.RS485:
         line = read_serial_bytes(signals, _find_baud_rate(encoder, probes))
         opened = _find_replies(encoder, line, name, probes, layout, answers)
         return opened._replace(time_column=time_column, total=signals.total)
     is_ssi = isinstance(encoder, Encoder) and encoder.interface is Interface.SSI
+    interface_name: Literal["biss", "ssi"] = "ssi" if is_ssi else "biss"
     shape = find_shape(encoder, layout, answers) if isinstance(encoder, Encoder) else encoder.shape
     if shape.bits > 64:
         raise UsageError(f"frames of {shape.bits} bits do not fit into words of 64")
-    stretches = find_clocked_frames(signals, name, "ssi" if is_ssi else "biss", shape.bits, probes.rest)
+    stretches = find_clocked_frames(signals, name, interface_name, shape.bits, probes.rest)
     return _CaptureFrames(stretches, shape, time_column, signals.total)
 
 
@@ -502,7 +510,10 @@ def _decode_capture(
     progress: Callable[[int, int | None, int], None] | None,
     report_exchanged_lines: Callable[[], None],
 ) -> CaptureSummary:
-    """Decode a capture into a file. If no frame is valid, ``report_exchanged_lines`` can raise InputError."""
+    """Decode a capture into a file. If no frame is valid, ``report_exchanged_lines`` can raise InputError.
+
+    ``opening`` opens the capture, and ``sources`` are its files. For ``limit`` and ``progress``, see ``decode_file``.
+    """
     log = _Log(_SHOWN)
     with opening as opened, open_for_writing(output.target, sources, output.force) as file:
         time_column = opened.time_column

@@ -62,6 +62,7 @@ def read_table_signals(
     """Return the signals of a table: columns of 0 and 1, with one row per sample or a time in the first column.
 
     Columns can also have voltages. Those above ``threshold`` are 1. By default, it is in the middle of their range.
+    ``head`` are the first bytes of the file, and ``rate`` the sample rate in Hz, if it is chosen.
     """
     form = find_table_form(path, head)
     places = names.places(form.channels, path)
@@ -80,6 +81,8 @@ def _read_table_parts(
     file: BinaryIO, path: str, form: TableForm, columns: list[int], threshold: float | None
 ) -> Generator[tuple[Any, int, Any], None, None]:
     """Yield the levels of some rows, the amount read, and their times, or None if the table has no times.
+
+    ``columns`` are the indices of the columns of the signals. ``path`` is for errors.
 
     Raises:
         InputError: The times are not in ascending order, or a cell is wrong.

@@ -84,7 +84,8 @@ class Names(NamedTuple):
             raise InputError(file, "", f"expected channels of a clock and a data line, got {listed(list(channels))}")
         places: list[int | None] = []
         for name, usual_names, _ in signals:
-            places.append(_find_place(channels, name) if name else _find_usual_place(channels, usual_names))
+            place = _find_place(channels, name) if name else _find_usual_place(channels, usual_names)
+            places.append(place)
         has_choice = any(name for name, _, _ in signals)
         if None in places and not has_choice and len(channels) == len(signals):
             # Of two channels with other names, the first one is the clock.

@@ -334,13 +334,15 @@ def _show(encoder: Encoder, frame: int | bytes | str, chosen: argparse.Namespace
         print(json.dumps(values, ensure_ascii=False))
     elif isinstance(result, FrameError):
         more = other_frames or result.hint
-        raise Failed(f"{result}. {more}" if more else result)
+        message: object = f"{result}. {more}" if more else result
+        raise Failed(message)
     else:
         width = max(map(len, values))
         for name, value in values.items():
             print(f"{name:<{width}}  {_convert_to_plain(value)}")
         for report in result.reports:
-            print(f"\n{report.name}: {report.meaning}" + (f"\n  {report.remedy}" if report.remedy else ""))
+            remedy_line = f"\n  {report.remedy}" if report.remedy else ""
+            print(f"\n{report.name}: {report.meaning}{remedy_line}")
         if other_frames:
             print(f"\n{other_frames}")
     if isinstance(result, FrameError):
@@ -412,6 +414,7 @@ def _decode_file(package: str, encoder: Encoder, chosen: argparse.Namespace) -> 
 def _report(summary: Summary, chosen: argparse.Namespace) -> None:
     """Print the summary, to standard error if the table goes to standard output. Raises Failed for too many errors."""
     out = sys.stderr if chosen.output == "-" else sys.stdout
-    print(json.dumps(summary.to_dict()) if chosen.json else summary, file=out)
+    summary_text = json.dumps(summary.to_dict()) if chosen.json else str(summary)
+    print(summary_text, file=out)
     if 100 * summary.error_rate > chosen.max_errors:
         raise Failed(f"{summary.error_rate:.0%} of the frames have an error; --max-errors is {chosen.max_errors:g}")

@@ -103,8 +103,9 @@ def make_block_reader(
 ) -> Callable[[bytes], Block | None] | None:
     """Return a function that reads a block, or None if pyarrow is not installed.
 
-    The function returns None if a cell is missing, or is not a frame in the usual form. ``place`` is the index of the
-    column of frames, and ``kept_columns`` have the index and the name of each other column.
+    The function returns None if a cell is missing, or is not a frame in the usual form. ``names`` are those of all
+    columns. ``place`` is the index of the column of frames, and ``kept_columns`` have the index and the name of each
+    other column to keep. ``digits`` is the base of numbers without ``0x``.
     """
     try:
         pa: Any = load("pyarrow")

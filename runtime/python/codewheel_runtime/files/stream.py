@@ -252,7 +252,7 @@ def _decode_file(
     limit: int | None,
     progress: Callable[[int, int | None, int], None] | None,
 ) -> Summary:
-    """Decode a file into a file of columns, part by part.
+    """Decode a file into a file of columns, part by part. For ``limit`` and ``progress``, see ``decode_file``.
 
     Raises:
         UsageError: Speeds are requested, but the source has no column ``time``, or has a column of the same name.
@@ -306,13 +306,15 @@ def decode_parts(
         raise UsageError(f"limit must be at least 0, got {limit}")
     counts = _Counts()
     for part in read.parts:
-        # As many rows as the limit leaves.
-        rows = slice(None if limit is None else limit - counts.frames)
+        # As many rows as the limit leaves, or all.
+        rows_left = None if limit is None else limit - counts.frames
+        rows = slice(rows_left)
         table = decode_many(part.frames[rows], shape, encoder)
         counts.add(table)
         if len(table.fault):
             other_columns = {name: column[rows] for name, column in part.other_columns.items()}
-            sink.write(table if derived is None else derived(table, other_columns), other_columns)
+            extended_table = table if derived is None else derived(table, other_columns)
+            sink.write(extended_table, other_columns)
         if progress is not None:
             progress(part.done, read.total, counts.frames)
         if limit is not None and counts.frames >= limit:
@@ -391,7 +393,8 @@ class _Counts:
 def make_plan(empty: Table, read: Source, columns: Sequence[str], source: str, raw: bool) -> Plan:
     """Return the columns to write: the requested ones, or the other columns of the file and all fields.
 
-    ``empty`` is a table without frames, which shows the fields.
+    ``empty`` is a table without frames, which shows the fields. ``read`` is the source, ``source`` its name for errors,
+    and ``columns`` are the requested columns, or none. With ``raw``, positions that are not usable are also written.
 
     Raises:
         UsageError: A requested column does not exist, or a column of the file has the name of a field.

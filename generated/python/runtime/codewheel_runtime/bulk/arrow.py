@@ -38,7 +38,8 @@ def read_column(column: Any, shape: Shape) -> Any:
 def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: int = 0) -> Any:
     """Convert an Arrow column to the form that ``decode_many`` expects. Missing items are masked or None.
 
-    ``done`` is the number of rows of the file that were read before. If it is 0, most of these cells must be frames.
+    Text is read in the base ``digits``, see ``read_text``. ``done`` is the number of rows of the file that were read
+    before. If it is 0, most of these cells must be frames.
 
     Raises:
         NoFrame: Most of the first cells of text are not frames.
@@ -120,7 +121,7 @@ def read_byte_cells(items: Iterable[bytes | None], shape: Shape) -> list[Any]:
 
 
 def _read_each(items: Iterable[str | None], shape: Shape, digits: DigitKind | None, is_first: bool) -> list[Any]:
-    """Return the frame in each text cell, or None for a cell without a frame.
+    """Return the frame in each text cell, or None for a cell without a frame. ``digits`` is the base of numbers.
 
     Raises:
         NoFrame: ``is_first`` is True, and most cells contain no frame.

@@ -105,8 +105,8 @@ def find_clocked_frames(
     )
     # Inside the finder, times are in the unit of the edges: ``unit`` seconds, or samples.
     for part in signals.edges:
-        # None: no cycle is complete yet.
         stretch = finder.feed(part, name)
+        # Without a complete cycle, there is no stretch yet.
         if stretch is not None:
             yield stretch
     if not finder.is_clocked:
@@ -310,7 +310,8 @@ class _CycleFinder:
         cds = np.full(len(cycles.falls), -1, np.int64)
         cds[good] = levels[:, 0]
         # CDM is the inverse of the clock's level during the time-out.
-        timeout_level = self._levels[0] ^ (cycles.ends & 1)
+        clock_level, _ = self._levels
+        timeout_level = clock_level ^ (cycles.ends & 1)
         return ControlBits(times=cycles.begin * self._unit, cds=cds, cdm=timeout_level ^ 1)
 
     def _find_cycles(self, starts: Any, ends: Any) -> _Cycles:
@@ -318,7 +319,8 @@ class _CycleFinder:
         clock = self._clock
         # The level before edge n is the first level, inverted if n is odd. After a low level, the next edge rises, and
         # the one after it is the first that falls.
-        is_low_before = (starts & 1) == self._levels[0]
+        clock_level, _ = self._levels
+        is_low_before = (starts & 1) == clock_level
         falls = starts + is_low_before
         # Time of the first edge after each cycle. After the last cycle there may be none.
         next_edges = np.append(clock, np.inf)[ends]
@@ -359,7 +361,9 @@ class _CycleFinder:
     def _find_start_bits(self, cycles: _Cycles) -> _StartBits:
         """Return the start bits: the data line goes low as an acknowledgement, and rises with the start bit."""
         clock, falls = self._clock, cycles.falls
+        # Index of the first edge of the data line in each cycle.
         first_index = np.searchsorted(self._data, cycles.begin, "left")
+        _, data_level = self._levels
         # Edges that are missing at the end come never.
         data_edges = np.append(self._data, [np.inf, np.inf])
         data_fall = data_edges[first_index]
@@ -372,7 +376,7 @@ class _CycleFinder:
         acknowledgement = np.where(np.isfinite(data_fall), data_fall, 0)
         late_periods = np.maximum(np.floor((acknowledgement - second_rise) / cycles.period), 0)
         return _StartBits(
-            first_level=self._levels[1] ^ (first_index & 1),
+            first_level=data_level ^ (first_index & 1),
             data_fall=data_fall,
             data_rise=data_rise,
             rise_number=rise_number,
@@ -442,7 +446,8 @@ class _CycleFinder:
         middles = timing.find_middles()
         # An odd number of edges before a time inverts the first level.
         edge_counts = np.searchsorted(self._data, middles.ravel(), "right").reshape(middles.shape)
-        return (edge_counts & 1) ^ self._levels[1]
+        _, data_level = self._levels
+        return (edge_counts & 1) ^ data_level
 
     def _explain_loss(self, reason: int, bits_sent: int, is_cut: bool) -> str:
         """Return the reason why a cycle was lost. ``is_cut`` is True if the capture may begin within it."""

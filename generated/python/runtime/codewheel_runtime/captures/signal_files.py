@@ -76,7 +76,8 @@ def _open_single_file(
 ) -> Signals:
     """Return the signals of a file, whose format its first bytes show.
 
-    The formats are a ZIP file (sigrok or NumPy), a NumPy file, a VCD file, and a table of text.
+    The formats are a ZIP file (sigrok or NumPy), a NumPy file, a VCD file, and a table of text. ``stack`` closes an
+    archive. For the other arguments, see ``open_signals``.
     """
     head = file.read(HEADER)
     file.seek(0)
@@ -106,7 +107,7 @@ _DAMAGED: Final = (zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSErr
 def _read_archive(
     stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: float | None, threshold: float | None
 ) -> Signals:
-    """Return the signals of a ZIP file: a session of sigrok, or arrays of NumPy."""
+    """Return the signals of a ZIP file, which ``stack`` closes: a session of sigrok, or arrays of NumPy."""
     try:
         archive = stack.enter_context(zipfile.ZipFile(file))
         file_names = archive.namelist()
@@ -389,7 +390,9 @@ class _Saleae:
         if version not in (0, 1):
             raise InputError(path, "", f"Saleae's binary format {version} is not supported: export as CSV")
         self._has_rate = version == 1
-        self.chunks = struct.unpack("<Q", self._read_exactly(8))[0] if version == 1 else 1
+        self.chunks = 1
+        if self._has_rate:
+            (self.chunks,) = struct.unpack("<Q", self._read_exactly(8))
         # The latest end of a chunk so far, in seconds. The first level and the number of edges of the first chunk.
         self.end = 0.0
         self._ready = (0, 0)
@@ -406,7 +409,9 @@ class _Saleae:
     def _read_chunk(self) -> tuple[int, int]:
         """Read the header of the next chunk. Return its first level and the number of its edges, which follow."""
         # First level, sample rate in version 1, begin, end and number of edges.
-        header = struct.Struct("<IdddQ" if self._has_rate else "<IddQ")
+        header_format = "<IdddQ" if self._has_rate else "<IddQ"
+        header = struct.Struct(header_format)
+        # The sample rate is not used, because times are in seconds.
         level, *_, begin, end, count = header.unpack(self._read_exactly(header.size))
         if not (np.isfinite(begin) and np.isfinite(end)) or level > 1:
             raise InputError(self._path, "", "this Saleae file is damaged")
@@ -420,7 +425,7 @@ class _Saleae:
         The first one has no edges, but shows the level at the beginning.
         """
         last_time = -np.inf
-        level = self._ready[0]
+        level, _ = self._ready
         yield level, np.zeros(0), self._file.tell()
         for chunk_index in range(self.chunks):
             first_level, count = self._ready if not chunk_index else self._read_chunk()

@@ -135,7 +135,8 @@ class _Screen:
         if self._recorder is not None:
             reports = " ".join(report.name for report in frame.reports)
             self._recorder.write(Reading(now - self._began, position, frame.verdict.value, reports, ""))
-        self._recent.append((now, None if position is None else self._count))
+        usable_count = None if position is None else self._count
+        self._recent.append((now, usable_count))
         while self._recent and now - self._recent[0][0] > _SPAN_S:
             self._recent.popleft()
         self._update(now)
@@ -227,7 +228,8 @@ class _Screen:
         """Return the number of failures of each kind as text: ``2 of 9 readings failed: 2 no reply``."""
         total = self.frames + self.failures
         kinds = ", ".join(f"{count} {kind}" for kind, count in self._errors.most_common())
-        return f"{self.failures} of {total} readings failed" + (f": {kinds}" if kinds else "")
+        kinds_text = f": {kinds}" if kinds else ""
+        return f"{self.failures} of {total} readings failed{kinds_text}"
 
     def _measure_speed(self) -> str:
         """Return the speed over the recent readings, with its unit, or ``-`` with fewer than two usable positions."""

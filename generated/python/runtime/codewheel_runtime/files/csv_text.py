@@ -265,7 +265,7 @@ def _open_rows(lines: _Lines, delimiter: str = "") -> tuple[str, Iterator[list[s
 
 
 def _split_rows(lines: _Lines, texts: Iterable[str], delimiter: str) -> Iterator[list[str]]:
-    """Yield rows, without empty ones and # comments."""
+    """Yield rows, without empty ones and # comments. ``texts`` are the lines, and ``lines`` counts them for errors."""
     try:
         for row in csv.reader(texts, delimiter=delimiter):
             # The row counts if its first cell is not empty and no comment, or if any other cell is not empty.
@@ -287,7 +287,8 @@ def _find_frame_column(first_row: list[str], name: str, stored: Stored, shape: S
     """Return the column of frames.
 
     The column is the requested one, by name or by number from 1, or the only one, or one named ``frame`` or ``word``.
-    Names are those of a header. Otherwise the first row is a header if its cell in the column is not a frame.
+    Names are those of a header. Otherwise the first row is a header if its cell in the column is not a frame. ``name``
+    is that of the file, for errors, and ``stored.column`` the request.
 
     Raises:
         InputError: There is no such column.

@@ -86,7 +86,7 @@ class PartitionDecoder(NamedTuple):
 def _read_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
     """Convert a pandas column to the form that ``decode_many`` expects. Missing items are None or NaN.
 
-    Numbers stay an array. Other columns become a list of cells.
+    Numbers stay an array. Other columns become a list of cells. ``digits`` is the base of numbers in text.
 
     Raises:
         ValueError: Most cells of text contain no frame.

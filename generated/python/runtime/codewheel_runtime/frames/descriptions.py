@@ -84,5 +84,6 @@ def decoding_arguments(kind: type, /, **arguments: object) -> tuple[object, ...]
     They are ``variant``, which is the encoder, and the answers to open questions. Others are ignored.
     """
     fields: tuple[str, ...] = cast(Any, kind)._fields
+    # The first fields of a class are the arguments of the function for its description.
     needed_fields = fields[: len(find_description(kind)[1])]
     return tuple(arguments[name] for name in needed_fields)
