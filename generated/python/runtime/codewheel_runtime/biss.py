@@ -530,7 +530,10 @@ class Master:
         return 0
 
     def _follow_header(self, cds: int) -> int:
-        """Return the bits of steps 2 and 3 (CTS to W), then S once R W is answered."""
+        """Return the CDM bits of steps 2 and 3: CTS, ID, ADR, their CRC, R and W. The bit after them is S.
+
+        If the slave refuses or does not answer, this bit is 0 and ends the access.
+        """
         self._answer_bits = append_bit(self._answer_bits, cds)
         self._bit_count += 1
         if self._bit_count <= HEADER_BITS:
@@ -569,7 +572,7 @@ class Master:
         return bit_at(self._bits_to_send, BYTE_BITS - 1)
 
     def _follow_byte(self, cds: int) -> int:
-        """Return the bits of steps 5 to 7: the rest of DATA and CRC, P, and S if a register follows."""
+        """Return the CDM bits of steps 5 to 7: the rest of DATA and CRC, P, and S if a register follows."""
         has_sent_p = self._bit_count == BYTE_BITS
         if has_sent_p:
             # This answer is that to P: 1 refuses the next register.
@@ -803,7 +806,10 @@ class Slave:
         return 1
 
     def _follow_header(self, cdm: int, upstream: int) -> int:
-        """Return the answer of steps 2 and 3 to a bit: first the IDL bits up to the CRC, then R and W."""
+        """Return the answer to a CDM bit of steps 2 and 3, which are in the table of this module.
+
+        The answers to CTS, ID, ADR and their CRC are the IDL bits. Those to R and W follow.
+        """
         self._received = append_bit(self._received, cdm)
         self._bit_count += 1
         if self._bit_count <= ADDRESS_BITS:
@@ -825,6 +831,7 @@ class Slave:
 
     def _answer_w_bit(self, cdm: int) -> int:
         """Return the answer to W: the same bit, or the inverse to refuse the register."""
+        # W is bit 0, and R was received before it.
         r_bit = bit_at(self._received, 1)
         self._is_write = bool(cdm)
         if r_bit == cdm:
@@ -838,7 +845,10 @@ class Slave:
         return cdm
 
     def _follow_start(self, cdm: int, upstream: int) -> int:
-        """Return the answer of step 4 to S: 1 once every request is fulfilled, 0 while the slave is busy."""
+        """Return the answer of step 4 to S, the start bit of a register: 0 while the slave is busy, otherwise 1.
+
+        The slave is busy until the program has fulfilled its request (``wants``).
+        """
         if not cdm:
             self._leave_frame()
             return upstream
@@ -850,7 +860,7 @@ class Slave:
         return 1
 
     def _follow_byte(self, cdm: int) -> int:
-        """Return the answer of steps 5 and 6 to a bit.
+        """Return the answer to a CDM bit of steps 5 and 6: of a byte and its CRC, and then of P.
 
         In a read, it is a bit of the byte and its CRC, in a write the received bit. Then P is 1 to refuse the next
         register.

@@ -180,8 +180,9 @@ class Scale(NamedTuple):
         counts = number * self.numerator + self.offset
         # Rounded to the nearest number of units of the last decimal: adding half of the denominator, then dividing.
         size = (2 * abs(counts) * 10**self.places + self.denominator) // (2 * self.denominator)
+        sign = "-" if counts < 0 and size else ""
         # Arithmetic with decimals would round to the precision of the context.
-        return Decimal(f"{'-' if counts < 0 and size else ''}{size}E-{self.places}")
+        return Decimal(f"{sign}{size}E-{self.places}")
 
 
 class FieldFacts(NamedTuple):

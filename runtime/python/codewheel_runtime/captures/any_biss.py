@@ -213,7 +213,7 @@ def _parse_field(text: str) -> _Field:
 
 
 def _parse_crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
-    """Return the field of a CRC. ``numbers`` are its polynomial and, if it is not 0, its start value.
+    """Return the field of a CRC in ``text``. ``numbers`` are its polynomial and, if it is not 0, its start value.
 
     ``crc=6:0x43`` has the numbers ``[0x43]``, and its field the polynomial ``0x03``: the highest bit is left out.
 

@@ -364,14 +364,16 @@ class _CycleFinder:
         # Index of the first edge of the data line in each cycle.
         first_index = np.searchsorted(self._data, cycles.begin, "left")
         _, data_level = self._levels
-        # Edges that are missing at the end come never.
+        # After the last edge, the data line never changes again: its next edges are at infinity.
         data_edges = np.append(self._data, [np.inf, np.inf])
         data_fall = data_edges[first_index]
         data_rise = data_edges[first_index + 1]
+        # Edges of the clock from the first falling one up to this rise. The second one is rising edge 0, and every
+        # second one after it rises too.
         edges_before_rise = np.searchsorted(clock, data_rise, "right") - falls
         rise_number = edges_before_rise // 2 - 1
-        # The first rising edge follows the first falling one, and every second edge rises.
         start_edge = falls + 1 + 2 * np.maximum(rise_number, 0)
+        # The slave acknowledges at the second rising edge, three edges after the first falling one.
         second_rise = clock[np.minimum(falls + 3, cycles.ends - 1)]
         acknowledgement = np.where(np.isfinite(data_fall), data_fall, 0)
         late_periods = np.maximum(np.floor((acknowledgement - second_rise) / cycles.period), 0)

@@ -81,7 +81,7 @@ def _open_single_file(
     """
     head = file.read(HEADER)
     file.seek(0)
-    # Only these two formats begin with their own mark. They can contain zeros, and text cannot.
+    # Binary formats begin with a fixed mark. All other files are text, which has no bytes of 0.
     if head.startswith(b"PK"):
         return _read_archive(stack, file, path, names, rate, threshold)
     if head.startswith(b"\x93NUMPY"):
@@ -310,7 +310,7 @@ def _load_arrays(archive: zipfile.ZipFile, path: str) -> _Arrays:
         elif array.ndim:
             channels[name] = array
         elif name.lower() in _RATES and array > 0:
-            # An array without dimensions is a single number.
+            # An array without dimensions is a single number. If there are several rates, the first one counts.
             rate = rate or float(array)
     return _Arrays(channels, times, rate)
 

@@ -336,7 +336,9 @@ class _Replies:
         """
         longest = np.zeros(len(self._values) + 1, np.int64)
         for shape in self._kinds.requests.values():
-            longest = np.maximum(longest, shape.length * self._find_valid_starts(shape))
+            # True counts as 1, so this is the length where a request begins, and 0 elsewhere.
+            lengths_of_kind = shape.length * self._find_valid_starts(shape)
+            longest = np.maximum(longest, lengths_of_kind)
         lengths: list[int] = longest.tolist()
         return lengths
 

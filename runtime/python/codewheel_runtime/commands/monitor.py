@@ -254,11 +254,15 @@ def _convert_to_unit(encoder: Any, position: int | None) -> tuple[str, str]:
 
     The value is ``-`` for None, and for encoders whose manual gives no size of a count.
     """
-    if hasattr(encoder, "millimetres"):
-        return "length", "-" if position is None else f"{encoder.millimetres(position):.4f} mm"
+    measures_length = hasattr(encoder, "millimetres")
+    name = "length" if measures_length else "angle"
+    if position is None:
+        return name, "-"
+    if measures_length:
+        return name, f"{encoder.millimetres(position):.4f} mm"
     if hasattr(encoder, "degrees"):
-        return "angle", "-" if position is None else f"{encoder.degrees(position):.5f}°"
-    return "angle", "-"
+        return name, f"{encoder.degrees(position):.5f}°"
+    return name, "-"
 
 
 def _name_error(error: RuntimeError) -> str:

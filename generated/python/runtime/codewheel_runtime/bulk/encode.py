@@ -358,8 +358,8 @@ def _insert_join(
 def _insert_unused(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:
     """Insert unused bits as in the manual, inverted where the column ``unused`` of ``arrays`` is 1.
 
-    The column has all unused bits side by side: ``place`` is a position in it, and ``low`` one in the frame. Without the
-    column, all are as in the manual.
+    The column has all unused bits side by side: ``place`` is a position in it, and ``low`` one in the frame. Without
+    the column, all are as in the manual.
     """
     no_differences = np.zeros(len(limbs[0]), np.uint8)
     differences = arrays.get("unused", no_differences)

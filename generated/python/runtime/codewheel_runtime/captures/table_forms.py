@@ -182,7 +182,8 @@ def _find_time_unit(headers: _Headers, first_rows: Sequence[list[str]]) -> float
     if unit is None and _are_numbered(first_rows):
         return 0.0
     # A name such as ``TIME`` has no unit. Times with fractions are then seconds.
-    if unit == 0 and headers.names is not None and _is_time(headers.names[0]) and _have_fractions(first_rows):
+    is_named_time = headers.names is not None and _is_time(headers.names[0])
+    if unit == 0 and is_named_time and _have_fractions(first_rows):
         return 1.0
     return unit
 

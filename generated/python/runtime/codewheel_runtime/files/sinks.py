@@ -334,7 +334,7 @@ class _ArrowFormatter:
 
 def _convert_to_plain(column: Any) -> list[Any]:
     """Return the cells of a column of the source for CSV: a list, an Arrow array or a NumPy array."""
-    # Arrow arrays have ``to_pylist``. Only their cells can be None, bools or bytes, which CSV cannot hold. Lists have
+    # Arrow arrays have ``to_pylist``. Only their cells can be None, bools or bytes, which become text here. Lists have
     # texts, and NumPy arrays, with ``tolist``, have numbers.
     if hasattr(column, "to_pylist"):
         return [_convert_cell(cell) for cell in column.to_pylist()]
