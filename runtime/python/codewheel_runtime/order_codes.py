@@ -161,12 +161,14 @@ class OrderCode(NamedTuple):
         # A part of the code itself may look like /Sxxx, so only text after the code is treated as this suffix.
         match = re.fullmatch(f"{self._make_expression()}{_AFTER}", text, re.IGNORECASE)
         if match is not None:
-            return self._make_label(text, match, {part.name: match[part.name] for part in self.parts}, codes)
+            texts = {part.name: match[part.name] for part in self.parts}
+            return self._make_label(text, match, texts, codes)
         for spelling in self.also_written:
             match = re.fullmatch(f"{self._make_spelling_expression(spelling)}{_AFTER}", text, re.IGNORECASE)
             if match is not None:
                 texts = {part.name: spelling.listed_text(part.name, match[part.name]) for part in self.parts}
-                return self._make_label(text, match, texts, codes)._replace(written_as_in=spelling.where)
+                split_label = self._make_label(text, match, texts, codes)
+                return split_label._replace(written_as_in=spelling.where)
         raise self._unknown_code_error(text, family, codes)
 
     def _make_label(
@@ -360,8 +362,8 @@ def _match_any(texts: Iterable[str]) -> str:
 
 def _join_pattern(pattern: str, expressions: Mapping[str, str]) -> str:
     """Return the pattern as a regular expression, with a named group for each part: ``X\\-(?P<bits>12|16)``."""
+    # Every second piece is the name of a part: ["X-", "bits", ""] for X-{bits}. The others are text.
     pieces = _BRACES.split(pattern)
-    # Every second piece is the name of a part.
     pieces[::2] = [re.escape(_remove_blanks(text)) for text in pieces[::2]]
     pieces[1::2] = [f"(?P<{name}>{expressions[name]})" for name in pieces[1::2]]
     return "".join(pieces)

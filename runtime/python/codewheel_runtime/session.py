@@ -292,7 +292,8 @@ class Session:
         deadline = self.clock() + seconds
         discarded = b""
         while (remaining_s := deadline - self.clock()) > 0:
-            discarded = (discarded + (yield Ask(b"", remaining_s)))[-_MOST_BYTES:]
+            further_bytes = yield Ask(b"", remaining_s)
+            discarded = (discarded + further_bytes)[-_MOST_BYTES:]
         self._discard(discarded)
 
     def drain(self) -> Work[None]:
@@ -501,6 +502,7 @@ class Session:
             if not more:
                 break
             waiting = (waiting + more)[-_MOST_BYTES:]
+            # Before the first request, nothing can settle.
             quiet_s = self._settle_s(self._last_request) if self._last_request is not None else 0.0
         self._discard(waiting)
 
@@ -553,12 +555,14 @@ class Session:
             return DisturbedError(text, received)
         if self.exchanges:
             return self._exchange_error(received, pending, request_text, bytes_text)
-        odd = self._find_sign_of_other_encoder(received, pending)
+        # Why the bytes seem to be from another kind of encoder. Empty if they do not.
+        suspicion = self._find_sign_of_other_encoder(received, pending)
         # 1 in 256 corrupted replies has a valid CRC, so one odd reply proves nothing.
-        self._odd_replies = self._odd_replies + 1 if odd else 0
+        self._odd_replies = self._odd_replies + 1 if suspicion else 0
         if self._odd_replies > 1:
             text = (
-                f"the reply {bytes_text} to {request_text} is from another kind of encoder: {odd}; check the order code"
+                f"the reply {bytes_text} to {request_text} is from another kind of encoder: {suspicion}; "
+                "check the order code"
             )
             return WrongEncoderError(text, received)
         if received[0] in self.kinds and received[0] != kind.control:

@@ -123,7 +123,10 @@ class _Procedure:
         self._before: dict[int, tuple[str, bytes]] = {}
 
     def carry_out(self, steps: Sequence[Step], progress: Callable[[int, int, Step], object] | None) -> None:
-        """Carry out steps. If one fails, the encoder is put back as far as possible."""
+        """Carry out steps. If one fails, the registers are closed and restored as far as possible.
+
+        ``progress`` is called before each step with its index, the number of steps, and the step.
+        """
         from logging import getLogger
 
         logger = getLogger("codewheel_runtime")
@@ -141,7 +144,10 @@ class _Procedure:
                 logger.warning("step %d of %d failed: %r; left open: %s", index + 1, count, error, open_text)
                 if not isinstance(error, Exception):
                     raise
-                raise StepError(step, index, tuple(steps[:index]), left_open, str(error) or repr(error)) from error
+                done = tuple(steps[:index])
+                # Some errors have no text.
+                reason = str(error) or repr(error)
+                raise StepError(step, index, done, left_open, reason) from error
 
     def do(self, step: Step) -> None:
         """Carry out one step, and remember what it changed."""

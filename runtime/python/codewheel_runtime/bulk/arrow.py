@@ -100,8 +100,8 @@ def _read_rows(array: Any, length: int) -> Any:
         start = array.offset * length
         data = buffers[1]
     else:
-        wide = load("pyarrow").types.is_large_binary(arrow_type)
-        all_offsets = np.frombuffer(buffers[1], np.int64 if wide else np.int32)
+        has_wide_offsets = load("pyarrow").types.is_large_binary(arrow_type)
+        all_offsets = np.frombuffer(buffers[1], np.int64 if has_wide_offsets else np.int32)
         offsets = all_offsets[array.offset : array.offset + count + 1]
         if (np.diff(offsets) != length).any():
             return None

@@ -152,6 +152,7 @@ class CaptureSummary(NamedTuple):
         lost = sum(self.lost.values())
         parts = [str(self.frames), f"{lost} lost"]
         if self.access_count:
+            # ``count_units`` only adds an s.
             parts.append(count_units(self.access_count, "register access").replace("accesss", "accesses"))
         parts += [f"{count} {name}" for name, count in self.others.items()]
         return ", ".join(parts)

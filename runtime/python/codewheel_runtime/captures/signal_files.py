@@ -234,10 +234,11 @@ class _ArrayForm(NamedTuple):
 
 def _read_array_form(file: BinaryIO, path: str) -> _ArrayForm:
     """Read the header of a NumPy file, and leave the file at its first sample."""
-    form = np.lib.format
+    numpy_format = np.lib.format
     try:
-        version = form.read_magic(file)
-        read_header = form.read_array_header_1_0 if version == (1, 0) else form.read_array_header_2_0
+        version = numpy_format.read_magic(file)
+        is_first_version = version == (1, 0)
+        read_header = numpy_format.read_array_header_1_0 if is_first_version else numpy_format.read_array_header_2_0
         shape, is_fortran, dtype = read_header(file)
     except Exception:  # The parser of the header raises many types.
         raise InputError(path, "", "this is not a valid NumPy file") from None

@@ -48,7 +48,8 @@ def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, s
     other_names = tuple(column_name for _, column_name in other_columns)
     empty_columns = select_columns(other_names, stored, lambda _: [], name)
     columns = [(index, column_name) for index, column_name in other_columns if column_name in empty_columns]
-    # Lines before the first row of frames: comments, empty lines and the header. ``start`` is their length in bytes.
+    # Number of lines before the first row of frames: comments, empty lines and the header. ``start`` is their length in
+    # bytes. The line that was read last is the first row, which can be the header.
     skipped = lines.number if is_header else lines.number - 1
     start = 0
     for _ in range(skipped):
@@ -171,17 +172,17 @@ def _read_parts(
     for block in blocks:
         can_be_fast = read_fast is not None and has_a_row_per_line(block)
         has_whole_lines = block.endswith(b"\n")
-        parsed = read_fast(block) if read_fast is not None and can_be_fast and has_whole_lines else None
-        if parsed is not None:
-            lines += parsed.lines
+        fast_block = read_fast(block) if read_fast is not None and can_be_fast and has_whole_lines else None
+        if fast_block is not None:
+            lines += fast_block.lines
             done += len(block)
-            cells.seen += len(parsed.frames)
-            if is_first and len(parsed.frames):
-                _check_first_cells(cells, parsed.first, csv_file)
+            cells.seen += len(fast_block.frames)
+            if is_first and len(fast_block.frames):
+                _check_first_cells(cells, fast_block.first, csv_file)
                 is_first = False
             # The next block can end with an incomplete row, which is compared with this cell.
-            slow_reader.remember_last_cell(parsed.last)
-            yield Part(parsed.frames, done, parsed.other_columns)
+            slow_reader.remember_last_cell(fast_block.last)
+            yield Part(fast_block.frames, done, fast_block.other_columns)
             continue
         # After a quote, a row can continue in the next block.
         ends_here = can_be_fast and ends_with_row(block, slow_reader.delimiter)

@@ -43,16 +43,16 @@ def find_class_encoder(frame: Any) -> Encode:
         return encode_first
     by_answers: dict[tuple[Any, ...], Encode] = {frame[encoder_count:argument_count]: encode_first}
 
-    def encode(frame: Any) -> Any:
-        """Encode a frame with the function for its answers."""
-        answers = frame[encoder_count:argument_count]
+    def encode(next_frame: Any) -> Any:
+        """Encode a frame of this class with the function for its answers."""
+        answers = next_frame[encoder_count:argument_count]
         try:
             encode_frame = by_answers[answers]
         except (KeyError, TypeError):
             # The answers are new, or not hashable. This raises an error if a field is not an answer.
-            encode_frame = make_encoder(kind, frame[:argument_count])
+            encode_frame = make_encoder(kind, next_frame[:argument_count])
             by_answers[answers] = encode_frame
-        return encode_frame(frame)
+        return encode_frame(next_frame)
 
     return encode
 

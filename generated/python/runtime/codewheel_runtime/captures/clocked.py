@@ -345,7 +345,9 @@ class _CycleFinder:
         data_rise = start_bits.data_rise
         # CDS and the frame need this many rising edges after the start bit.
         rises_needed = self._bits + 1
+        # The slave sent the start bit ``late_periods`` edges before the one after which it arrived.
         rises_after_start = cycles.rises - 1 - (start_bits.rise_number - start_bits.late_periods)
+        # After the last edge, the start bit can still be on the line for its delay.
         latest_start = cycles.last + cycles.period * (start_bits.late_periods + 2)
         latest_acknowledgement = np.minimum(cycles.after, cycles.last + _DELAY * cycles.period)
         has_no_start = (data_rise > latest_start) | (data_rise >= cycles.after) | (start_bits.rise_number < 0)

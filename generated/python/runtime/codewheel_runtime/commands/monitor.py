@@ -137,6 +137,7 @@ class _Screen:
             self._recorder.write(Reading(now - self._began, position, frame.verdict.value, reports, ""))
         usable_count = None if position is None else self._count
         self._recent.append((now, usable_count))
+        # The first item of each reading is its time.
         while self._recent and now - self._recent[0][0] > _SPAN_S:
             self._recent.popleft()
         self._update(now)

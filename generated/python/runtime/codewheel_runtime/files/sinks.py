@@ -97,11 +97,13 @@ class Texts:
                 try:
                     return cells.cast(self.kind)
                 except self._pa.ArrowInvalid:
-                    pass  # Some cells are empty or not numbers. They are examined below.
+                    # Some cells are empty or not numbers. They are examined below.
+                    pass
             compute: Any = load("pyarrow.compute")
             texts = compute.utf8_trim_whitespace(cells)
             texts = compute.if_else(compute.equal(texts, ""), None, texts)
         else:
+            # The cells are a list of texts.
             texts = self._pa.array([cell.strip() or None for cell in cells], self._pa.string())
         if self.kind is None:
             self.kind = self._find_type(texts)
