@@ -168,6 +168,7 @@ class Scale(NamedTuple):
         for places in range(reduced.bit_length()):
             if 10**places % reduced == 0:
                 return places
+        # A unit of the last decimal must be at most a tenth of a count, which is numerator / denominator.
         places = 0
         while 10**places * self.numerator < 10 * self.denominator:
             places += 1

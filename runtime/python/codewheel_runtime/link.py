@@ -257,8 +257,9 @@ class SerialTransport:
         from select import select
 
         # ``select`` waits. The port itself does not (timeout=0), and returns at most this many bytes that have arrived.
+        most_bytes = 4096
         readable, _, _ = select([handle], [], [], timeout_s)
-        return bytes(self._port.read(4096)) if readable else b""
+        return bytes(self._port.read(most_bytes)) if readable else b""
 
     def close(self) -> None:
         """Close the port."""

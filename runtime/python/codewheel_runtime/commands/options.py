@@ -79,7 +79,7 @@ def add_input(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_max_errors(add: Callable[..., object], failure: str) -> None:
-    """Add the option ``--max-errors``."""
+    """Add the option ``--max-errors``. ``failure`` says what counts, for its help: ``frames have an error``."""
     add(
         "--max-errors",
         type=_parse_percent,

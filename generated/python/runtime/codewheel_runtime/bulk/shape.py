@@ -272,11 +272,13 @@ def group_unused_bits(shape: Shape) -> tuple[UnusedGroup, ...]:
 
     Bits with the same shift from the frame to ``unused`` form a group if they begin in the same byte of the frame.
     """
+    # The key is the shift and the index of the byte.
     by_shift: dict[tuple[int, int], list[Unused]] = {}
     for unused in shape.unused:
         by_shift.setdefault((unused.low - unused.place, unused.low // 8), []).append(unused)
     groups: list[UnusedGroup] = []
     for group in by_shift.values():
+        # The bits with the lowest place in the frame.
         first = min(group)
         mask = value = 0
         for unused in group:

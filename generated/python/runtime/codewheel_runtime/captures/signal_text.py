@@ -119,6 +119,7 @@ class _RowReader:
         It stops at the first rows if they have no voltages: all cells are whole numbers, or some are not finite. With
         ``threshold``, the columns always have voltages.
         """
+        # The lowest and the highest voltage of each column, block by block.
         ranges: list[Any] = []
         for block, line, _ in self.blocks_of_rows(file):
             cells = self._read_numbers(block, line, self._columns)
@@ -265,6 +266,7 @@ def _read_regular_rows(block: bytes, delimiter: str | None, columns: list[int]) 
         if not (rows[:, offset] == first_row[offset]).all():
             return None
     characters = rows[:, [cell_offsets[column] for column in columns]]
+    # Characters below 0 wrap around, so all others than 0 and 1 become more than 1.
     levels = characters - np.uint8(ord("0"))
     return pack_bits(levels) if (levels <= 1).all() else None
 

@@ -209,8 +209,8 @@ def _is_row(cells: Sequence[str]) -> bool:
         return False
     for index, cell in enumerate(cells):
         is_value = _is_number(cell) or cell == "X"
-        # Only the first cell can be a time stamp.
-        if not is_value and (index > 0 or not _is_stamp(cell)):
+        is_stamp_in_front = index == 0 and _is_stamp(cell)
+        if not is_value and not is_stamp_in_front:
             return False
     return True
 

@@ -403,5 +403,9 @@ def make_plan(empty: Table, read: Source, columns: Sequence[str], source: str, r
     if unknown:
         known_columns = ", ".join([*read.names, *empty.names])
         raise UsageError(f"no column '{unknown[0][:40]}'; the columns are {known_columns}")
-    check_apart(read.empty_columns, [name for name in empty.names if name not in empty.others], source)
-    return Plan(tuple(dict.fromkeys(columns or (*read.empty_columns, *empty.names))), read.empty_columns, empty, raw)
+    field_names = [name for name in empty.names if name not in empty.others]
+    check_apart(read.empty_columns, field_names, source)
+    written_names = columns or (*read.empty_columns, *empty.names)
+    # Each name once, in the order of the first.
+    names = tuple(dict.fromkeys(written_names))
+    return Plan(names=names, source_columns=read.empty_columns, empty=empty, raw=raw)
