@@ -556,9 +556,10 @@ class Master:
         return 1
 
     def _follow_start(self, cds: int) -> int:
-        """Return the CDM bit of step 4: S = 1 until the slave answers 1, and then DATA7.
+        """Return the CDM bit of step 4: S = 1, which asks the slave to look up a register, until the slave answers 1.
 
-        An answer of 0 means that the slave is busy. After ``_busy_limit`` of them, the access ends.
+        Then return DATA7, the first bit of the byte. An answer of 0 means that the slave is busy. After ``_busy_limit``
+        of them, the access ends.
         """
         if not cds:
             if self._busy_count >= self._busy_limit:
@@ -572,7 +573,10 @@ class Master:
         return bit_at(self._bits_to_send, BYTE_BITS - 1)
 
     def _follow_byte(self, cds: int) -> int:
-        """Return the CDM bits of steps 5 to 7: the rest of DATA and CRC, P, and S if a register follows."""
+        """Return the CDM bits of steps 5 to 7: the rest of a byte (DATA) and its CRC, P, and S if a register follows.
+
+        In a read, DATA and CRC are zeros, and the answers to them are the byte. P is always 0.
+        """
         has_sent_p = self._bit_count == BYTE_BITS
         if has_sent_p:
             # This answer is that to P: 1 refuses the next register.
@@ -796,7 +800,8 @@ class Slave:
     def _answer_id_bit(self, upstream: int) -> int:
         """Return the CDS bit of an IDL bit: 1 to take it as the ID, otherwise the bit that arrives at SLI.
 
-        A slave takes the first IDL bit that no slave further from the master has taken.
+        The IDL bits stand for the IDs 0, 1, 2 and so on. A slave takes the first one that no slave further from the
+        master has taken.
         """
         if upstream or self._has_taken_id or self._bit_count > IDS:
             return upstream
@@ -821,7 +826,10 @@ class Slave:
         return cdm if is_r_bit else self._answer_w_bit(cdm)
 
     def _take_address(self) -> None:
-        """Take the address from CTS, ID, ADR and their CRC. Leave the frame if it is not for this slave."""
+        """Take the address of the register from the header. Leave the frame if it is not for this slave.
+
+        It is not if it is a command (CTS = 0), has another ID, or has a CRC error.
+        """
         head = ControlHead.decode_with_crc(self._received)
         is_for_this_slave = head is not None and head.is_register_access and head.slave_id == self.slave_id
         if head is None or not is_for_this_slave:
@@ -830,7 +838,10 @@ class Slave:
         self._register_address = head.address
 
     def _answer_w_bit(self, cdm: int) -> int:
-        """Return the answer to W: the same bit, or the inverse to refuse the register."""
+        """Return the answer to W, the bit after R: the same bit, or the inverse to refuse the register.
+
+        R W is 10 to read and 01 to write.
+        """
         # W is bit 0, and R was received before it.
         r_bit = bit_at(self._received, 1)
         self._is_write = bool(cdm)
@@ -876,7 +887,7 @@ class Slave:
         return cdm
 
     def _answer_p_bit(self, cdm: int) -> int:
-        """Return the answer to P: 0 if the next register can be accessed, 1 to refuse it."""
+        """Return the answer to P, the bit after a byte: 0 if the next register can be accessed, 1 to refuse it."""
         # A control frame cannot go beyond 3Fh or 7Fh.
         is_last = self._register_address % REGISTERS == REGISTERS - 1
         if not is_last:

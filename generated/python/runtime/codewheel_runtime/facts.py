@@ -427,8 +427,7 @@ def _fits(only: str, code: str) -> bool:
     """Return whether an order code is among those of ``only``. An empty ``only`` means all of them.
 
     ``...`` stands for any text and ``x`` for any one character: ``X-2x, Y...`` fits ``X-24`` and ``Y8``. Commas
-    separate several patterns. The hyphen after an
-    order code on a label counts as part of it.
+    separate several patterns. The hyphen after an order code on a label counts as part of it.
     """
     if not only:
         return True

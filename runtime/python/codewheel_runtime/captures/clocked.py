@@ -288,7 +288,8 @@ class _CycleFinder:
             return CapturedFrames(np.zeros(0, np.uint64), np.zeros(0), [], self._done)
         bits = self._find_biss_bits(cycles) if self._is_biss else self._find_ssi_bits(cycles)
         # A glitch on the clock takes precedence over other reasons.
-        bits.reasons[self._find_shortest_gaps(cycles) < _SPIKE * cycles.period] = _SPIKED
+        has_glitch = self._find_shortest_gaps(cycles) < _SPIKE * cycles.period
+        bits.reasons[has_glitch] = _SPIKED
         good = np.flatnonzero(bits.reasons == 0)
         # Over BiSS, CDS is in front of the frame.
         front_bits = 1 if self._is_biss else 0
@@ -321,6 +322,7 @@ class _CycleFinder:
         # the one after it is the first that falls.
         clock_level, _ = self._levels
         is_low_before = (starts & 1) == clock_level
+        # True counts as 1.
         falls = starts + is_low_before
         # Time of the first edge after each cycle. After the last cycle there may be none.
         next_edges = np.append(clock, np.inf)[ends]
@@ -395,7 +397,8 @@ class _CycleFinder:
         first_rise = clock[np.minimum(falls + 1, last_edge)]
         # The index after the last edge finds infinity: the data line does not change any more.
         data_edges = np.append(self._data, np.inf)
-        change = data_edges[np.searchsorted(self._data, first_rise, "left")]
+        change_index = np.searchsorted(self._data, first_rise, "left")
+        change = data_edges[change_index]
         # The rising edge before the change. The first one follows the first falling edge, and every second edge rises.
         rises_before = (np.searchsorted(clock, change, "right") - falls) // 2
         nearest_rise = falls + 1 + 2 * np.maximum(rises_before - 1, 0)

@@ -420,7 +420,9 @@ class _Replies:
         shape = self._kinds.replies.get(self.wanted)
         if shape is None or not self._has_stop_bit[first:end].all() or end - start != shape.length:
             return False
-        fault = decode_many(self._values[start:end][None, :], shape, None).fault[0]
+        # The bytes as one row.
+        rows = self._values[start:end][None, :]
+        fault = decode_many(rows, shape, None).fault[0]
         return bool(fault == ErrorKind.CRC)
 
     def _explain_loss(self, first: int, end: int, request_lengths: list[int]) -> str:

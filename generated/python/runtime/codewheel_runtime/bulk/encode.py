@@ -365,7 +365,7 @@ def _insert_unused(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, fi
     differences = arrays.get("unused", no_differences)
     difference_bits = differences.astype(np.uint64)
     unused_mask = sum(((1 << unused.width) - 1) << unused.place for unused in shape.unused)
-    is_outside = difference_bits & ~np.uint64(unused_mask & ((1 << 64) - 1)) != 0
+    is_outside = (difference_bits & ~np.uint64(unused_mask & ((1 << 64) - 1))) != 0
     first_error.add(is_outside, "unused", differences, allowed=f"within the mask {unused_mask:#x}")
     for unused in shape.unused:
         bits_in_manual = np.uint64(unused.value)

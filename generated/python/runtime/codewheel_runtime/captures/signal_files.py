@@ -333,7 +333,8 @@ def _read_array_archive(
     if len(arrays) == 1 and arrays[0].dtype.kind != "f" and times is None:
         return read_array(arrays[0], names, sample_rate)
     columns = arrays if times is None else [times, *arrays]
-    if len({column.shape for column in columns}) != 1 or any(column.ndim != 1 for column in columns):
+    shapes = {column.shape for column in columns}
+    if len(shapes) != 1 or any(column.ndim != 1 for column in columns):
         raise InputError(
             path, "", "expected one array of samples, or an array of 0 and 1 of the same length per channel"
         )

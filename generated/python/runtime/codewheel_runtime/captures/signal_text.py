@@ -68,8 +68,11 @@ def read_table_signals(
     places = names.places(form.channels, path)
     # A column of times or of numbers is in front of the channels.
     offset = int(form.unit is not None)
-    parts = _read_table_parts(file, path, form, [offset + place for place in places], threshold)
-    edges = read_samples(parts, tuple(1 << index for index in range(len(places))))
+    columns = [offset + place for place in places]
+    parts = _read_table_parts(file, path, form, columns, threshold)
+    # The levels of the signals are packed, so their bits are numbered from 0.
+    masks = tuple(1 << bit for bit in range(len(places)))
+    edges = read_samples(parts, masks)
     total = measure_size(file)
     if form.unit:
         return Signals(edges, seconds=form.unit, is_sampled=False, total=total)
@@ -140,6 +143,7 @@ class _RowReader:
             first_line = line
             # The headers are in the first block.
             if line == 1 and self._form.skipped:
+                # The last piece is what follows the skipped lines.
                 block = data.split(b"\n", self._form.skipped)[-1]
                 first_line += self._form.skipped
             line += data.count(b"\n")
@@ -208,6 +212,7 @@ class _RowReader:
         times = np.array(stamp_texts, "datetime64[ns]")
         if self._first_stamp is None:
             self._first_stamp = times[0]
+        # The differences are in nanoseconds.
         seconds = (times - self._first_stamp).astype(np.int64) / 1e9
         return seconds, b"\n".join(rows_without_stamps) + b"\n"
 

@@ -290,7 +290,7 @@ def _parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
 
 def _list_other_frames(encoder: Encoder, frame: int | bytes | str, result: Any) -> str:
     """Return the other frames that a frame can be, in words, or an empty string. ``result`` can be its error."""
-    # Its return type is a union of the classes of frames that it decodes, and of FrameError.
+    # The return type of ``try_decode`` is a union of the classes of frames that it decodes, and of FrameError.
     hint = get_type_hints(type(encoder).try_decode)["return"]
     decoded_kinds = [
         frame_class for frame_class in get_args(hint) or (hint,) if not issubclass(frame_class, FrameError)
@@ -368,6 +368,7 @@ def _add_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str, 
     open_answers: dict[str, Any] = {}
     hints = get_type_hints(encoder.try_decode)
     for name, answer in answers.items():
+        # The parameter for an answer has the type ``Kind | None``, where ``Kind`` is the enumeration of the answers.
         kinds = [answer_class for answer_class in get_args(hints.get(name)) if answer_class is not type(None)]
         if not kinds:
             raise Failed(f"--choose {name} does not apply to the frames of {encoder.code}", USAGE)
