@@ -680,7 +680,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
         def decode(frame: Any, bits: int | None = None) -> SsiWord:
             try:
-                # An int is used as it is, which is faster.
+                # An int is used as it is, which is faster. ``as_word`` converts other types, and compares ``bits``.
                 word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
@@ -836,7 +836,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
 
         def decode(frame: Any, bits: int | None = None) -> SingleCycleData:
             try:
-                # An int is used as it is, which is faster.
+                # An int is used as it is, which is faster. ``as_word`` converts other types, and compares ``bits``.
                 word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
@@ -1998,12 +1998,14 @@ def set_resolution(
             meaning="clears the preset",
         ),
     )
+    # The new value of this register changes the limits of the next arguments.
     variant = variant.with_registers(dict(enumerate(content, Address.INFORMATION_PER_REVOLUTION)))
     content = NumberOfRevolutions(revolutions=number_of_revolutions).encode()
     before = (
         *before,
         *write_bytes("number_of_revolutions", Address.NUMBER_OF_REVOLUTIONS, content, meaning="clears the preset"),
     )
+    # The new value of this register changes the limits of the next arguments.
     variant = variant.with_registers(dict(enumerate(content, Address.NUMBER_OF_REVOLUTIONS)))
     return (
         *before,

@@ -826,7 +826,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
         def decode(frame: Any, bits: int | None = None) -> SsiWord:
             try:
-                # An int is used as it is, which is faster.
+                # An int is used as it is, which is faster. ``as_word`` converts other types, and compares ``bits``.
                 word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
@@ -997,7 +997,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
 
         def decode(frame: Any, bits: int | None = None) -> SingleCycleData:
             try:
-                # An int is used as it is, which is faster.
+                # An int is used as it is, which is faster. ``as_word`` converts other types, and compares ``bits``.
                 word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
@@ -1077,6 +1077,7 @@ class DataRequest(FixedBytes, _DataRequest):
         """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
         def decode(frame: Any, _eeprom_address: object = None) -> DataRequest:
+            # Arguments with an underscore are for other kinds of frames.
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 1:
@@ -1498,6 +1499,7 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
         }
 
         def decode(frame: Any, _eeprom_address: object = None) -> SingleturnReply:
+            # Arguments with an underscore are for other kinds of frames.
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 6:
@@ -1650,6 +1652,7 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
         multiturn_bits = variant.multiturn_bits
 
         def decode(frame: Any, _eeprom_address: object = None) -> MultiturnReply:
+            # Arguments with an underscore are for other kinds of frames.
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 6:
@@ -1777,6 +1780,7 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
         """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
         def decode(frame: Any, _eeprom_address: object = None) -> EncoderIdReply:
+            # Arguments with an underscore are for other kinds of frames.
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 4:
@@ -2024,6 +2028,7 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
         multiturn_bits = variant.multiturn_bits
 
         def decode(frame: Any, _eeprom_address: object = None) -> CompleteReply:
+            # Arguments with an underscore are for other kinds of frames.
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 11:

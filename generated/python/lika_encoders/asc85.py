@@ -557,7 +557,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
         def decode(frame: Any, bits: int | None = None) -> SsiWord:
             try:
-                # An int is used as it is, which is faster.
+                # An int is used as it is, which is faster. ``as_word`` converts other types, and compares ``bits``.
                 word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
@@ -680,7 +680,7 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
                 if not isinstance(zero_bit, ZeroBit):
                     raise wrong_answer_error(ZeroBit, zero_bit)
                 length = zero_bit.zero_bits + variant.position_bits + 8
-                # An int is used as it is, which is faster.
+                # An int is used as it is, which is faster. ``as_word`` converts other types, and compares ``bits``.
                 word = frame if type(frame) is int and bits is None else as_word(frame, length, bits)
                 if word >> length:
                     raise too_long_error(word, length)

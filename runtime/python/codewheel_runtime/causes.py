@@ -19,11 +19,12 @@ class _Change(NamedTuple):
 
 
 def why(encoder: Sender, frame: object) -> tuple[str, ...]:
-    """Return the changes that make an invalid frame valid, the most likely first.
+    """Return the changes that make an invalid frame valid, as text, the most likely first.
 
-    If the line is dead, this is the only answer. A short CRC is sometimes correct by chance. A CRC of 6 bits is correct
-    in 1 of 64 cases, and in most cases there is a bit whose inversion makes it correct. Check several frames, and look
-    for the mistake that explains all of them.
+    An example is ``"with all bits inverted: check for swapped wires of the data line"``. If the line is dead, this is
+    the only answer. A short CRC is sometimes correct by chance. A CRC of 6 bits is correct in 1 of 64 cases, and in
+    most cases there is a bit whose inversion makes it correct. Check several frames, and look for the mistake that
+    explains all of them.
     """
     # Without a CRC or another check, every frame is valid, so nothing can be concluded.
     can_be_invalid = _can_be_invalid(encoder)
@@ -41,7 +42,8 @@ def hint(encoder: Sender, frame: object) -> str:
     changes = why(encoder, frame)
     if changes and _explain_dead_line(encoder, frame, _can_be_invalid(encoder)):
         # The description of a dead line is a sentence already. Only its first letter changes.
-        return changes[0][0].upper() + changes[0][1:]
+        (dead_line,) = changes
+        return dead_line[0].upper() + dead_line[1:]
     return f"The frame would be valid {'; or '.join(changes)}" if changes else ""
 
 
@@ -57,7 +59,8 @@ _MOST_EXTRA_BYTES: Final = 3
 def _explain_dead_line(encoder: Sender, frame: object, has_crc: bool) -> str:
     """Return the description of a dead line, or an empty string if the line changes.
 
-    On a dead line nothing is received, or at least 12 bits that are all equal.
+    On a dead line nothing is received, or at least 12 bits that are all equal. Without a CRC or another check
+    (``has_crc``), such bits can also be a valid frame.
     """
     received = _convert_to_number(frame, _count_frame_bits(encoder))
     if received is None:
@@ -65,7 +68,9 @@ def _explain_dead_line(encoder: Sender, frame: object, has_crc: bool) -> str:
     number, bits = received
     if not bits:
         return "nothing was received. Check the supply, for loose or swapped wires, and the clock or request"
-    if bits < _LEAST_BITS or number not in (0, (1 << bits) - 1):
+    all_ones = (1 << bits) - 1
+    has_equal_bits = number in (0, all_ones)
+    if bits < _LEAST_BITS or not has_equal_bits:
         return ""
     level = 1 if number else 0
     if not has_crc:
@@ -100,7 +105,11 @@ def _can_be_invalid(encoder: Sender) -> bool:
     Three frames are tried: 0, 1, and all bits 1. Frames of bytes, and of unknown length, are assumed to have a check.
     """
     bits = _count_frame_bits(encoder)
-    return not bits or not all(_is_valid(encoder.decode, word) for word in (0, 1, (1 << bits) - 1))
+    # 0 stands for bytes, or for an unknown length.
+    if not bits:
+        return True
+    tried_frames = (0, 1, (1 << bits) - 1)
+    return not all(_is_valid(encoder.decode, frame) for frame in tried_frames)
 
 
 def _is_valid(decode: Callable[[object], object], frame: object) -> bool:
@@ -108,6 +117,7 @@ def _is_valid(decode: Callable[[object], object], frame: object) -> bool:
     try:
         decode(frame)
     except (FrameError, TypeError):
+        # A TypeError is a missing answer, or a frame of the wrong type.
         return False
     return True
 

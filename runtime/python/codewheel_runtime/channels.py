@@ -131,6 +131,7 @@ class ChannelLayout:
         self.compared = tuple(compared)
         self.compared_bits = compared_bits
         self.tolerance = tolerance
+        #: Arguments of the methods of each class: the encoder, or none.
         self._arguments = [_encoder_if_needed(frame_class, encoder) for frame_class in self.kinds]
         self.channel_bits: tuple[int, ...] = tuple(
             frame_class.frame_bits(*arguments)
@@ -194,14 +195,18 @@ class ChannelLayout:
         return decode_channels(self, frames)
 
     def compare(self, channels: Sequence[Any]) -> bool:
-        """Return whether the compared fields of the channels agree."""
+        """Return whether the compared fields of the channels agree.
+
+        Of each field, only the highest bits are compared, because the fields can have different widths.
+        """
         numbers = [getattr(channels[field.channel], field.field) for field in self.compared]
-        highest = [
-            number >> (field.width - self.compared_bits) for number, field in zip(numbers, self.compared, strict=True)
-        ]
+        highest_bits: list[int] = []
+        for number, field in zip(numbers, self.compared, strict=True):
+            bits_to_drop = field.width - self.compared_bits
+            highest_bits.append(number >> bits_to_drop)
         modulus = 1 << self.compared_bits
         # The difference is taken the shorter way around, because the lowest and the highest number are adjacent.
-        differences = [(number - highest[0]) % modulus for number in highest]
+        differences = [(bits - highest_bits[0]) % modulus for bits in highest_bits]
         return all(min(difference, modulus - difference) <= self.tolerance for difference in differences)
 
 

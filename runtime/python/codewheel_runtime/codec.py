@@ -185,8 +185,9 @@ def as_bytes(data: Data) -> bytes:
     try:
         view = memoryview(data)
     except TypeError:
-        wanted = "bytes.fromhex(text)" if isinstance(data, str) else "bytes or another buffer of bytes"
-        raise TypeError(f"expected bytes, got {shorten(data)}: pass {wanted}") from None
+        advice = "bytes.fromhex(text)" if isinstance(data, str) else "bytes or another buffer of bytes"
+        raise TypeError(f"expected bytes, got {shorten(data)}: pass {advice}") from None
+    # The formats of signed and unsigned bytes, and of characters. The byte order can be in front.
     if view.ndim != 1 or view.itemsize != 1 or view.format[-1] not in "Bbc":
         shape = "items" if view.ndim == 1 else f"items in {view.ndim} dimensions"
         raise TypeError(f"expected a row of bytes, got a buffer of {shape} of the format '{view.format}': pass bytes")
@@ -201,7 +202,7 @@ def assert_never(kind: NoReturn) -> NoReturn:
 def check_width(field: str, value: SupportsIndex, bits: int) -> int:
     """Return ``value`` as an int. Raises RangeError unless it fits into ``bits`` bits."""
     number = value if type(value) is int else whole_number(field, value)
-    # A negative number keeps its sign when it is shifted, so it is not 0 either.
+    # Nothing is left of a number that fits. A negative number keeps its sign when it is shifted, so it is not 0 either.
     if number >> bits:
         raise RangeError(field, number, f"0 to {(1 << bits) - 1}")
     return number
@@ -272,7 +273,7 @@ def as_member(kind: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
 
 
 def text_number(field: str, text: str, length: int) -> int:
-    """Return ``length`` characters as one number, with the first one most significant.
+    """Return ``length`` characters as one number, with the first one most significant: ``0x4142`` for ``"AB"``.
 
     Latin-1 has a character for each byte, so every decoded text can be encoded again. Raises RangeError for another
     length or other characters.
@@ -280,7 +281,7 @@ def text_number(field: str, text: str, length: int) -> int:
     try:
         data = text.encode("latin-1")
     except UnicodeEncodeError:
-        # It has the wrong length, so the error below follows.
+        # No bytes have the wrong length, so the error below follows.
         data = b""
     if len(data) != length:
         raise RangeError(field, text, f"{length} Latin-1 characters")
@@ -288,7 +289,10 @@ def text_number(field: str, text: str, length: int) -> int:
 
 
 def signed(value: int, bits: int) -> int:
-    """Interpret ``bits`` bits as a two's complement number."""
+    """Interpret ``bits`` bits as a two's complement number: with 4 bits, 15 is -1.
+
+    It is called for each frame, so it is one expression. A field without bits has no sign bit.
+    """
     return value - (1 << bits) if value & ((1 << bits) >> 1) else value
 
 
@@ -329,9 +333,11 @@ def unwrap(
 ) -> int:
     """Return the count nearest to ``previous`` that equals ``position`` modulo ``modulus``.
 
-    ``lowest`` and ``highest`` are the limits of ``position``, by default 0 and ``modulus - 1``.
+    After 1023, the position 2 of 1024 is the count 1026. ``lowest`` and ``highest`` are the limits of ``position``, by
+    default 0 and ``modulus - 1``.
     """
-    limits = (lowest, modulus - 1 if highest is None else highest)
+    highest_position = modulus - 1 if highest is None else highest
+    limits = (lowest, highest_position)
     previous = whole_number("previous", previous)
     position = check_limits("position", position, limits)
     # The difference modulo ``modulus`` is moved to minus half to half of it, which is the nearest count.
@@ -401,7 +407,8 @@ def crc_of_bytes(data: Data, *, width: int, poly: int, init: int, refin: bool, r
     data = as_bytes(data)
     number = 0
     for byte in data:
-        number = (number << 8) | (_reverse_bits(byte, 8) if refin else byte)
+        next_byte = _reverse_bits(byte, 8) if refin else byte
+        number = (number << 8) | next_byte
     return crc_of_bits(number, 8 * len(data), width=width, poly=poly, init=init, refout=refout, xorout=xorout)
 
 

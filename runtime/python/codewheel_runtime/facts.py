@@ -168,6 +168,7 @@ class Scale(NamedTuple):
         for places in range(reduced.bit_length()):
             if 10**places % reduced == 0:
                 return places
+        # A unit of the last decimal must be at most a tenth of a count, which is numerator / denominator.
         places = 0
         while 10**places * self.numerator < 10 * self.denominator:
             places += 1
@@ -180,8 +181,9 @@ class Scale(NamedTuple):
         counts = number * self.numerator + self.offset
         # Rounded to the nearest number of units of the last decimal: adding half of the denominator, then dividing.
         size = (2 * abs(counts) * 10**self.places + self.denominator) // (2 * self.denominator)
+        sign = "-" if counts < 0 and size else ""
         # Arithmetic with decimals would round to the precision of the context.
-        return Decimal(f"{'-' if counts < 0 and size else ''}{size}E-{self.places}")
+        return Decimal(f"{sign}{size}E-{self.places}")
 
 
 class FieldFacts(NamedTuple):
@@ -424,16 +426,21 @@ def _rows_for_code(rows: tuple[_Row, ...], code: str) -> tuple[_Row, ...]:
 def _fits(only: str, code: str) -> bool:
     """Return whether an order code is among those of ``only``. An empty ``only`` means all of them.
 
-    ``...`` stands for any text and ``x`` for any one character. Commas separate several patterns. The hyphen after an
-    order code on a label counts as part of it.
+    ``...`` stands for any text and ``x`` for any one character: ``X-2x, Y...`` fits ``X-24`` and ``Y8``. Commas
+    separate several patterns. The hyphen after an order code on a label counts as part of it.
     """
-    patterns = [re.escape(text.strip()) for text in only.split(",")]
-    expressions = [text.replace(r"\.\.\.", ".*").replace("…", ".*").replace("x", ".") for text in patterns]
-    return not only or any(re.fullmatch(expression, text) for expression in expressions for text in (code, f"{code}-"))
+    if not only:
+        return True
+    for pattern in only.split(","):
+        escaped = re.escape(pattern.strip())
+        expression = escaped.replace(r"\.\.\.", ".*").replace("…", ".*").replace("x", ".")
+        if re.fullmatch(expression, code) or re.fullmatch(expression, f"{code}-"):
+            return True
+    return False
 
 
 def _clock_for_code(clock: Clock, clocks: tuple[Clock, ...], code: str) -> Clock:
-    """Return the clock of an order code: the common one, or the one that applies to it."""
+    """Return the clock of an order code: the first of ``clocks`` that applies to it, or else ``clock``."""
     return next(iter(_rows_for_code(clocks, code)), clock)
 
 

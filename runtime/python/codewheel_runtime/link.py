@@ -252,12 +252,14 @@ class SerialTransport:
             handle = self._port.fileno()
         except (OSError, AttributeError):  # Windows has no file number that can be waited for.
             self._port.timeout = timeout_s
-            first: bytes = self._port.read(1)
-            return first + bytes(self._port.read(self._port.in_waiting)) if first else b""
+            first_byte: bytes = self._port.read(1)
+            return first_byte + bytes(self._port.read(self._port.in_waiting)) if first_byte else b""
         from select import select
 
-        # Without a wait (timeout=0), the port returns at most this many bytes that have arrived.
-        return bytes(self._port.read(4096)) if select([handle], [], [], timeout_s)[0] else b""
+        # ``select`` waits. The port itself does not (timeout=0), and returns at most this many bytes that have arrived.
+        most_bytes = 4096
+        readable, _, _ = select([handle], [], [], timeout_s)
+        return bytes(self._port.read(most_bytes)) if readable else b""
 
     def close(self) -> None:
         """Close the port."""
@@ -367,10 +369,10 @@ class Ports:
 
 def _cannot_open_error(port: str, error: Exception) -> str:
     """Return the message for a port that cannot be opened. It lists the ports of this computer."""
-    number = getattr(error, "errno", None)
-    if number in (errno.EAGAIN, errno.EBUSY):
+    error_number = getattr(error, "errno", None)
+    if error_number in (errno.EAGAIN, errno.EBUSY):
         return f"cannot open {port}: another program, or another link of this program, has it open"
-    reason = os.strerror(number) if number else str(error)
+    reason = os.strerror(error_number) if error_number else str(error)
     try:
         comports: Any = import_module("serial.tools.list_ports").comports()
         ports = ", ".join(comport.device for comport in comports)

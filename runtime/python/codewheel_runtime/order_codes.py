@@ -11,6 +11,8 @@ from .reports import ReadOnly
 
 #: Highest number of characters in a label.
 LONGEST = 100
+#: Number of characters of a longer text that the error prints.
+_PRINTED_CHARACTERS = 20
 
 #: Name of a part in a pattern, such as ``{bits}``.
 _BRACES = re.compile(r"\{([a-z][a-z0-9_]*)\}")
@@ -156,15 +158,17 @@ class OrderCode(NamedTuple):
             OrderCodeError: The label is not an order code of the family.
         """
         text = check_label(label)
-        # A part of the code itself may look like /Sxxx, so only text after the code is treated as this ending.
+        # A part of the code itself may look like /Sxxx, so only text after the code is treated as this suffix.
         match = re.fullmatch(f"{self._make_expression()}{_AFTER}", text, re.IGNORECASE)
         if match is not None:
-            return self._make_label(text, match, {part.name: match[part.name] for part in self.parts}, codes)
+            texts = {part.name: match[part.name] for part in self.parts}
+            return self._make_label(text, match, texts, codes)
         for spelling in self.also_written:
             match = re.fullmatch(f"{self._make_spelling_expression(spelling)}{_AFTER}", text, re.IGNORECASE)
             if match is not None:
                 texts = {part.name: spelling.listed_text(part.name, match[part.name]) for part in self.parts}
-                return self._make_label(text, match, texts, codes)._replace(written_as_in=spelling.where)
+                split_label = self._make_label(text, match, texts, codes)
+                return split_label._replace(written_as_in=spelling.where)
         raise self._unknown_code_error(text, family, codes)
 
     def _make_label(
@@ -209,6 +213,7 @@ class OrderCode(NamedTuple):
         unlisted_parts = [part for part in self.parts if listed_values[part.name] is None]
         for values in codes.values():
             values_of_code = dict(zip(names, values, strict=False))
+            # An unlisted value, None, fits any value of the code here.
             differs = any(value not in (None, values_of_code[name]) for name, value in listed_values.items())
             if not differs and all(_can_be_combined(part, listed_values) for part in unlisted_parts):
                 return values
@@ -223,7 +228,8 @@ class OrderCode(NamedTuple):
     ) -> OrderCodeError:
         """Return the error for valid parts that cannot be combined.
 
-        It names each part of which another listed value would make a listed code.
+        It names each part of which another listed value would make a listed code. ``text`` is the label, and
+        ``part_texts`` has the text of each part. ``listed_values`` has its listed value, or None.
         """
         names: list[str] = []
         for part in self.parts:
@@ -271,7 +277,7 @@ class OrderCode(NamedTuple):
                 candidates.append(_WrongPart(part, match[part.name], unlisted_count))
         if not candidates:
             return OrderCodeError(text, "", f"is not an order code of {family}", nearest_codes)
-        # Blame the part whose removal leaves the fewest unlisted values, and among equals a missing part.
+        # Blame the part that leaves the fewest unlisted values in the others, and among equals a missing part.
         part, part_text, _ = min(candidates, key=lambda candidate: (candidate.unlisted_count, candidate.text != ""))
         problem = f"has {part.name} '{part_text}'" if part_text else f"has no {part.name}"
         valid_values = ", ".join(value.text for value in part.values)
@@ -303,21 +309,27 @@ def check_label(label: str) -> str:
         raise TypeError(f"the label must be a string such as the order code, got {type(label).__name__}")
     if len(label) > LONGEST:
         reason = f"is not an order code: it has {len(label)} characters, more than the {LONGEST} of any label"
-        raise OrderCodeError(f"{label[:20]}...", "", reason, ())
+        raise OrderCodeError(f"{label[:_PRINTED_CHARACTERS]}...", "", reason, ())
     return _remove_blanks(label).upper()
 
 
 def find_nearest(codes: Iterable[str], text: str) -> tuple[str, ...]:
-    """Return the three codes most similar to ``text``, or to the part of it before a tail."""
+    """Return the three codes most similar to ``text``, or to the part of it before a tail.
+
+    ``X-24-TAIL`` is compared with the code ``X-25`` as ``X-24``, because this code has two pieces.
+    """
     from difflib import SequenceMatcher
 
     pieces = text.upper().split("-")
 
     def likeness(code: str) -> float:
         """Return the similarity of a code, from 0 to 1, to as many pieces of the text as the code has."""
-        return SequenceMatcher(None, code, "-".join(pieces[: code.count("-") + 1])).ratio()
+        piece_count = code.count("-") + 1
+        text_without_tail = "-".join(pieces[:piece_count])
+        return SequenceMatcher(None, code, text_without_tail).ratio()
 
-    return tuple(sorted(codes, key=likeness, reverse=True)[:3])
+    most_similar_first = sorted(codes, key=likeness, reverse=True)
+    return tuple(most_similar_first[:3])
 
 
 def _can_be_combined(part: Part, listed_values: Mapping[str, str | None]) -> bool:
@@ -350,8 +362,8 @@ def _match_any(texts: Iterable[str]) -> str:
 
 def _join_pattern(pattern: str, expressions: Mapping[str, str]) -> str:
     """Return the pattern as a regular expression, with a named group for each part: ``X\\-(?P<bits>12|16)``."""
+    # Every second piece is the name of a part: ["X-", "bits", ""] for X-{bits}. The others are text.
     pieces = _BRACES.split(pattern)
-    # Every second piece is the name of a part.
     pieces[::2] = [re.escape(_remove_blanks(text)) for text in pieces[::2]]
     pieces[1::2] = [f"(?P<{name}>{expressions[name]})" for name in pieces[1::2]]
     return "".join(pieces)

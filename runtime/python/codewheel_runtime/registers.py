@@ -76,6 +76,7 @@ class RegisterParameter(NamedTuple):
     def bytes_with(self, value: int) -> bytes:
         """Return the bytes of the register with this parameter and factory defaults for the rest."""
         mask = (1 << self.width) - 1
+        # The default with 0 in place of the parameter.
         number = int.from_bytes(self.default, self.order) & ~(mask << self.low)
         if self.codes:
             # Without a code for the value, the bits are 0.
@@ -183,9 +184,11 @@ def is_consistent(
 ) -> bool:
     """Return whether a register has the expected value. True if it was not read completely.
 
-    ``is_expected`` decides for its bytes. If they cannot be decoded, the value is not the expected one.
+    ``register_bytes`` are the bytes that were read, by address. ``is_expected`` decides for its bytes. If they cannot
+    be decoded, the value is not the expected one.
     """
-    data = [register_bytes[place] for place in range(address, address + length) if place in register_bytes]
+    addresses = range(address, address + length)
+    data = [register_bytes[byte_address] for byte_address in addresses if byte_address in register_bytes]
     try:
         return len(data) < length or is_expected(bytes(data))
     except FrameError:

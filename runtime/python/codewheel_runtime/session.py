@@ -73,6 +73,8 @@ __all__ = [
 
 _Result = TypeVar("_Result")
 
+#: Most received bytes that an error prints.
+_PRINTED_BYTES = 24
 #: Number of bytes after which a session stops looking for a reply.
 _MOST_BYTES = 1024
 #: Seconds that a memory may be busy, and seconds between two attempts.
@@ -179,9 +181,10 @@ class Session:
         if settle_s == 0 and len(self._capture_controls) < _KINDS:
             raise ValueError(f"settle_s must be more than 0, because {encoder.code} has too few kinds of requests")
         port = load_rs485_facts(encoder).port
+        # A byte has one start bit.
         bits_per_byte = 1 + port.data_bits + (port.parity != "none") + port.stop_bits
         self._byte_s = bits_per_byte / port.baud
-        #: First byte of the last request, if it failed.
+        #: First byte of the last request, if it failed. Otherwise 0.
         self._failed = 0
         #: Number of replies in a row that look like those of another kind of encoder.
         self._odd_replies = 0
@@ -194,6 +197,7 @@ class Session:
         self._reply_times: deque[float] = deque(maxlen=_REPLY_TIMES)
         #: Number of requests whose reply can still arrive.
         self._unanswered = 0
+        #: First kind of request whose reply has the position, if there is one.
         self._position = next((kind for kind in captures if kind.has_position), None)
 
     def position(self, request: Any = None) -> Work[int]:
@@ -203,13 +207,15 @@ class Session:
         if value is None:
             # Reports with the verdict of the frame are the reasons for it. The first sentence of each is enough.
             meanings = (report.meaning for report in frame.reports if report.makes_position is frame.verdict)
-            reasons = "; ".join(text.partition(". ")[0] for text in meanings) or frame.verdict.value
+            first_sentences = (meaning.partition(". ")[0] for meaning in meanings)
+            reasons = "; ".join(first_sentences) or frame.verdict.value
             raise NotUsableError(f"the position of {self.encoder.code} is not usable: {reasons}", frame)
         return value
 
     def read(self, request: Any = None) -> Work[PositionFrame]:
         """Request a frame with the position, with ``request`` or with factory defaults."""
-        frame = yield from self.exchange(self._make_position_request() if request is None else request)
+        position_request = self._make_position_request() if request is None else request
+        frame = yield from self.exchange(position_request)
         return cast(PositionFrame, frame)
 
     def _make_position_request(self) -> Any:
@@ -286,7 +292,8 @@ class Session:
         deadline = self.clock() + seconds
         discarded = b""
         while (remaining_s := deadline - self.clock()) > 0:
-            discarded = (discarded + (yield Ask(b"", remaining_s)))[-_MOST_BYTES:]
+            further_bytes = yield Ask(b"", remaining_s)
+            discarded = (discarded + further_bytes)[-_MOST_BYTES:]
         self._discard(discarded)
 
     def drain(self) -> Work[None]:
@@ -294,22 +301,25 @@ class Session:
         yield from self._discard_waiting()
 
     def _send_series(self, step: Send) -> Work[None]:
-        """Send a request several times in succession, and start again from the first one after a failure."""
+        """Send a request several times in succession, and start again from the first one after a failure.
+
+        The encoder acts after ``step.times`` equal requests, which it counts.
+        """
         pending = self._make_pending(step.request)
         attempts_left = self.retries
-        done = 0
-        while done < step.times:
+        sent_count = 0
+        while sent_count < step.times:
             try:
-                # A request of another kind would end the count of the encoder.
-                yield from self._send_in_step(pending, is_first=done == 0)
+                # Within the series, a request of another kind would end the count of the encoder.
+                yield from self._send_in_step(pending, is_first=sent_count == 0)
                 yield from self.pause(step.every_us / 1e6)
-                done += 1
+                sent_count += 1
             except LinkError:
                 if not attempts_left:
                     raise
                 # The request of another kind that follows also ends the count of the encoder.
                 attempts_left -= 1
-                done = 0
+                sent_count = 0
 
     def _send_with_retries(self, pending: PendingRequest) -> Work[bytes]:
         """Send a request, again after each failure, and return the reply."""
@@ -372,7 +382,8 @@ class Session:
         except LinkError as error:
             self.statistics.failures += 1
             # A reply that has not arrived can still do so.
-            self._unanswered += isinstance(error, NoReplyError)
+            if isinstance(error, NoReplyError):
+                self._unanswered += 1
             raise
         except GeneratorExit:
             # The caller was cancelled or interrupted while the reply was on its way.
@@ -418,8 +429,11 @@ class Session:
         settle_s = self._settle_s(pending)
         # After other bytes, or an echo, part of the reply could look like a reply by chance. So could other bytes
         # before a reply that begins with any byte.
-        echo = pending.data + pending.data[: pending.kind.repeats_first]
-        is_clean = pending.kind.repeats_first and received.startswith(reply) and not received.startswith(echo)
+        if not pending.kind.repeats_first:
+            return max(settle_s, _QUIET_S)
+        # The reply begins with the first byte of the request.
+        echo_and_reply = pending.data + pending.data[:1]
+        is_clean = received.startswith(reply) and not received.startswith(echo_and_reply)
         return settle_s if is_clean else max(settle_s, _QUIET_S)
 
     def _settle_s(self, pending: PendingRequest) -> float:
@@ -434,13 +448,13 @@ class Session:
         reply_s: float = _TURNAROUND_S + self._byte_s * sent_bytes
         if not self._reply_times:
             return reply_s
-        # Few replies that were much slower than the others do not count.
+        # Few replies that were much slower than the others do not count. Three in four took this time at most.
         times = sorted(self._reply_times)
         third_quartile = times[3 * len(times) // 4]
         return max(reply_s, third_quartile)
 
     def _take_reply(self, found_reply: FoundReply, received: bytes, pending: PendingRequest) -> bytes:
-        """Return the reply, and count other replies. Raises an error if they differ."""
+        """Return the reply among the ``received`` bytes, and count other replies. Raises an error if they differ."""
         if found_reply.same_kind or found_reply.other_kinds:
             self._count_replies_beside(found_reply, received)
         else:
@@ -488,6 +502,7 @@ class Session:
             if not more:
                 break
             waiting = (waiting + more)[-_MOST_BYTES:]
+            # Before the first request, nothing can settle.
             quiet_s = self._settle_s(self._last_request) if self._last_request is not None else 0.0
         self._discard(waiting)
 
@@ -526,7 +541,8 @@ class Session:
         """
         kind = pending.kind
         request_text = f"the request {_format_hex(pending.data)} to {self.encoder.code}"
-        bytes_text = _format_hex(received[:24]) + (" ..." if len(received) > 24 else "")
+        ellipsis = " ..." if len(received) > _PRINTED_BYTES else ""
+        bytes_text = _format_hex(received[:_PRINTED_BYTES]) + ellipsis
         if not received:
             milliseconds = f"{1000 * self.timeout_s:g} ms"
             text = f"no reply to {request_text} within {milliseconds}; check supply, wires A and B, and baud rate"
@@ -539,12 +555,14 @@ class Session:
             return DisturbedError(text, received)
         if self.exchanges:
             return self._exchange_error(received, pending, request_text, bytes_text)
-        odd = self._find_sign_of_other_encoder(received, pending)
+        # Why the bytes seem to be from another kind of encoder. Empty if they do not.
+        suspicion = self._find_sign_of_other_encoder(received, pending)
         # 1 in 256 corrupted replies has a valid CRC, so one odd reply proves nothing.
-        self._odd_replies = self._odd_replies + 1 if odd else 0
+        self._odd_replies = self._odd_replies + 1 if suspicion else 0
         if self._odd_replies > 1:
             text = (
-                f"the reply {bytes_text} to {request_text} is from another kind of encoder: {odd}; check the order code"
+                f"the reply {bytes_text} to {request_text} is from another kind of encoder: {suspicion}; "
+                "check the order code"
             )
             return WrongEncoderError(text, received)
         if received[0] in self.kinds and received[0] != kind.control:
@@ -561,7 +579,8 @@ class Session:
     ) -> LinkError:
         """Return the error for bytes without a valid reply of an encoder without data IDs.
 
-        It is that the reply is incomplete, or has another value than the request, or is invalid.
+        It is that the reply is incomplete, or has another value than the request, or is invalid. ``request_text`` names
+        the request, and ``bytes_text`` has the received bytes.
         """
         if len(received) < pending.kind.length:
             text = f"incomplete reply to {request_text}: {len(received)} of {pending.kind.length} bytes, {bytes_text}"
@@ -592,7 +611,7 @@ class Session:
             return self._make_pending_exchange(request)
         answers: dict[str, object] = {}
         if isinstance(request, IntEnum):
-            # A data ID: the request is its control byte.
+            # A data ID: the request is its control byte. An unknown one has none.
             data = bytes(kind.control for kind in self.kinds.values() if kind.id == request)
         elif isinstance(request, (bytes, bytearray)):
             data = bytes(request)
@@ -617,22 +636,25 @@ class Session:
     def _make_pending_exchange(self, object_or_bytes: Any) -> PendingRequest:
         """Return what is needed to send a request of an encoder without data IDs, and to find its reply.
 
-        The bytes are decoded as each kind of request in turn, until one fits. Raises LinkError if they fit none, or if
-        the encoder does not answer the request.
+        ``object_or_bytes`` is an object of the class of a request, or the bytes of a request. The bytes are decoded as
+        each kind of request in turn, until one fits. Raises LinkError if they fit none, or if the encoder does not
+        answer the request.
         """
-        data = bytes(object_or_bytes) if isinstance(object_or_bytes, (bytes, bytearray)) else b""
+        # Empty if the request is an object, or has no bytes, which fit no kind of request either.
+        given_bytes = bytes(object_or_bytes) if isinstance(object_or_bytes, (bytes, bytearray)) else b""
         for exchange in self.exchanges:
-            request: Any = _decode_request(exchange, data) if data else object_or_bytes
+            # The request as an object, or None if the bytes are not one of this kind.
+            request: Any = _decode_request(exchange, given_bytes) if given_bytes else object_or_bytes
             if type(request) is not exchange.request:
                 continue
             name = exchange.request.__name__
             if exchange.reply is None:
                 raise LinkError(f"{self.encoder.code} does not answer {name}: send its bytes with 'send'")
             shape = find_any_shape(exchange.reply, self.encoder)
-            data = request.encode()
+            sent_bytes = request.encode()
             kind = ReplyKind(
                 name=name,
-                control=data[0],
+                control=sent_bytes[0],
                 id=0,
                 purpose=exchange.purpose,
                 length=shape.length,
@@ -640,11 +662,10 @@ class Session:
                 flags=(),
                 repeats_first=exchange.repeats_first,
             )
-            return PendingRequest(
-                request, data, kind, cached_decoder(exchange.reply._make_decoder, self.encoder, raise_error)
-            )
+            decode = cached_decoder(exchange.reply._make_decoder, self.encoder, raise_error)
+            return PendingRequest(request, sent_bytes, kind, decode)
         requests = ", ".join(exchange.request.__name__ for exchange in self.exchanges)
-        request_text = _format_hex(data) or f"{object_or_bytes!r}"
+        request_text = _format_hex(given_bytes) or f"{object_or_bytes!r}"
         raise LinkError(f"{self.encoder.code} has no request '{request_text}'; its requests are {requests}")
 
 
@@ -703,7 +724,8 @@ def _may_begin(shape: Shape, data_id: Any) -> bool:
         if is_in_first_byte and not holds(data_id.control, check):
             return False
     for column in shape.columns:
-        if column.low < 8 and column.values and data_id.id not in column.values:
+        begins_in_first_byte = column.low < 8
+        if begins_in_first_byte and column.values and data_id.id not in column.values:
             return False
     return True
 

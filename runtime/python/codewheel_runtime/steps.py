@@ -133,7 +133,7 @@ Step = Write | Wait | Send | Read | Modify | Poll | Verify
 def write_bytes(
     register: str, address: int, data: bytes, meaning: str = "", *, closes: bool = False
 ) -> tuple[Write, ...]:
-    """Return the steps that write ``data`` to ascending addresses."""
+    """Return the steps that write ``data`` to ascending addresses, one for each byte."""
     return tuple(Write(address + index, byte, register, meaning, closes) for index, byte in enumerate(data))
 
 

@@ -165,7 +165,7 @@ class ControlHead:
 
     @classmethod
     def decode(cls, bits: int) -> ControlHead:
-        """Split the 11 bits."""
+        """Split the 11 bits: CTS in bit 10, the ID in bits 9 to 7, and the address in bits 6 to 0."""
         return cls(is_register_access=bool(bit_at(bits, 10)), slave_id=(bits >> 7) & 0x7, address=bits & 0x7F)
 
     @classmethod
@@ -282,7 +282,9 @@ class Request:
             raise ConstantError("CTS", 0, 1)
         if access_bits not in (_READS, _WRITES):
             raise ConstantError("R W S", access_bits >> 14, _READS >> 14)
-        trailing_zeros = word & (0x3 if is_write else 0x3FFF)
+        # To write, the two bits after the byte and its CRC. To read, all 14 bits after R W S.
+        trailing_mask = 0x3 if is_write else 0x3FFF
+        trailing_zeros = word & trailing_mask
         if trailing_zeros:
             raise ConstantError("the zeros at the end", trailing_zeros, 0)
         return cls(head.slave_id, head.address, value)
@@ -296,7 +298,8 @@ class Request:
 
     def _check_echo(self, answers: int) -> Outcome:
         """Return the outcome of 18 answers, from IDL0 in bit 17 to W in bit 0. RUNNING if the slave participates."""
-        # With all answers 1, CDS never changes. IDL0 is the first answer, followed by those of the other IDs.
+        # With all answers 1, CDS never changes. IDL0 is the first answer, followed by those of the other IDs: a 1 shows
+        # that a slave has taken the ID.
         has_taken_id = bit_at(answers, _ECHO_BITS - 1 - self.slave_id)
         if answers == _ALL_ONES or not has_taken_id:
             return Outcome.NO_ANSWER
@@ -320,7 +323,8 @@ class Request:
         """
         if self.value is not None:
             is_repeated = answers == encode_byte(self.value)
-            return (Outcome.DONE if is_repeated else Outcome.BAD_ECHO), None
+            outcome = Outcome.DONE if is_repeated else Outcome.BAD_ECHO
+            return outcome, None
         try:
             return Outcome.DONE, decode_byte(answers)
         except CrcError:
@@ -376,9 +380,14 @@ class Answer:
 
 
 def _count_slaves(idl: int) -> int:
-    """Return how many slaves have taken an ID, according to IDL0 (bit 15) to IDL15 (bit 0). 9 means more than 8."""
-    # Slaves take IDs from 0 on, so their number is that of the ones before the first 0.
-    return min(9, 16 - (~idl & 0xFFFF).bit_length())
+    """Return how many slaves have taken an ID, according to IDL0 (bit 15) to IDL15 (bit 0). 9 means more than 8.
+
+    Three slaves give ``0b1110_0000_0000_0000``.
+    """
+    # Slaves take IDs from 0 on, so their number is that of the ones before the first 0. In the inverted bits, this is
+    # the highest 1.
+    inverted = ~idl & 0xFFFF
+    return min(9, 16 - inverted.bit_length())
 
 
 class _Phase(Enum):
@@ -415,13 +424,14 @@ class Master:
         self._requests: tuple[Request, ...] = ()
         #: Number of zeros that were sent since the last 1.
         self._zeros = 0
-        #: Number of CDS bits in ``_answers``, which are those of this phase, the last one in bit 0.
+        #: Number of CDS bits in ``_answer_bits``.
         self._bit_count = 0
         #: Number of successive frames in which the slave was busy, and the allowed number.
         self._busy_count = 0
         self._busy_limit = 0
         #: CDM bits of this phase, the first one highest: CTS to W, or a byte and its CRC.
         self._bits_to_send = 0
+        #: CDS bits of this phase, the last one in bit 0.
         self._answer_bits = 0
 
     def read(self, address: int, count: int = 1, *, slave_id: int = 0, busy_limit: int) -> None:
@@ -438,7 +448,7 @@ class Master:
             RangeError: The ID or the address is out of range, or the registers extend beyond 3Fh or 7Fh. Nothing is
                 sent.
         """
-        # This bounds the list, whatever the count is.
+        # A value of None reads a register. One more than allowed is enough for the error, so the list stays short.
         values: list[int | None] = [None] * min(whole_number("count", count), REGISTERS + 1)
         self._begin_frame(slave_id, address, values, busy_limit)
 
@@ -459,10 +469,14 @@ class Master:
         self._begin_frame(slave_id, address, list(as_bytes(data)), busy_limit)
 
     def _begin_frame(self, slave_id: int, address: int, values: list[int | None], busy_limit: int) -> None:
-        """Start a control frame, and forget the state of the previous one."""
+        """Start a control frame, and forget the state of the previous one.
+
+        ``values`` has the byte to write for each register from ``address`` on, or None to read it.
+        """
         slave_id = whole_number("slave_id", slave_id)
         address = whole_number("address", address)
-        head = Request(slave_id, address, values[0] if values else None).encode()
+        first_value = values[0] if values else None
+        head = Request(slave_id, address, first_value).encode()
         # The access ends at 3Fh or 7Fh.
         count_limit = REGISTERS - address % REGISTERS
         if not 0 < len(values) <= count_limit:
@@ -516,15 +530,21 @@ class Master:
         return 0
 
     def _follow_header(self, cds: int) -> int:
-        """Return the bits of steps 2 and 3 (CTS to W), then S once R W is answered."""
+        """Return the CDM bits of steps 2 and 3: CTS, ID, ADR, their CRC, R and W. The bit after them is S.
+
+        If the slave refuses or does not answer, this bit is 0 and ends the access.
+        """
         self._answer_bits = append_bit(self._answer_bits, cds)
         self._bit_count += 1
         if self._bit_count <= HEADER_BITS:
             # The first call, with one answer, returns CTS, the highest bit.
             return bit_at(self._bits_to_send, HEADER_BITS - self._bit_count)
-        # R and W follow the IDL bits.
-        self.slaves = _count_slaves(self._answer_bits >> 2)
-        echo = self._requests[0]._check_echo(self._answer_bits)
+        # R and W, the last two answers, follow the IDL bits.
+        idl = self._answer_bits >> 2
+        self.slaves = _count_slaves(idl)
+        # The header is that of the first register.
+        first_request = self._requests[0]
+        echo = first_request._check_echo(self._answer_bits)
         if echo is not Outcome.RUNNING:
             return self._end_access(echo)
         return self._request_register()
@@ -536,9 +556,10 @@ class Master:
         return 1
 
     def _follow_start(self, cds: int) -> int:
-        """Return the CDM bit of step 4: S = 1 until the slave answers 1, and then DATA7.
+        """Return the CDM bit of step 4: S = 1, which asks the slave to look up a register, until the slave answers 1.
 
-        An answer of 0 means that the slave is busy. After ``_busy_limit`` of them, the access ends.
+        Then return DATA7, the first bit of the byte. An answer of 0 means that the slave is busy. After ``_busy_limit``
+        of them, the access ends.
         """
         if not cds:
             if self._busy_count >= self._busy_limit:
@@ -552,7 +573,10 @@ class Master:
         return bit_at(self._bits_to_send, BYTE_BITS - 1)
 
     def _follow_byte(self, cds: int) -> int:
-        """Return the bits of steps 5 to 7: the rest of DATA and CRC, P, and S if a register follows."""
+        """Return the CDM bits of steps 5 to 7: the rest of a byte (DATA) and its CRC, P, and S if a register follows.
+
+        In a read, DATA and CRC are zeros, and the answers to them are the byte. P is always 0.
+        """
         has_sent_p = self._bit_count == BYTE_BITS
         if has_sent_p:
             # This answer is that to P: 1 refuses the next register.
@@ -649,7 +673,8 @@ class RegisterBus:
         """Carry out BiSS frames until the access ends. Raises AccessError if it fails."""
         while self._master.outcome is Outcome.RUNNING:
             received = self._exchange(self._cdm)
-            self._cdm = self._master.next(received[0] if isinstance(received, tuple) else received)
+            cds = received[0] if isinstance(received, tuple) else received
+            self._cdm = self._master.next(cds)
         if self._master.outcome is not Outcome.DONE:
             raise AccessError(self._master.outcome, address)
 
@@ -775,7 +800,8 @@ class Slave:
     def _answer_id_bit(self, upstream: int) -> int:
         """Return the CDS bit of an IDL bit: 1 to take it as the ID, otherwise the bit that arrives at SLI.
 
-        A slave takes the first IDL bit that no slave further from the master has taken.
+        The IDL bits stand for the IDs 0, 1, 2 and so on. A slave takes the first one that no slave further from the
+        master has taken.
         """
         if upstream or self._has_taken_id or self._bit_count > IDS:
             return upstream
@@ -785,7 +811,10 @@ class Slave:
         return 1
 
     def _follow_header(self, cdm: int, upstream: int) -> int:
-        """Return the answer of steps 2 and 3 to a bit: first the IDL bits up to the CRC, then R and W."""
+        """Return the answer to a CDM bit of steps 2 and 3, which are in the table of this module.
+
+        The answers to CTS, ID, ADR and their CRC are the IDL bits. Those to R and W follow.
+        """
         self._received = append_bit(self._received, cdm)
         self._bit_count += 1
         if self._bit_count <= ADDRESS_BITS:
@@ -797,7 +826,10 @@ class Slave:
         return cdm if is_r_bit else self._answer_w_bit(cdm)
 
     def _take_address(self) -> None:
-        """Take the address from CTS, ID, ADR and their CRC. Leave the frame if it is not for this slave."""
+        """Take the address of the register from the header. Leave the frame if it is not for this slave.
+
+        It is not if it is a command (CTS = 0), has another ID, or has a CRC error.
+        """
         head = ControlHead.decode_with_crc(self._received)
         is_for_this_slave = head is not None and head.is_register_access and head.slave_id == self.slave_id
         if head is None or not is_for_this_slave:
@@ -806,7 +838,11 @@ class Slave:
         self._register_address = head.address
 
     def _answer_w_bit(self, cdm: int) -> int:
-        """Return the answer to W: the same bit, or the inverse to refuse the register."""
+        """Return the answer to W, the bit after R: the same bit, or the inverse to refuse the register.
+
+        R W is 10 to read and 01 to write.
+        """
+        # W is bit 0, and R was received before it.
         r_bit = bit_at(self._received, 1)
         self._is_write = bool(cdm)
         if r_bit == cdm:
@@ -820,7 +856,10 @@ class Slave:
         return cdm
 
     def _follow_start(self, cdm: int, upstream: int) -> int:
-        """Return the answer of step 4 to S: 1 once every request is fulfilled, 0 while the slave is busy."""
+        """Return the answer of step 4 to S, the start bit of a register: 0 while the slave is busy, otherwise 1.
+
+        The slave is busy until the program has fulfilled its request (``wants``).
+        """
         if not cdm:
             self._leave_frame()
             return upstream
@@ -832,7 +871,7 @@ class Slave:
         return 1
 
     def _follow_byte(self, cdm: int) -> int:
-        """Return the answer of steps 5 and 6 to a bit.
+        """Return the answer to a CDM bit of steps 5 and 6: of a byte and its CRC, and then of P.
 
         In a read, it is a bit of the byte and its CRC, in a write the received bit. Then P is 1 to refuse the next
         register.
@@ -848,7 +887,7 @@ class Slave:
         return cdm
 
     def _answer_p_bit(self, cdm: int) -> int:
-        """Return the answer to P: 0 if the next register can be accessed, 1 to refuse it."""
+        """Return the answer to P, the bit after a byte: 0 if the next register can be accessed, 1 to refuse it."""
         # A control frame cannot go beyond 3Fh or 7Fh.
         is_last = self._register_address % REGISTERS == REGISTERS - 1
         if not is_last:

@@ -34,11 +34,14 @@ class ChannelTable:
     """
 
     def __init__(self, layout: Any, channels: tuple[Table, ...], is_wrong_length: Any) -> None:
+        """Combine the tables of the channels. ``is_wrong_length`` is True for each frame of a wrong length."""
         self._layout = layout
         self.channels = channels
+        # A wrong length takes precedence. Then the first channel with an error counts.
         fault = np.where(is_wrong_length, np.uint8(ErrorKind.LENGTH), np.uint8(0))
         for table in channels:
-            fault = np.where(fault == 0, table.fault, fault)
+            has_no_error_yet = fault == 0
+            fault = np.where(has_no_error_yet, table.fault, fault)
         self.fault: Any = fault
         self.agree: Any = _compare_fields(layout, channels) if layout.compared else None
         self.verdict: Any = self._worst_verdict()
@@ -75,8 +78,10 @@ class ChannelTable:
 
 def decode_channels(layout: Any, frames: object) -> ChannelTable:
     """Decode many frames. For the arguments, see ``decode_many`` of their layout."""
+    # The frames are rows of this many bytes, with zeros in front.
     length = (layout.bits + 7) // 8
     rows, is_wrong_length = _read_frames(frames, layout.bits, length)
+    # The first channel has the highest bits.
     low_bit = layout.bits
     tables: list[Table] = []
     for frame_class, bits in zip(layout.kinds, layout.channel_bits, strict=True):
@@ -145,7 +150,8 @@ def _compare_fields(layout: Any, channels: tuple[Table, ...]) -> Any:
     for field in layout.compared:
         table: Any = channels[int(field.channel)]
         values = table[field.field].astype(np.int64)
-        compared_values.append(values >> (field.width - layout.compared_bits))
+        bits_to_drop = field.width - layout.compared_bits
+        compared_values.append(values >> bits_to_drop)
     first_values, *other_values = compared_values
     modulus = 1 << layout.compared_bits
     agrees = np.ones(len(first_values), bool)

@@ -325,7 +325,8 @@ class _BoundDecoder:
         """Return the decoder of an encoder, or the method itself if it is accessed on the class."""
         if encoder is None:
             return self._method
-        decode = encoder._get_decoder(raise_frame_error if self._name == "decode" else return_frame_error)
+        handle_error = raise_frame_error if self._name == "decode" else return_frame_error
+        decode = encoder._get_decoder(handle_error)
         decode.__doc__ = self._method.__doc__
         # Later accesses find it there, before this descriptor.
         encoder.__dict__[self._name] = decode
@@ -344,6 +345,7 @@ def load_fact(module: str, name: str) -> object:
         AttributeError: There is no such table.
     """
     package, _, family = module.rpartition(".")
+    # Other names do not need the module of facts, which takes time to load.
     facts = import_module(f"{package}.facts.{family}") if name.isupper() else None
     if facts is None or name not in vars(facts):
         raise AttributeError(f"module '{module}' has no attribute '{name}'")
@@ -365,12 +367,15 @@ def look_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
     text = check_label(label)
     if text in variants:
         return variants[text]
-    # The label is not a listed code. It can have a tail, a suffix, unlisted values or another spelling.
+    # The label is not a listed code. It can have a tail, a suffix, unlisted values or another spelling. ``read`` splits
+    # it, and ``listed`` has the parts of the listed code that fits best. The encoder of that is changed where the label
+    # differs: X-24-TAIL becomes the encoder of X-24 with the tail "-TAIL".
     codes = {code: variant.parts for code, variant in variants.items()}
     family = next(iter(variants.values())).family
     parsed_label = cast(OrderCode, load_fact(module, "ORDER_CODE")).read(text, family.name.upper(), codes)
-    variant = next(listed for listed in variants.values() if listed.parts == parsed_label.listed)
-    if not (parsed_label.unlisted or parsed_label.tail or parsed_label.special or parsed_label.written_as_in):
+    variant = next(candidate for candidate in variants.values() if candidate.parts == parsed_label.listed)
+    has_changes = parsed_label.unlisted or parsed_label.tail or parsed_label.special or parsed_label.written_as_in
+    if not has_changes:
         return variant
     return variant._with_changes(
         code=parsed_label.code,
@@ -395,12 +400,10 @@ def wrong_encoder_error(
     """
     if isinstance(variant, kind):
         variant_interface = variant.interface
-        instead = (
-            f". Procedures over {variant_interface.title}: {', '.join(procedures[variant_interface])}"
-            if variant_interface in procedures
-            else ""
-        )
-        return InterfaceError(variant.code, variant_interface, interface, instead)
+        suggestion = ""
+        if variant_interface in procedures:
+            suggestion = f". Procedures over {variant_interface.title}: {', '.join(procedures[variant_interface])}"
+        return InterfaceError(variant.code, variant_interface, interface, suggestion)
     if isinstance(variant, Encoder):
         return FamilyError(variant.code, variant.family.name, kind.family.name)
     return TypeError(f"expected an encoder, got {shorten(variant)}; lookup() returns one for an order code")

@@ -51,13 +51,17 @@ class Rotary(Encoder):
 
     def _find_limits(self) -> tuple[int, int] | None:
         """Return the lowest and the highest position in any frame, or None if the manual does not give them."""
-        # If the ranges of frames do not differ, there is one for all, and the name of the frame does not matter.
-        try:
-            ranges = [*self._position_ranges().values()] or [self._range_in("")]
-        except ValueError:
-            return None
+        ranges = [*self._position_ranges().values()]
+        if not ranges:
+            # There is one range for all frames, so the name of the frame does not matter. Without a range in the
+            # manual, this raises ValueError.
+            try:
+                ranges = [self._range_in("")]
+            except ValueError:
+                return None
         lowest = min(position_range.lowest for position_range in ranges)
-        return lowest, max(position_range.highest for position_range in ranges)
+        highest = max(position_range.highest for position_range in ranges)
+        return lowest, highest
 
     def from_turns(self, turns: float) -> int:
         """Return the count nearest to ``turns`` revolutions."""

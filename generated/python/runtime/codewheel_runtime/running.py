@@ -123,7 +123,10 @@ class _Procedure:
         self._before: dict[int, tuple[str, bytes]] = {}
 
     def carry_out(self, steps: Sequence[Step], progress: Callable[[int, int, Step], object] | None) -> None:
-        """Carry out steps. If one fails, the encoder is put back as far as possible."""
+        """Carry out steps. If one fails, the registers are closed and restored as far as possible.
+
+        ``progress`` is called before each step with its index, the number of steps, and the step.
+        """
         from logging import getLogger
 
         logger = getLogger("codewheel_runtime")
@@ -141,7 +144,10 @@ class _Procedure:
                 logger.warning("step %d of %d failed: %r; left open: %s", index + 1, count, error, open_text)
                 if not isinstance(error, Exception):
                     raise
-                raise StepError(step, index, tuple(steps[:index]), left_open, str(error) or repr(error)) from error
+                done = tuple(steps[:index])
+                # Some errors have no text.
+                reason = str(error) or repr(error)
+                raise StepError(step, index, done, left_open, reason) from error
 
     def do(self, step: Step) -> None:
         """Carry out one step, and remember what it changed."""
@@ -181,11 +187,13 @@ class _Procedure:
         written = self._stored_registers.get(step.address)
         if written is None:
             addresses = range(step.address, step.address + step.length)
+            # If no step wrote one of these bytes, it is missing here.
             written = bytes(self._stored_bytes[address] for address in addresses if address in self._stored_bytes)
         if len(written) < step.length:
             raise ValueError(f"no earlier step wrote to {step.register}, so it cannot be verified")
         data = self._read(step)
-        if (int.from_bytes(written, step.order) ^ int.from_bytes(data, step.order)) & step.mask:
+        differing_bits = int.from_bytes(written, step.order) ^ int.from_bytes(data, step.order)
+        if differing_bits & step.mask:
             raise VerifyError(step.register, step.address, written, data, step.mask)
 
     def _read(self, step: Read | Modify | Poll | Verify) -> bytes:
@@ -256,6 +264,7 @@ def _check_reply(step: Send, reply: bytes) -> None:
     for byte in reply[:-1]:
         crc ^= byte
     if step.reply_ends_in_xor and crc != reply[-1]:
+        # After an echo, the reply repeats the first byte of the request. So a request of one byte comes twice.
         echo = ". Is it an echo of the request?" if reply.startswith(step.request * 2) else ""
         raise ValueError(f"{reply_text}: expected CRC {crc:#04x}, got {reply[-1]:#04x}{echo}")
 

@@ -88,6 +88,7 @@ class Pipeline:
         self._sent: _Sent | None = None
         #: Request before that one, to which a late reply belongs.
         self._before: _Sent | None = None
+        #: Number of bits of the last word.
         self._bits = 0
 
     @property
@@ -163,7 +164,7 @@ class Pipeline:
         """
         if self._sent is None:
             raise RuntimeError("no request has been sent since the last word was taken")
-        # A late reply belongs to the request before the last one.
+        # A late reply belongs to the request before the one whose word was just exchanged.
         answered_request = self._before if self._late else self._sent
         length = self._sent.bits
         self._before = self._sent
@@ -176,7 +177,8 @@ class Pipeline:
         reply = self._replies[type(request)](number)
         # Some encoders answer a write without its value.
         has_value = register is not None and "data" in reply._fields
-        return Answer(request, reply, self._decode_register(register, reply) if has_value else None)
+        register_value = self._decode_register(register, reply) if has_value else None
+        return Answer(request, reply, register_value)
 
     def restart(self) -> None:
         """Forget all requests. Call this after the encoder was switched off or a word was lost."""
@@ -197,8 +199,9 @@ class Pipeline:
         values = {"address": address, "data": int.from_bytes(data, "big")}
         if not self._write:
             raise TypeError(f"{self._encoder.code} has no request that writes a register")
-        for kind in self._write:
-            yield kind(**{name: values[name] for name in kind._fields if name in values})
+        for request_class in self._write:
+            fields = {name: values[name] for name in request_class._fields if name in values}
+            yield request_class(**fields)
 
     def _start_request(self, request: Any, register: type | None) -> int:
         """Return the word of a request, and remember the request with its class of register, or None without one.
@@ -227,7 +230,8 @@ class Pipeline:
 
     def _decode_register(self, register: Any, reply: Any) -> Any:
         """Return the register that a reply contains, as an object of the class ``register``."""
-        data = reply.data.to_bytes(self._registers[register][1], "big")
+        _, byte_count = self._registers[register]
+        data = reply.data.to_bytes(byte_count, "big")
         decode: Any = register.decode
         return decode(data, self._encoder) if issubclass(register, ByEncoder) else decode(data)
 
@@ -249,10 +253,12 @@ class RegisterBus:
         Raises:
             FrameError: A word is damaged.
         """
-        reading = self._line._make_read_request(address)
-        answer = self._send_request(reading)
-        if self._line._late:  # The reply comes with a further word, which can be the same request.
-            answer = self._send_request(reading)
+        read_request = self._line._make_read_request(address)
+        answer = self._send_request(read_request)
+        if self._line._late:
+            # The first answer belongs to an earlier request. The reply comes with the next word, for which the same
+            # request is sent again.
+            answer = self._send_request(read_request)
         data: int = answer.reply.data
         return data.to_bytes(length, "big")
 
@@ -267,4 +273,6 @@ class RegisterBus:
 
     def _send_request(self, request: Request) -> Any:
         """Send a request, and return the answer that arrives meanwhile: with late replies, to the request before."""
-        return self._line.take(self._exchange(self._line._start_request(request, None)))
+        word = self._line._start_request(request, None)
+        received_word = self._exchange(word)
+        return self._line.take(received_word)

@@ -38,7 +38,8 @@ def read_column(column: Any, shape: Shape) -> Any:
 def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: int = 0) -> Any:
     """Convert an Arrow column to the form that ``decode_many`` expects. Missing items are masked or None.
 
-    ``done`` is the number of earlier rows of a file. Most of its first frames must be readable.
+    Text is read in the base ``digits``, see ``read_text``. ``done`` is the number of rows of the file that were read
+    before. If it is 0, most of these cells must be frames.
 
     Raises:
         NoFrame: Most of the first cells of text are not frames.
@@ -52,9 +53,9 @@ def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: 
     if kinds.is_dictionary(arrow_type):
         array = array.dictionary_decode()
         arrow_type = arrow_type.value_type
-    if (view := str(arrow_type)) in ("string_view", "binary_view"):
-        # As polars gives text and bytes. Old versions of pyarrow have no function to test for it.
-        array = array.cast(pa.large_string() if view == "string_view" else pa.large_binary())
+    if (type_name := str(arrow_type)) in ("string_view", "binary_view"):
+        # polars has text and bytes in this form. Old versions of pyarrow have no function to test for it.
+        array = array.cast(pa.large_string() if type_name == "string_view" else pa.large_binary())
         arrow_type = array.type
     if kinds.is_null(arrow_type):
         return [None] * len(array)
@@ -63,7 +64,7 @@ def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: 
     if kinds.is_float64(arrow_type) and not shape.length:
         return read_floats(array.to_numpy(zero_copy_only=False), shape.bits, done)
     if kinds.is_string(arrow_type) or kinds.is_large_string(arrow_type):
-        return _read_each(array.to_pylist(), shape, digits, not done)
+        return _read_each(array.to_pylist(), shape, digits, is_first=not done)
     if not (kinds.is_binary(arrow_type) or kinds.is_large_binary(arrow_type) or kinds.is_fixed_size_binary(arrow_type)):
         raise TypeError(f"expected numbers, bytes or text, got items of the type {arrow_type}")
     length = shape.length or (shape.bits + 7) // 8
@@ -89,22 +90,24 @@ def _read_rows(array: Any, length: int) -> Any:
     count = len(array)
     if not count:
         return np.zeros((0, length), np.uint8)
-    # Arrow stores the bytes of all strings in one buffer. Without a fixed size, another one has their offsets.
+    # Arrow stores the bytes of all strings in one buffer, the last one. With a fixed size, this is the second of two
+    # buffers. Otherwise it is the third, and the second has the offset of each string, and of the end.
     buffers = array.buffers()
     if load("pyarrow").types.is_fixed_size_binary(arrow_type):
         if arrow_type.byte_width != length:
             return None
-        # The first byte of the first string, and the buffer. An array can be a slice of a longer one.
+        # Place of the first byte in the buffer. An array can be a slice of a longer one.
         start = array.offset * length
         data = buffers[1]
     else:
-        wide = load("pyarrow").types.is_large_binary(arrow_type)
-        offsets = np.frombuffer(buffers[1], np.int64 if wide else np.int32)[array.offset : array.offset + count + 1]
+        has_wide_offsets = load("pyarrow").types.is_large_binary(arrow_type)
+        all_offsets = np.frombuffer(buffers[1], np.int64 if has_wide_offsets else np.int32)
+        offsets = all_offsets[array.offset : array.offset + count + 1]
         if (np.diff(offsets) != length).any():
             return None
         start = int(offsets[0])
         data = buffers[2]
-    return np.frombuffer(data, np.uint8, count * length, start).reshape(count, length)
+    return np.frombuffer(data, np.uint8, count=count * length, offset=start).reshape(count, length)
 
 
 def read_byte_cells(items: Iterable[bytes | None], shape: Shape) -> list[Any]:
@@ -118,7 +121,7 @@ def read_byte_cells(items: Iterable[bytes | None], shape: Shape) -> list[Any]:
 
 
 def _read_each(items: Iterable[str | None], shape: Shape, digits: DigitKind | None, is_first: bool) -> list[Any]:
-    """Return the frame in each text cell, or None for a cell without a frame.
+    """Return the frame in each text cell, or None for a cell without a frame. ``digits`` is the base of numbers.
 
     Raises:
         NoFrame: ``is_first`` is True, and most cells contain no frame.

@@ -248,7 +248,9 @@ def _find_doubtful_frames(chunk: Chunk, shape: Shape) -> list[Any]:
 def _find_faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
     """Return the error of each frame, or 0. If there are several, it is the one that ``decode`` checks first.
 
-    This is the one with the lowest ``ErrorKind``, because ``decode`` checks in the order of these numbers.
+    This is the one with the lowest ``ErrorKind``, because ``decode`` checks in the order of these numbers. ``limbs``
+    are the frames as numbers. In ``source``, which are the frames as they were passed, bits above the frame are still
+    set.
     """
     chunk = Chunk(limbs, shape.bits)
     # Each kind of error, with an array that is True for the frames that have it.
@@ -288,7 +290,7 @@ def _is_met(chunk: Chunk, check: Check) -> Any:
 
 
 def _write(chunk: Chunk, shape: Shape, out: Mapping[str, Any]) -> None:
-    """Write the columns of the fields, of the joined numbers and of unused bits."""
+    """Write the columns of the fields, of the joined numbers and of unused bits into ``out``, by name."""
     columns_by_name = {column.name: column for column in shape.columns}
     # Fields that are extracted from a joined number on access are not in ``out``. The columns of digits have names of
     # their own.
@@ -304,7 +306,8 @@ def _write(chunk: Chunk, shape: Shape, out: Mapping[str, Any]) -> None:
 def _write_join(chunk: Chunk, shape: Shape, join: Join, columns: Mapping[str, Column], number: Any) -> None:
     """Write a number that consists of several fields into the array ``number``. The first has its lowest bits.
 
-    ``low`` is a place in the frame, and ``offset`` one in the joined number.
+    ``columns`` has the descriptions of all fields by name. ``low`` is a place in the frame, and ``offset`` one in the
+    joined number.
     """
     first_name, _ = join.fields[0]
     first = columns[first_name]
@@ -415,8 +418,10 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
 def _find_active_conditions(shape: Shape, out: Mapping[str, Any]) -> dict[Verdict, list[Any]]:
     """Return the conditions of each verdict: arrays that are True for the frames that meet one.
 
-    Conditions that no frame can meet are left out.
+    ``out`` has the decoded columns. The conditions on unused bits are left out if none of these bits differs from the
+    manual.
     """
+    # Each bit of this column is 1 where an unused bit differs from the manual.
     unused: Any = out.get("unused")
     any_unused_differs = bool(shape.unused) and unused.any()
     active_by_verdict: dict[Verdict, list[Any]] = {}
@@ -426,12 +431,13 @@ def _find_active_conditions(shape: Shape, out: Mapping[str, Any]) -> dict[Verdic
         elif condition.flag:
             is_active = out[condition.flag]
             for name in condition.unless:
-                # For bools, this is "where and not out[name]".
+                # For two bools, "greater" means True and False: the flag is active, and the other one is not.
                 is_active = np.greater(is_active, out[name])
         elif any_unused_differs:
-            # Bits of the mask above the type of the column do not occur.
-            possible_mask = condition.mask & ((1 << (8 * unused.itemsize)) - 1)
-            is_active = unused & unused.dtype.type(possible_mask) != 0
+            # NumPy requires that the mask fits the type of the column. Bits above that do not occur.
+            column_bits = 8 * unused.itemsize
+            possible_mask = condition.mask & ((1 << column_bits) - 1)
+            is_active = (unused & unused.dtype.type(possible_mask)) != 0
         else:
             continue
         active_by_verdict.setdefault(condition.verdict, []).append(is_active)

@@ -46,7 +46,10 @@ class FirstError:
         self._error: tuple[str, object, str] = ("", 0, "")
 
     def add(self, is_wrong: Any, field: str, values: Any, allowed: str) -> None:
-        """Record the first row in which ``is_wrong`` is True, if no earlier or equal row has an error."""
+        """Record the first row in which ``is_wrong`` is True, if no earlier or equal row has an error.
+
+        ``values`` are those of ``field`` in all rows, and ``allowed`` describes the allowed ones, for the message.
+        """
         if not is_wrong.any():
             return
         row = int(is_wrong.argmax())
@@ -136,8 +139,9 @@ def _check_names(
 ) -> None:
     """Raise TypeError if a column is missing or unknown.
 
-    Flags, fields without bits, and unused bits may be missing, as may the fields of a joined number that is present.
-    Columns that a decoded table has in addition to the fields are ignored.
+    ``fields`` has the field of each column by name. Flags, fields without bits, and unused bits may be missing, as may
+    the fields of a joined number that is present. Columns that a decoded table has in addition to the fields are
+    ignored.
     """
     optional = {"unused"}
     for name, column in fields.items():
@@ -218,8 +222,9 @@ class _Piece(NamedTuple):
 def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstError) -> Iterator[_Piece]:
     """Yield the pieces of a field. Wrong values are added to ``first_error``.
 
-    A string has one piece for each character, and any other field one.
+    A string has one piece for each character, and any other field one. ``arrays`` has the columns by name.
     """
+    # Only decimal digits have several columns, which ``_encode_digits`` takes from ``arrays``.
     values = arrays[list_names(column)[0]]
     match column.kind:
         case "flag" | "not_flag":
@@ -239,7 +244,10 @@ def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstE
 
 
 def _encode_flag(values: Any, column: Column, first_error: FirstError) -> Any:
-    """Return the bits of a flag: 1 for True, or for False if the flag is active low."""
+    """Return the bits of a flag: 1 for True, or for False if the flag is active low.
+
+    Wrong values, and active flags that the encoder does not send, are added to ``first_error``.
+    """
     is_active = values != 0
     if values.dtype.kind != "b":
         first_error.add(is_active & (values != 1), column.name, values, allowed="True or False")
@@ -262,7 +270,7 @@ def _encode_digits(arrays: Mapping[str, Any], column: Column, first_error: First
 
 
 def _encode_signed(values: Any, column: Column, first_error: FirstError) -> Any:
-    """Return the bits of a signed number in two's complement."""
+    """Return the bits of a signed number in two's complement. Wrong values are added to ``first_error``."""
     sign_bit = (1 << column.width) >> 1
     # A field without bits has only the value 0.
     highest = max(sign_bit, 1) - 1
@@ -276,7 +284,8 @@ def _encode_signed(values: Any, column: Column, first_error: FirstError) -> Any:
 def _encode_number(values: Any, column: Column, first_error: FirstError) -> Any:
     """Return the bits of an unsigned number as unsigned 64-bit numbers.
 
-    If 0 has another meaning in the field, such as 16, then 16 is sent as 0 and the value 0 is an error.
+    If 0 has another meaning in the field, such as 16, then 16 is sent as 0 and the value 0 is an error. Wrong values
+    are added to ``first_error``.
     """
     if column.power_of_two:
         # A power of two has a single bit, which subtracting 1 clears.
@@ -303,7 +312,7 @@ def _encode_text(values: Any, column: Column, first_error: FirstError) -> Iterat
     """Yield the characters of strings as pieces of 8 bits.
 
     The first character is the most significant. Trailing NUL characters may be omitted. A longer string, or one with a
-    character that is not Latin-1, is an error.
+    character that is not Latin-1, is added to ``first_error``.
     """
     length = column.width // _CHARACTER_BITS
     # NumPy stores the characters of a bytes array (S) in one byte each, and those of a text array (U) in four.
@@ -347,15 +356,16 @@ def _insert_join(
 
 
 def _insert_unused(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:
-    """Insert unused bits as in the manual, inverted where the column ``unused`` is 1.
+    """Insert unused bits as in the manual, inverted where the column ``unused`` of ``arrays`` is 1.
 
-    The column has all unused bits side by side: ``place`` is a position in it, and ``low`` one in the frame.
+    The column has all unused bits side by side: ``place`` is a position in it, and ``low`` one in the frame. Without
+    the column, all are as in the manual.
     """
     no_differences = np.zeros(len(limbs[0]), np.uint8)
     differences = arrays.get("unused", no_differences)
     difference_bits = differences.astype(np.uint64)
     unused_mask = sum(((1 << unused.width) - 1) << unused.place for unused in shape.unused)
-    is_outside = difference_bits & ~np.uint64(unused_mask & ((1 << 64) - 1)) != 0
+    is_outside = (difference_bits & ~np.uint64(unused_mask & ((1 << 64) - 1))) != 0
     first_error.add(is_outside, "unused", differences, allowed=f"within the mask {unused_mask:#x}")
     for unused in shape.unused:
         bits_in_manual = np.uint64(unused.value)

@@ -272,11 +272,13 @@ def group_unused_bits(shape: Shape) -> tuple[UnusedGroup, ...]:
 
     Bits with the same shift from the frame to ``unused`` form a group if they begin in the same byte of the frame.
     """
+    # The key is the shift and the index of the byte.
     by_shift: dict[tuple[int, int], list[Unused]] = {}
     for unused in shape.unused:
         by_shift.setdefault((unused.low - unused.place, unused.low // 8), []).append(unused)
     groups: list[UnusedGroup] = []
     for group in by_shift.values():
+        # The bits with the lowest place in the frame.
         first = min(group)
         mask = value = 0
         for unused in group:
@@ -348,7 +350,11 @@ class QuickChecks(NamedTuple):
 
 @lru_cache(maxsize=256)
 def find_quick_checks(shape: Shape) -> QuickChecks:
-    """Return the checks of a shape, combined into allowed values of bytes and one check for all constant bits."""
+    """Return the checks of a shape, combined into allowed values of bytes and one check for all constant bits.
+
+    If the four lowest bits of a frame must be 1010, the result is ``fixed=((0xF, 0xA),)``.
+    """
+    # The constant bits of the frame, and their values at the same places.
     mask = values = 0
     remaining: list[Check] = []
     by_byte: dict[int, list[Check]] = {}
@@ -375,10 +381,12 @@ def find_quick_checks(shape: Shape) -> QuickChecks:
         constant_bits = 255
         for byte in allowed:
             constant_bits &= ~(byte ^ allowed[0])
-        # If the other bits can have any value, the constant bits are the whole condition.
+        # If the other bits can have any value, the constant bits are the whole condition: n other bits have 2**n
+        # values.
         if allowed and len(allowed) == 1 << (8 - constant_bits.bit_count()):
             mask |= constant_bits << (8 * index)
             values |= (allowed[0] & constant_bits) << (8 * index)
+        # A few allowed values are compared one by one.
         elif len(allowed) <= 8:
             byte_values.append((index, tuple(allowed)))
         else:
@@ -391,6 +399,7 @@ def find_quick_checks(shape: Shape) -> QuickChecks:
 def _split_into_bytes(check: Check) -> set[int]:
     """Return the indices of the bytes in which the bits of a check, and of its parity, begin and end."""
     byte_indices: set[int] = set()
+    # A field without bits counts as one bit.
     for low, width in ((check.low, check.width), *check.parity_of):
         byte_indices |= {low // 8, (low + max(width, 1) - 1) // 8}
     return byte_indices

@@ -17,6 +17,8 @@ _HELP: Final = "expected fields in the order of transmission, such as position=3
 #: Flags of BiSS frames, which are active at level 0, and the resulting verdict on the position.
 _FLAGS: Final = {"error": Verdict.NOT_USABLE, "warning": Verdict.USABLE_WITH_WARNING}
 
+#: Most characters of a number, which is enough for 64 bits.
+_LONGEST_NUMBER: Final = 20
 #: Names of bits that are in no column.
 _FILLERS: Final = ("zero", "unused")
 
@@ -111,12 +113,14 @@ def biss_layout(text: str) -> BissLayout:
     """
     fields = [_parse_field(field_text) for field_text in text.split(",")]
     _check_fields(fields)
-    # Widths of the columns by name. The number joined from multiturn and singleturn is one of them.
+    # Widths of the columns by name: ``{"singleturn": 24, "position": 24}``. The number joined from multiturn and
+    # singleturn is one of them.
     widths = {field.name: field.width for field in fields if field.name not in ("crc", *_FILLERS)}
     joins: tuple[Join, ...] = ()
     if "singleturn" in widths and "position" not in widths:
-        turns = (("multiturn", widths["singleturn"]),) if "multiturn" in widths else ()
-        joins = (Join("position", (("singleturn", 0), *turns)),)
+        # The multiturn is above the singleturn in the position. Each part has its lowest bit in it.
+        multiturn_part = (("multiturn", widths["singleturn"]),) if "multiturn" in widths else ()
+        joins = (Join("position", (("singleturn", 0), *multiturn_part)),)
         widths["position"] = widths["singleturn"] + widths.get("multiturn", 0)
     return BissLayout(
         text=text,
@@ -148,6 +152,7 @@ def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tupl
     crc = None
     # Width of the unused bits so far, which are side by side in the column ``unused``.
     unused_width = 0
+    # Place of the lowest bit of a field. It begins above the highest one.
     low = bits = sum(field.width for field in fields)
     for field in fields:
         name = field.name
@@ -162,7 +167,10 @@ def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tupl
             unused.append(Unused(low, width, value=0, place=unused_width))
             unused_width += width
         else:
-            columns.append(Column(name, low, width, "not_flag" if name in _FLAGS else "number"))
+            # The flags of BiSS are active low.
+            columns.append(Column(name, low, width, kind="not_flag" if name in _FLAGS else "number"))
+    # Without a flag, nothing says whether the position is usable.
+    has_flag = any(name in widths for name in _FLAGS)
     return Shape(
         bits,
         columns=tuple(columns),
@@ -171,7 +179,7 @@ def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tupl
         checks=tuple(checks),
         crc=crc,
         position="position" if "position" in widths else "",
-        default_verdict=Verdict.USABLE if _FLAGS.keys() & widths.keys() else Verdict.UNKNOWN,
+        default_verdict=Verdict.USABLE if has_flag else Verdict.UNKNOWN,
         verdict_causes=tuple(VerdictCause(verdict, flag) for flag, verdict in _FLAGS.items() if flag in widths),
     )
 
@@ -185,7 +193,7 @@ def _parse_field(text: str) -> _Field:
     not_a_field = UsageError(f"{short(text)} is not a field; {_HELP}")
     name, equals, numbers_text = text.strip().partition("=")
     try:
-        # A flag without a width has 1 bit.
+        # The first number is the width. A flag without a width has 1 bit.
         numbers = [_parse_number(number_text) for number_text in numbers_text.split(":")] if equals else [1]
     except ValueError:
         raise not_a_field from None
@@ -205,7 +213,9 @@ def _parse_field(text: str) -> _Field:
 
 
 def _parse_crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
-    """Return the CRC. ``numbers`` are its polynomial and, if it is not 0, its start value.
+    """Return the field of a CRC in ``text``. ``numbers`` are its polynomial and, if it is not 0, its start value.
+
+    ``crc=6:0x43`` has the numbers ``[0x43]``, and its field the polynomial ``0x03``: the highest bit is left out.
 
     Raises:
         UsageError: A number does not fit the width, the polynomial is even, or there are more numbers.
@@ -226,8 +236,9 @@ def _parse_crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
 
 
 def _parse_number(text: str) -> int:
-    """Return a number that is not negative. Raises ValueError for other texts."""
-    if len(text) > 20 or not text.strip().isascii() or "_" in text:
+    """Return a number that is not negative, such as ``6`` or ``0x43``. Raises ValueError for other texts."""
+    # ``int`` also accepts spaces around the digits, digits of other scripts, and underscores between digits.
+    if len(text) > _LONGEST_NUMBER or not text.strip().isascii() or "_" in text:
         raise ValueError
     number = int(text, 0)
     if number < 0:

@@ -11,7 +11,7 @@ from functools import partial
 from importlib import import_module
 from math import isfinite
 from types import MappingProxyType
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, Literal, NamedTuple
 
 from ..bulk.decode import decode_many
 from ..bulk.shape import Shape
@@ -62,7 +62,7 @@ class Probes(NamedTuple):
         data: Channel of the data line (SLO), or of the serial line.
         rate: Sample rate in Hz, needed if the file does not specify it.
         rest: Shortest pause of the clock between two cycles, in seconds. The default is 1.4 periods. Use a longer one
-        if the master pauses within a frame.
+            if the master pauses within a frame.
         baud: Bits per second on a serial line, if they differ from the manual.
         threshold: Voltage above which the level is 1, for a table of voltages. The default is the middle of their
             range.
@@ -85,11 +85,12 @@ class Probes(NamedTuple):
             raise UsageError(f"threshold must be a number, got {self.threshold!r}")
 
     def names(self, is_serial: bool) -> Names:
-        """Return the channels by their names or numbers."""
+        """Return the choice of the channels. A serial line has no clock."""
         for channel in (self.clock, self.data):
             if not isinstance(channel, (str, int)) or isinstance(channel, bool):
                 raise UsageError(f"a channel is a name or a number from 1, got {channel!r}")
-        return Names(None if is_serial else str(self.clock), str(self.data))
+        clock = None if is_serial else str(self.clock)
+        return Names(clock=clock, data=str(self.data))
 
 
 def _is_finite(number: object) -> bool:
@@ -151,6 +152,7 @@ class CaptureSummary(NamedTuple):
         lost = sum(self.lost.values())
         parts = [str(self.frames), f"{lost} lost"]
         if self.access_count:
+            # ``count_units`` only adds an s.
             parts.append(count_units(self.access_count, "register access").replace("accesss", "accesses"))
         parts += [f"{count} {name}" for name, count in self.others.items()]
         return ", ".join(parts)
@@ -174,9 +176,9 @@ class _Log:
         """Count the lost cycles, accesses and other frames of a stretch."""
         for cycle in stretch.lost:
             # After the colon, a reason quotes the received bytes, which differ each time.
-            reason = cycle.reason.partition(":")[0]
+            reason, _, _ = cycle.reason.partition(":")
             self.reasons[reason] = self.reasons.get(reason, 0) + 1
-        # Number of lost cycles that can still be kept. None: all.
+        # Number of lost cycles that can still be kept, or None for all of them.
         free = None if self._limit is None else max(self._limit - len(self.lost), 0)
         self.lost += stretch.lost[:free]
         for name, count in stretch.others.items():
@@ -197,11 +199,18 @@ class _Log:
 
 
 class _CaptureFrames(NamedTuple):
-    """Frames of a capture, their description, and the name of the column of times."""
+    """Frames of a capture.
+
+    Attributes:
+        stretches: The frames, one stretch of the capture after another.
+        shape: Their description.
+        time_column: Name of the column of times: ``time`` in seconds, or ``sample`` if the sample rate is unknown.
+        total: Size of the file, if known.
+    """
 
     stretches: Generator[CapturedFrames, None, None]
     shape: Shape
-    time: str
+    time_column: str
     total: int | None
 
 
@@ -215,6 +224,8 @@ def _open_capture(
     exchanged: bool = False,
 ) -> Generator[_CaptureFrames, None, None]:
     """Open a capture, and yield its frames. With ``exchanged``, the clock and the data line are exchanged.
+
+    For the other arguments, see ``read_capture``. ``probes`` has those about the connection and the timing.
 
     Raises:
         UsageError: Captures of this encoder are not read, or a rate or another number is not one.
@@ -258,17 +269,23 @@ def _find_replies(
 ) -> _CaptureFrames:
     """Return the replies among the bytes on a serial line.
 
-    The first stretch is read at once, because it shows the kind of the replies, and so their shape.
+    The first stretch is read at once, because it shows the kind of the replies, and so their shape. ``name`` is that of
+    the file, for errors. For the other arguments, see ``read_capture``.
 
     Raises:
         InputError: There is no valid reply.
     """
     kinds = _find_frame_kinds(encoder, layout, answers)
     stretches = find_replies(line, name, _find_baud_rate(encoder, probes), kinds)
-    first = next(stretches)
-    if not first.kind:
+    first_stretch = next(stretches)
+    if not first_stretch.kind:
         raise InputError(name, "", f"no valid reply of {encoder.code}: check the channel, the baud rate and the code")
-    return _CaptureFrames(_prepend(first, stretches), kinds.replies[first.kind], "time", None)
+    return _CaptureFrames(
+        stretches=_prepend(first_stretch, stretches),
+        shape=kinds.replies[first_stretch.kind],
+        time_column="time",
+        total=None,
+    )
 
 
 def _find_frames(
@@ -279,18 +296,22 @@ def _find_frames(
     layout: str,
     answers: Mapping[str, Any],
 ) -> _CaptureFrames:
-    """Return the frames in the signals of a capture, with the column ``time``, or ``sample`` without a sample rate."""
-    time = "sample" if signals.seconds is None else "time"
+    """Return the frames in the signals of a capture, with the column ``time``, or ``sample`` without a sample rate.
+
+    ``name`` is that of the file, for errors. For the other arguments, see ``read_capture``.
+    """
+    time_column = "sample" if signals.seconds is None else "time"
     if isinstance(encoder, Encoder) and encoder.interface is Interface.RS485:
         line = read_serial_bytes(signals, _find_baud_rate(encoder, probes))
         opened = _find_replies(encoder, line, name, probes, layout, answers)
-        return opened._replace(time=time, total=signals.total)
+        return opened._replace(time_column=time_column, total=signals.total)
     is_ssi = isinstance(encoder, Encoder) and encoder.interface is Interface.SSI
+    interface_name: Literal["biss", "ssi"] = "ssi" if is_ssi else "biss"
     shape = find_shape(encoder, layout, answers) if isinstance(encoder, Encoder) else encoder.shape
     if shape.bits > 64:
         raise UsageError(f"frames of {shape.bits} bits do not fit into words of 64")
-    stretches = find_clocked_frames(signals, name, "ssi" if is_ssi else "biss", shape.bits, probes.rest)
-    return _CaptureFrames(stretches, shape, time, signals.total)
+    stretches = find_clocked_frames(signals, name, interface_name, shape.bits, probes.rest)
+    return _CaptureFrames(stretches, shape, time_column, signals.total)
 
 
 def _prepend(
@@ -309,11 +330,12 @@ def _find_frame_kinds(encoder: Encoder, layout: str, answers: Mapping[str, Any])
     wanted = find_layout(encoder, layout).name if layout else ""
     shapes: dict[str, dict[str, Shape]] = {"encoder": {}, "master": {}}
     for frame_layout in list_layouts(encoder):
-        if frame_layout.name == wanted or not frame_layout.answers:
-            shapes[frame_layout.sender][frame_layout.name] = find_shape(
-                encoder, frame_layout.name, answers if frame_layout.name == wanted else {}
-            )
-    return Kinds(shapes["encoder"], shapes["master"], wanted)
+        is_wanted = frame_layout.name == wanted
+        if is_wanted or not frame_layout.answers:
+            layout_answers = answers if is_wanted else {}
+            shape = find_shape(encoder, frame_layout.name, layout_answers)
+            shapes[frame_layout.sender][frame_layout.name] = shape
+    return Kinds(replies=shapes["encoder"], requests=shapes["master"], wanted=wanted)
 
 
 def _find_baud_rate(encoder: Encoder, probes: Probes) -> float:
@@ -437,6 +459,7 @@ def _read_capture(
     frames: list[Any] = []
     times: list[Any] = []
     with _open_capture(encoder, source, probes, layout, answers) as opened:
+        # If no frame is found, or none is valid, the lines may be exchanged. That error is then raised instead.
         try:
             for stretch in opened.stretches:
                 log.add(stretch)
@@ -449,7 +472,7 @@ def _read_capture(
     table = decode_many(np.concatenate(frames), opened.shape, encoder)
     if not table.ok.any():
         _report_exchanged_lines(encoder, source, probes, layout, answers)
-    table = table.with_columns(**{opened.time: np.concatenate(times)})
+    table = table.with_columns(**{opened.time_column: np.concatenate(times)})
     return Capture(table, tuple(log.lost), tuple(log.accesses), log.others)
 
 
@@ -458,7 +481,8 @@ def _report_exchanged_lines(
 ) -> None:
     """Raise InputError if a capture has valid frames with the clock and the data line exchanged.
 
-    The caller has found none without the exchange. With it, more than nine in ten of the first cycles must be valid.
+    Otherwise, return normally. The caller has found none without the exchange. With it, more than nine in ten of the
+    first cycles must be valid.
     """
     if isinstance(encoder, Encoder) and encoder.interface not in (Interface.BISS, Interface.SSI):
         return
@@ -470,8 +494,9 @@ def _report_exchanged_lines(
             lost_count += len(stretch.lost)
             if frame_count > _SHOWN:
                 break
+    invalid_count = frame_count - valid_count + lost_count
     # One frame can be valid by chance.
-    if valid_count > 1 and valid_count > 9 * (frame_count - valid_count + lost_count):
+    if valid_count > 1 and valid_count > 9 * invalid_count:
         name = "the array" if hasattr(source, "dtype") else _list_paths(source)[0]
         reason = "the clock and the data line are exchanged: no frame is valid"
         raise InputError(name, "", f"{reason}, but {valid_count} are if you exchange the two channels")
@@ -486,19 +511,23 @@ def _decode_capture(
     progress: Callable[[int, int | None, int], None] | None,
     report_exchanged_lines: Callable[[], None],
 ) -> CaptureSummary:
-    """Decode a capture into a file. If no frame is valid, ``report_exchanged_lines`` can raise InputError."""
+    """Decode a capture into a file. If no frame is valid, ``report_exchanged_lines`` can raise InputError.
+
+    ``opening`` opens the capture, and ``sources`` are its files. For ``limit`` and ``progress``, see ``decode_file``.
+    """
     log = _Log(_SHOWN)
     with opening as opened, open_for_writing(output.target, sources, output.force) as file:
-        time = opened.time
-        time_columns = {time: np.zeros(0)}
+        time_column = opened.time_column
+        time_columns = {time_column: np.zeros(0)}
+        # A table without frames, which shows the columns of the result.
         empty = decode_many([], opened.shape, encoder)
-        if time in empty:
-            raise UsageError(f"the frames have a field '{time}', but this is the column of times")
+        if time_column in empty:
+            raise UsageError(f"the frames have a field '{time_column}', but this is the column of times")
         empty = empty.with_columns(**time_columns)
-        derived = Derived(time, sources[0]) if output.si else None
+        derived = Derived(time_column, sources[0]) if output.si else None
         if derived is not None:
             empty = derived.check(empty)
-        read = Source(_convert_stretches(opened, log), opened.total, (time,), time_columns)
+        read = Source(_convert_stretches(opened, log), opened.total, (time_column,), time_columns)
         plan = make_plan(empty, read, output.columns, sources[0], output.raw)
         with SINKS[output.kind](file, plan) as sink:
             try:
@@ -506,7 +535,8 @@ def _decode_capture(
             except InputError:
                 report_exchanged_lines()
                 raise
-        if frames.frames == sum(frames.faults.values()):
+        has_no_valid_frame = frames.frames == sum(frames.faults.values())
+        if has_no_valid_frame:
             report_exchanged_lines()
     log.finish()
     return CaptureSummary(
@@ -532,7 +562,7 @@ def _convert_stretches(opened: _CaptureFrames, log: _Log) -> Generator[Part, Non
     """Yield the frames with the column of their times, and add each stretch to the log."""
     for stretch in opened.stretches:
         log.add(stretch)
-        yield Part(stretch.frames, stretch.done, {opened.time: _round_times(stretch.times)})
+        yield Part(stretch.frames, stretch.done, {opened.time_column: _round_times(stretch.times)})
 
 
 def _round_times(seconds: Any) -> Any:

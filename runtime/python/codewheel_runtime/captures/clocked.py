@@ -39,6 +39,9 @@ _LEAST: Final = 1e-12
 _SHORTEST_PERIOD: Final = 1e-6
 #: Number of edges of the clock that are needed to determine its period.
 _FEW: Final = 64
+#: Indices of the two signals of a capture.
+_CLOCK: Final = 0
+_DATA: Final = 1
 
 
 class Lost(NamedTuple):
@@ -100,9 +103,10 @@ def find_clocked_frames(
         early=0.5 if signals.is_sampled else 0.0,
         unit=unit,
     )
+    # Inside the finder, times are in the unit of the edges: ``unit`` seconds, or samples.
     for part in signals.edges:
-        # None: no cycle is complete yet.
         stretch = finder.feed(part, name)
+        # Without a complete cycle, there is no stretch yet.
         if stretch is not None:
             yield stretch
     if not finder.is_clocked:
@@ -184,10 +188,11 @@ class _CycleFinder:
         self._levels = (1, 1)
         #: Beginning of the capture, of which the first cycle may be cut off. Minus infinity after the first cycles.
         self._begin = -np.inf
-        #: End of the stretch of the capture so far, and the amount of the file that has been read.
+        #: End of the capture so far, and the amount of the file that has been read.
         self._end, self._done = 0.0, 0
         #: Time without an edge of the clock after which a cycle has ended. 0 while it is not known.
         self._rest = 0.0
+        #: True once the clock has an edge, and True until the first stretch has arrived.
         self.is_clocked, self._is_new = False, True
 
     def feed(self, part: Edges, name: str) -> CapturedFrames | None:
@@ -213,10 +218,10 @@ class _CycleFinder:
         """Append the edges of the next stretch of the capture: those of the clock, then those of the data line."""
         # Only the first stretch shows the levels at the beginning.
         if self._is_new:
-            self._levels, self._begin = (part.levels[0], part.levels[1]), part.begin
+            self._levels, self._begin = (part.levels[_CLOCK], part.levels[_DATA]), part.begin
             self._is_new = False
-        self._clock = np.concatenate([self._clock, part.times[0]])
-        self._data = np.concatenate([self._data, part.times[1]])
+        self._clock = np.concatenate([self._clock, part.times[_CLOCK]])
+        self._data = np.concatenate([self._data, part.times[_DATA]])
         self._end, self._done = part.end, part.done
         self.is_clocked = self.is_clocked or len(self._clock) > 0
 
@@ -241,8 +246,8 @@ class _CycleFinder:
 
     def _find_ends(self) -> Any:
         """Return the index after the last edge of each cycle, also of the last one, which may not be complete."""
-        gaps = np.flatnonzero(np.diff(self._clock) > self._rest) + 1
-        return np.append(gaps, len(self._clock)) if len(self._clock) else gaps
+        ends = np.flatnonzero(np.diff(self._clock) > self._rest) + 1
+        return np.append(ends, len(self._clock)) if len(self._clock) else ends
 
     def _take_cycles(self, ends: Any, is_last: bool = False) -> CapturedFrames:
         """Return the frames in the cycles that end before the edges ``ends``, and forget the edges of these cycles."""
@@ -283,7 +288,8 @@ class _CycleFinder:
             return CapturedFrames(np.zeros(0, np.uint64), np.zeros(0), [], self._done)
         bits = self._find_biss_bits(cycles) if self._is_biss else self._find_ssi_bits(cycles)
         # A glitch on the clock takes precedence over other reasons.
-        bits.reasons[self._find_shortest_gaps(cycles) < _SPIKE * cycles.period] = _SPIKED
+        has_glitch = self._find_shortest_gaps(cycles) < _SPIKE * cycles.period
+        bits.reasons[has_glitch] = _SPIKED
         good = np.flatnonzero(bits.reasons == 0)
         # Over BiSS, CDS is in front of the frame.
         front_bits = 1 if self._is_biss else 0
@@ -305,7 +311,8 @@ class _CycleFinder:
         cds = np.full(len(cycles.falls), -1, np.int64)
         cds[good] = levels[:, 0]
         # CDM is the inverse of the clock's level during the time-out.
-        timeout_level = self._levels[0] ^ (cycles.ends & 1)
+        clock_level, _ = self._levels
+        timeout_level = clock_level ^ (cycles.ends & 1)
         return ControlBits(times=cycles.begin * self._unit, cds=cds, cdm=timeout_level ^ 1)
 
     def _find_cycles(self, starts: Any, ends: Any) -> _Cycles:
@@ -313,7 +320,9 @@ class _CycleFinder:
         clock = self._clock
         # The level before edge n is the first level, inverted if n is odd. After a low level, the next edge rises, and
         # the one after it is the first that falls.
-        is_low_before = (starts & 1) == self._levels[0]
+        clock_level, _ = self._levels
+        is_low_before = (starts & 1) == clock_level
+        # True counts as 1.
         falls = starts + is_low_before
         # Time of the first edge after each cycle. After the last cycle there may be none.
         next_edges = np.append(clock, np.inf)[ends]
@@ -330,7 +339,7 @@ class _CycleFinder:
         return _Cycles(falls=falls, ends=ends, rises=rises, begin=begin, last=last, after=next_edges, period=period)
 
     def _find_biss_bits(self, cycles: _Cycles) -> _Bits:
-        """Return the bits after the start bit, which is the first rise of the data line after its first fall.
+        """Return the places of the bits after the start bit, the first rise of the data line after its first fall.
 
         If several reasons apply to a cycle, the last one that is set below counts.
         """
@@ -338,7 +347,9 @@ class _CycleFinder:
         data_rise = start_bits.data_rise
         # CDS and the frame need this many rising edges after the start bit.
         rises_needed = self._bits + 1
+        # The slave sent the start bit ``late_periods`` edges before the one after which it arrived.
         rises_after_start = cycles.rises - 1 - (start_bits.rise_number - start_bits.late_periods)
+        # After the last edge, the start bit can still be on the line for its delay.
         latest_start = cycles.last + cycles.period * (start_bits.late_periods + 2)
         latest_acknowledgement = np.minimum(cycles.after, cycles.last + _DELAY * cycles.period)
         has_no_start = (data_rise > latest_start) | (data_rise >= cycles.after) | (start_bits.rise_number < 0)
@@ -354,20 +365,24 @@ class _CycleFinder:
     def _find_start_bits(self, cycles: _Cycles) -> _StartBits:
         """Return the start bits: the data line goes low as an acknowledgement, and rises with the start bit."""
         clock, falls = self._clock, cycles.falls
+        # Index of the first edge of the data line in each cycle.
         first_index = np.searchsorted(self._data, cycles.begin, "left")
-        # Edges that are missing at the end come never.
+        _, data_level = self._levels
+        # After the last edge, the data line never changes again: its next edges are at infinity.
         data_edges = np.append(self._data, [np.inf, np.inf])
         data_fall = data_edges[first_index]
         data_rise = data_edges[first_index + 1]
+        # Edges of the clock from the first falling one up to this rise. The second one is rising edge 0, and every
+        # second one after it rises too.
         edges_before_rise = np.searchsorted(clock, data_rise, "right") - falls
         rise_number = edges_before_rise // 2 - 1
-        # The first rising edge follows the first falling one, and every second edge rises.
         start_edge = falls + 1 + 2 * np.maximum(rise_number, 0)
+        # The slave acknowledges at the second rising edge, three edges after the first falling one.
         second_rise = clock[np.minimum(falls + 3, cycles.ends - 1)]
         acknowledgement = np.where(np.isfinite(data_fall), data_fall, 0)
         late_periods = np.maximum(np.floor((acknowledgement - second_rise) / cycles.period), 0)
         return _StartBits(
-            first_level=self._levels[1] ^ (first_index & 1),
+            first_level=data_level ^ (first_index & 1),
             data_fall=data_fall,
             data_rise=data_rise,
             rise_number=rise_number,
@@ -376,13 +391,14 @@ class _CycleFinder:
         )
 
     def _find_ssi_bits(self, cycles: _Cycles) -> _Bits:
-        """Return the bits, one for each rising edge. The first change of the data line shows its delay."""
+        """Return the places of the bits, one for each rising edge. The first change of the data shows the delay."""
         clock, falls = self._clock, cycles.falls
         last_edge = cycles.ends - 1
         first_rise = clock[np.minimum(falls + 1, last_edge)]
         # The index after the last edge finds infinity: the data line does not change any more.
         data_edges = np.append(self._data, np.inf)
-        change = data_edges[np.searchsorted(self._data, first_rise, "left")]
+        change_index = np.searchsorted(self._data, first_rise, "left")
+        change = data_edges[change_index]
         # The rising edge before the change. The first one follows the first falling edge, and every second edge rises.
         rises_before = (np.searchsorted(clock, change, "right") - falls) // 2
         nearest_rise = falls + 1 + 2 * np.maximum(rises_before - 1, 0)
@@ -408,11 +424,11 @@ class _CycleFinder:
     def _list_lost_cycles(self, cycles: _Cycles, bits: _Bits) -> list[Lost]:
         """Return the cycles without a frame, with their reasons."""
         lost: list[Lost] = []
+        # Without a rest in front, the capture may have begun within the first cycle.
         is_first_cut = cycles.begin[0] - self._begin < self._rest
         for index in np.flatnonzero(bits.reasons):
-            reason = self._explain_loss(
-                int(bits.reasons[index]), int(bits.sent[index]), bool(index == 0 and is_first_cut)
-            )
+            is_cut = bool(index == 0 and is_first_cut)
+            reason = self._explain_loss(int(bits.reasons[index]), int(bits.sent[index]), is_cut)
             lost.append(Lost(float(cycles.begin[index]) * self._unit, reason))
         return lost
 
@@ -437,7 +453,8 @@ class _CycleFinder:
         middles = timing.find_middles()
         # An odd number of edges before a time inverts the first level.
         edge_counts = np.searchsorted(self._data, middles.ravel(), "right").reshape(middles.shape)
-        return (edge_counts & 1) ^ self._levels[1]
+        _, data_level = self._levels
+        return (edge_counts & 1) ^ data_level
 
     def _explain_loss(self, reason: int, bits_sent: int, is_cut: bool) -> str:
         """Return the reason why a cycle was lost. ``is_cut`` is True if the capture may begin within it."""

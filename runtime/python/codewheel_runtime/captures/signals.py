@@ -84,7 +84,8 @@ class Names(NamedTuple):
             raise InputError(file, "", f"expected channels of a clock and a data line, got {listed(list(channels))}")
         places: list[int | None] = []
         for name, usual_names, _ in signals:
-            places.append(_find_place(channels, name) if name else _find_usual_place(channels, usual_names))
+            place = _find_place(channels, name) if name else _find_usual_place(channels, usual_names)
+            places.append(place)
         has_choice = any(name for name, _, _ in signals)
         if None in places and not has_choice and len(channels) == len(signals):
             # Of two channels with other names, the first one is the clock.
@@ -108,10 +109,12 @@ def _add_remaining_channel(signals: Sequence[_Signal], places: list[int | None])
     A place is None if it is not known. It stays None if the chosen name of the signal does not exist.
     """
     known = [place for place in places if place is not None]
-    has_unknown_name = any(signal[0] and place is None for signal, place in zip(signals, places, strict=True))
+    has_unknown_name = any(name and place is None for (name, _, _), place in zip(signals, places, strict=True))
     if len(known) != 1 or has_unknown_name:
         return places
-    return [1 - known[0] if place is None else place for place in places]
+    # The places are 0 and 1.
+    remaining = 1 - known[0]
+    return [remaining if place is None else place for place in places]
 
 
 #: Chosen name of a signal, its usual names, and the option that chooses it.

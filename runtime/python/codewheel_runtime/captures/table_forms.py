@@ -161,7 +161,8 @@ def _name_channels(
 ) -> list[str]:
     """Return the names of the channels: those of a comment of sigrok, those of the header, or numbers from 1.
 
-    ``has_times`` is True if a column of times or of numbers is in front of the channels.
+    ``comments`` are lines without the mark of the comment. ``first_rows`` are the cells of some rows, whose number
+    shows that of the channels. ``has_times`` is True if a column of times or of numbers is in front of the channels.
     """
     first_channel = int(has_times)
     column_count = len(first_rows[0])
@@ -176,11 +177,13 @@ def _find_time_unit(headers: _Headers, first_rows: Sequence[list[str]]) -> float
     """Return the unit of the times in the first column, see ``TableForm.unit``."""
     unit: float | None = None
     if headers.names is not None:
-        unit = _find_unit(headers.names[0] if headers.units is None else headers.units[0])
+        first_header = headers.names[0] if headers.units is None else headers.units[0]
+        unit = _find_unit(first_header)
     if unit is None and _are_numbered(first_rows):
         return 0.0
     # A name such as ``TIME`` has no unit. Times with fractions are then seconds.
-    if unit == 0 and headers.names is not None and _is_time(headers.names[0]) and _have_fractions(first_rows):
+    is_named_time = headers.names is not None and _is_time(headers.names[0])
+    if unit == 0 and is_named_time and _have_fractions(first_rows):
         return 1.0
     return unit
 
@@ -202,9 +205,14 @@ def _find_increment_rate(headers: _Headers) -> float | None:
 
 def _is_row(cells: Sequence[str]) -> bool:
     """Return whether all cells can be those of a row: numbers, a time stamp, or X for a channel that was off."""
-    return bool(cells) and all(
-        _is_number(cell) or cell == "X" or (not place and _is_stamp(cell)) for place, cell in enumerate(cells)
-    )
+    if not cells:
+        return False
+    for index, cell in enumerate(cells):
+        is_value = _is_number(cell) or cell == "X"
+        is_stamp_in_front = index == 0 and _is_stamp(cell)
+        if not is_value and not is_stamp_in_front:
+            return False
+    return True
 
 
 def _is_stamp(cell: str) -> bool:
@@ -231,8 +239,15 @@ def _are_numbered(rows: Sequence[list[str]]) -> bool:
 
 
 def _find_comment(comments: Sequence[str], name: str) -> str:
-    """Return the text after the colon of the first comment that begins with ``name``, or an empty string."""
-    return next((comment.partition(":")[2] for comment in comments if comment.startswith(name)), "")
+    """Return the text after the colon of the first comment that begins with ``name``, or an empty string.
+
+    With the comment ``Samplerate: 24 MHz``, this is `` 24 MHz`` for ``Samplerate``.
+    """
+    for comment in comments:
+        if comment.startswith(name):
+            _, _, text = comment.partition(":")
+            return text
+    return ""
 
 
 def _find_first_row(head: bytes, header_count: int) -> int:

@@ -29,6 +29,8 @@ _KEPT: Final = 64
 _LONGEST_INCOMPLETE: Final = 4 * _KEPT
 #: Longest pause within a message, in byte times.
 _PAUSE: Final = 20
+#: Most bytes that are printed in the reason why they belong to no reply.
+_PRINTED_BYTES: Final = 12
 
 
 class _Bytes(NamedTuple):
@@ -47,29 +49,35 @@ def read_serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, 
         signals: The line, high at rest.
         baud: Bits per second, or per sample if the sample rate is unknown.
     """
-    bit = 1 / baud / (signals.seconds or 1.0)
+    # Without a sample rate, times are in samples.
+    time_unit = signals.seconds or 1.0
+    bit_time = 1 / baud / time_unit
     # An edge between two samples is seen at the second one, half a sample late on average.
     early = 0.5 if signals.is_sampled else 0.0
-    # Edges that are not used yet, and the level before them.
+    # Times of the edges that are not used yet, and the level before them.
     edges, level = np.zeros(0), 1
     # Time from which a byte can begin.
     earliest_start = -np.inf
     end, done, is_first_part = 0.0, 0, True
     for part in _split_parts(signals):
         if part is not None:
+            # The serial line is the only signal, so its index is 0.
             if is_first_part:
                 level, is_first_part = part.levels[0], False
             edges = np.concatenate([edges, part.times[0]])
             end, done = part.end, part.done
-        # An edge with an even index starts from the first level.
+        # An edge with an even index starts from the first level. If that is 1, these edges fall, otherwise the others.
         falls = edges[1 - level :: 2]
         # Falling edges whose byte is complete. At the end of the capture (None), all are used.
-        complete_count = int(np.searchsorted(falls, end - _BITS * bit, "right")) if part is not None else len(falls)
+        complete_count = (
+            int(np.searchsorted(falls, end - _BITS * bit_time, "right")) if part is not None else len(falls)
+        )
         falls = falls[:complete_count]
         if not len(falls):
             continue
-        # The stop bit lasts at least half a bit, and the next byte may follow at once.
-        next_places = np.searchsorted(falls, falls + (_BITS - 0.5) * bit, "left").tolist()
+        # The stop bit lasts at least half a bit, and the next byte may follow at once. For each falling edge, this is
+        # the index of the first one that can begin the next byte.
+        next_places = np.searchsorted(falls, falls + (_BITS - 0.5) * bit_time, "left").tolist()
         start_places: list[int] = []
         index = int(np.searchsorted(falls, earliest_start, "left"))
         while index < complete_count:
@@ -78,12 +86,14 @@ def read_serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, 
         if not start_places:
             continue
         starts = falls[start_places]
-        earliest_start = float(starts[-1]) + (_BITS - 0.5) * bit
-        # The middle of eight data bits and the stop bit.
-        times = starts[:, None] + (bit * (1.5 + np.arange(9)) - early)[None, :]
+        earliest_start = float(starts[-1]) + (_BITS - 0.5) * bit_time
+        # The middle of eight data bits and the stop bit: a row for each byte, and a column for each bit.
+        times = starts[:, None] + (bit_time * (1.5 + np.arange(9)) - early)[None, :]
+        # An odd number of edges before a time inverts the first level.
         levels = (np.searchsorted(edges, times.ravel(), "right").reshape(times.shape) & 1) ^ level
         values = (levels[:, :8] << np.arange(8)).sum(axis=1).astype(np.uint8)
-        yield _Bytes(values, starts * (signals.seconds or 1.0), levels[:, 8] == 1, done)
+        has_stop_bit = levels[:, 8] == 1
+        yield _Bytes(values, starts * time_unit, has_stop_bit, done)
         used_count = int(np.searchsorted(edges, earliest_start, "left"))
         edges, level = edges[used_count:], level ^ (used_count & 1)
 
@@ -105,9 +115,9 @@ def find_exported_columns(head: bytes) -> tuple[int, int] | None:
     """
     first_line = head.decode("utf-8-sig", "replace").partition("\n")[0]
     cells = [cell.strip().strip('"').lower() for cell in first_line.split(",")]
-    for names, time, value in _EXPORTS:
-        if tuple(cells[: len(names)]) == names:
-            return time, value
+    for header, time_column, byte_column in _EXPORTS:
+        if tuple(cells[: len(header)]) == header:
+            return time_column, byte_column
     return None
 
 
@@ -117,26 +127,27 @@ def read_exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> 
     Raises:
         InputError: A cell is not a byte, or a time is not a number.
     """
-    time, value = columns
+    time_column, byte_column = columns
     text = io.TextIOWrapper(file, "utf-8-sig", "replace", newline="")
     rows = enumerate(csv.reader(text), 1)
-    # The header.
+    # The first row is the header.
     next(rows)
     line = 1
-    # Rows with their line numbers, without empty rows.
-    while numbered_rows := [numbered_row for numbered_row in islice(rows, _ROWS) if numbered_row[1]]:
+    # Empty rows are left out, but count as lines.
+    while numbered_rows := [(line_number, row) for line_number, row in islice(rows, _ROWS) if row]:
         values = np.zeros(len(numbered_rows), np.uint8)
         times = np.zeros(len(numbered_rows))
         has_stop_bit = np.ones(len(numbered_rows), bool)
         for index, (line, row) in enumerate(numbered_rows):
-            if len(row) <= max(time, value):
+            if len(row) <= max(time_column, byte_column):
                 raise InputError(path, f"line {line}", "the row ends early")
-            values[index] = _read_byte(row[value], path, line)
+            values[index] = _read_byte(row[byte_column], path, line)
             try:
-                times[index] = float(row[time])
+                times[index] = float(row[time_column])
             except ValueError:
-                reason = f"{short(row[time])} is not a time in seconds: export without time stamps of ISO 8601"
+                reason = f"{short(row[time_column])} is not a time in seconds: export without time stamps of ISO 8601"
                 raise InputError(path, f"line {line}", reason) from None
+            # A byte without a stop bit has a cell that names a framing error.
             has_stop_bit[index] = not any("framing" in cell.lower() for cell in row)
         yield _Bytes(values, times, has_stop_bit, line)
 
@@ -218,17 +229,20 @@ class _Places(NamedTuple):
 class _Replies:
     """Finder of replies in bytes. It keeps the last bytes until more arrive.
 
-    ``wanted`` is the name of the kind of replies to return, empty until it is known. Three arrays hold the bytes, their
-    times, and True for each with a stop bit. ``duration`` is that of a byte, in the unit of the times.
+    ``duration`` is the time that a byte takes on the line, with start and stop bit, in the unit of the times.
     """
 
     def __init__(self, kinds: Kinds, duration: float) -> None:
         self._kinds = kinds
+        #: Longest time between the start bits of two bytes of a message.
         self._pause = _PAUSE * duration
+        #: Three arrays of equal length: the bytes that are kept, the time of each, and True for each with a stop bit.
         self._values = np.zeros(0, np.uint8)
         self._times = np.zeros(0)
         self._has_stop_bit = np.zeros(0, bool)
+        #: Name of the kind of replies to return. It is empty until it is known.
         self.wanted = kinds.wanted
+        #: Amount of the file that has been read.
         self._done = 0
 
     def feed(self, part: _Bytes) -> CapturedFrames:
@@ -251,9 +265,8 @@ class _Replies:
         """
         if not self.wanted or len(stretch.frames):
             return stretch
-        return stretch._replace(
-            kind=self.wanted, frames=np.zeros((0, self._kinds.replies[self.wanted].length), np.uint8)
-        )
+        length = self._kinds.replies[self.wanted].length
+        return stretch._replace(kind=self.wanted, frames=np.zeros((0, length), np.uint8))
 
     def _find_valid_starts(self, shape: Shape) -> Any:
         """Return an array that is True for each byte at which a valid frame begins, and for the end False.
@@ -265,10 +278,12 @@ class _Replies:
         is_valid = np.zeros(count + 1, bool)
         if count < length:
             return is_valid
+        # A row for each place at which a frame can begin, with the bytes from there on.
         windows = np.lib.stride_tricks.sliding_window_view(self._values, length)
         start_count = len(windows)
         has_no_error = decode_many(np.ascontiguousarray(windows), shape, None).fault == 0
-        # There are none in a frame if their number is the same before its first and after its last byte.
+        # A frame has no pause if the number of pauses is the same before its first and before its last byte. It has all
+        # stop bits if the number of damaged bytes is the same before its first byte and after its last one.
         pauses_before = _count_before(np.diff(self._times) > self._pause)
         has_no_pause = pauses_before[length - 1 :] == pauses_before[:start_count]
         damaged_before = _count_before(~self._has_stop_bit)
@@ -279,7 +294,7 @@ class _Replies:
     def _take_replies(self, until: int) -> CapturedFrames:
         """Return the replies that begin before the byte ``until``, and forget their bytes."""
         shapes = self._kinds.replies
-        # At each byte, the longest reply counts.
+        # If several kinds of reply begin at a byte, the longest one counts.
         names = sorted(shapes, key=lambda name: (-shapes[name].length, name))
         request_lengths = self._find_request_lengths()
         places = self._place_replies(until, names, self._find_reply_kinds(names), request_lengths)
@@ -298,11 +313,15 @@ class _Replies:
             has_position = self._kinds.replies[name].default_verdict is not None
             if reply_starts and has_position:
                 counts.append((len(reply_starts), name))
+        # Of kinds that are equally frequent, the last one in alphabetical order is chosen.
         _, most_frequent = max(counts, default=(0, ""))
         return most_frequent
 
     def _find_reply_kinds(self, names: Sequence[str]) -> list[int]:
-        """Return the index in ``names`` of the reply that begins at each byte, or -1."""
+        """Return the index in ``names`` of the reply that begins at each byte, or -1.
+
+        ``names`` begins with the longest reply. The list also has an item for the end of the bytes, which is -1.
+        """
         kinds = np.full(len(self._values) + 1, -1)
         # The first names are set last, so they take precedence.
         for index, name in reversed([*enumerate(names)]):
@@ -311,17 +330,26 @@ class _Replies:
         return reply_kinds
 
     def _find_request_lengths(self) -> list[int]:
-        """Return the length of the longest valid request that begins at each byte, or 0."""
+        """Return the length of the longest valid request that begins at each byte, or 0.
+
+        The list also has an item for the end of the bytes, which is 0.
+        """
         longest = np.zeros(len(self._values) + 1, np.int64)
         for shape in self._kinds.requests.values():
-            longest = np.maximum(longest, shape.length * self._find_valid_starts(shape))
+            # True counts as 1, so this is the length where a request begins, and 0 elsewhere.
+            lengths_of_kind = shape.length * self._find_valid_starts(shape)
+            longest = np.maximum(longest, lengths_of_kind)
         lengths: list[int] = longest.tolist()
         return lengths
 
     def _place_replies(
         self, until: int, names: Sequence[str], reply_kinds: list[int], request_lengths: list[int]
     ) -> _Places:
-        """Return the places of the replies that begin before ``until``, one after another, and of the gaps."""
+        """Return the places of the replies that begin before the byte ``until``, one after another, and of the gaps.
+
+        ``reply_kinds`` has the index in ``names`` of the reply that begins at each byte, or -1. ``request_lengths`` has
+        the length of the request that begins at each byte, or 0.
+        """
         byte_count = len(self._values)
         starts: dict[str, list[int]] = {name: [] for name in names}
         gaps: list[tuple[int, int]] = []
@@ -368,9 +396,11 @@ class _Replies:
         reply_starts.sort()
         first_bytes = np.array(reply_starts, np.int64)
         shape = self._kinds.replies.get(self.wanted)
+        # While the kind is not known, there are no replies, and any length fits.
         length = shape.length if shape is not None else 1
         rows = np.zeros((0, length), "u1")
         if len(first_bytes):
+            # The indices of the bytes of each reply are a row.
             rows = self._values[first_bytes[:, None] + np.arange(length)[None, :]]
         other_counts = {name: len(starts) for name, starts in places.starts.items() if starts and name != self.wanted}
         return CapturedFrames(
@@ -390,18 +420,21 @@ class _Replies:
         shape = self._kinds.replies.get(self.wanted)
         if shape is None or not self._has_stop_bit[first:end].all() or end - start != shape.length:
             return False
-        fault = decode_many(self._values[start:end][None, :], shape, None).fault[0]
+        # The bytes as one row.
+        rows = self._values[start:end][None, :]
+        fault = decode_many(rows, shape, None).fault[0]
         return bool(fault == ErrorKind.CRC)
 
     def _explain_loss(self, first: int, end: int, request_lengths: list[int]) -> str:
-        """Return the reason why the bytes from ``first`` to ``end`` belong to no reply, with at most 12 of them."""
-        data = self._values[first:end].tobytes()
-        bytes_text = data[:12].hex(" ").upper() + (" ..." if len(data) > 12 else "")
+        """Return why the bytes from ``first`` to ``end`` belong to no reply, with the first of them as text."""
+        lost_bytes = self._values[first:end].tobytes()
+        ellipsis = " ..." if len(lost_bytes) > _PRINTED_BYTES else ""
+        bytes_text = lost_bytes[:_PRINTED_BYTES].hex(" ").upper() + ellipsis
         if not self._has_stop_bit[first:end].all():
             return f"a byte without a stop bit: check the baud rate, and whether the line is inverted ({bytes_text})"
         if request_lengths[first] == end - first:
             return f"no reply to the request {bytes_text}"
-        return f"{count_units(len(data), 'byte')} without a valid reply: {bytes_text}"
+        return f"{count_units(len(lost_bytes), 'byte')} without a valid reply: {bytes_text}"
 
 
 def _count_before(conditions: Any) -> Any:

@@ -26,17 +26,21 @@ np: Any = import_module("numpy")
 
 #: Number of lost cycles and accesses that are printed.
 _PRINTED = 10
+#: Most characters of the header of a CSV file that are searched for the column of frames.
+_LONGEST_HEADER = 1 << 16
 
 
 def capture(package: str, chosen: argparse.Namespace) -> None:
     """Decode a capture into a file of columns."""
     encoder = _take_encoder(package, chosen)
     with show_progress(package, chosen.files[0]) as progress:
+        # The arguments that say how the encoder was connected, and which frames it sends.
+        capture_arguments = _read_probes(chosen)
         summary = Captures(package).decode_capture(
             encoder,
             chosen.files,
             chosen.output,
-            **_read_probes(chosen),
+            **capture_arguments,
             si=chosen.si,
             to=chosen.write,
             columns=chosen.columns,
@@ -70,11 +74,14 @@ def plot(package: str, chosen: argparse.Namespace) -> None:
 def _has_frames(path: str) -> bool:
     """Return whether a file has a column of frames: Parquet, or CSV with ``word`` or ``frame``. Others are captures."""
     kind = find_kind(path)
+    if kind == "parquet":
+        return True
     if kind != "csv":
-        return kind == "parquet"
+        return False
     with open(path, encoding="utf-8-sig", errors="replace") as file:
-        head = file.readline(1 << 16)
-    return any(cell.strip().strip('"').lower() in ("word", "frame") for cell in re.split("[,;\t]", head))
+        header = file.readline(_LONGEST_HEADER)
+    names = (cell.strip().strip('"').lower() for cell in re.split("[,;\t]", header))
+    return any(name in ("word", "frame") for name in names)
 
 
 def _read_frames(encoder: Encoder | BissLayout, chosen: argparse.Namespace) -> Table:
@@ -117,6 +124,7 @@ def _take_encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLay
             return biss_layout(chosen.biss)
         except UsageError as error:
             raise Failed(error, USAGE) from None
+    # The command line has both in one list, because the label is omitted with --biss.
     chosen.order_code, *chosen.files = chosen.files
     try:
         encoder = find_encoder(package, chosen)
@@ -131,13 +139,23 @@ def _take_encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLay
 
 
 def _read_probes(chosen: argparse.Namespace) -> dict[str, Any]:
-    """Return the arguments for a capture that the commands ``capture`` and ``plot`` pass on, by name."""
+    """Return the arguments that ``capture`` and ``plot`` pass on to the functions for captures.
+
+    An example is ``{"clock": "MA", "data": "SLO", "rate": None, …, "layout": "", "answers": {}}``.
+    """
     names = ("clock", "data", "rate", "rest", "baud", "threshold", "layout")
-    return {**{name: getattr(chosen, name) for name in names}, "answers": dict(chosen.choose)}
+    arguments: dict[str, Any] = {name: getattr(chosen, name) for name in names}
+    # ``choose`` has pairs of the name of a question and the answer.
+    arguments["answers"] = dict(chosen.choose)
+    return arguments
 
 
 def _print_summary(summary: CaptureSummary, chosen: argparse.Namespace) -> None:
-    """Print the counts of a capture, and fail if too many cycles have no valid frame."""
+    """Print the counts of a capture.
+
+    Raises:
+        Failed: There is no frame, or more than ``--max-errors`` percent of the cycles have no valid frame.
+    """
     out = sys.stderr if chosen.output == "-" else sys.stdout
     if chosen.json:
         print(json.dumps(summary.to_dict()), file=out)
@@ -167,6 +185,6 @@ def _name_layout(chosen: argparse.Namespace) -> str:
 
 def _explain_no_frames(lost: Any, chosen: argparse.Namespace) -> str:
     """Return the message for a capture without a frame, with the reason of the first lost cycle."""
-    first: Lost | None = next(iter(lost), None)
-    reason = f": {first.reason}" if first else ""
+    first_lost: Lost | None = next(iter(lost), None)
+    reason = f": {first_lost.reason}" if first_lost else ""
     return f"the capture contains no frame{reason}; check the channels (--clock, --data) and {_name_layout(chosen)}"

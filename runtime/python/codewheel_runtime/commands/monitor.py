@@ -69,6 +69,7 @@ def watch(
         RuntimeError: The encoder never answered. This is the error that ``reader`` raised.
     """
     screen = _Screen(encoder, place, out or sys.stdout, recorder, is_shown)
+    # Number of readings so far, and the time at which the next one is to start.
     done, due = 0, 0.0
     try:
         while count is None or done < count:
@@ -134,7 +135,9 @@ class _Screen:
         if self._recorder is not None:
             reports = " ".join(report.name for report in frame.reports)
             self._recorder.write(Reading(now - self._began, position, frame.verdict.value, reports, ""))
-        self._recent.append((now, None if position is None else self._count))
+        usable_count = None if position is None else self._count
+        self._recent.append((now, usable_count))
+        # The first item of each reading is its time.
         while self._recent and now - self._recent[0][0] > _SPAN_S:
             self._recent.popleft()
         self._update(now)
@@ -165,12 +168,14 @@ class _Screen:
         It starts again if the range of the positions has changed. Without a known range, it is the position.
         """
         try:
-            valid = self._encoder.range_of(frame_class)
+            position_range = self._encoder.range_of(frame_class)
         except ValueError:
             return position
-        is_first = self._count is None or valid != self._range
-        self._range = valid
-        return valid.unwrap(position if is_first or self._count is None else self._count, position)
+        has_same_range = position_range == self._range
+        self._range = position_range
+        # The first position is the count from which unwrapping starts.
+        previous = self._count if self._count is not None and has_same_range else position
+        return position_range.unwrap(previous, position)
 
     def _update(self, now: float) -> None:
         """Draw the readings if the last drawing is old enough."""
@@ -180,6 +185,7 @@ class _Screen:
 
     def _draw(self) -> None:
         """Draw the readings over the previous ones."""
+        # The last column stays empty, because some terminals would begin a new line.
         columns = shutil.get_terminal_size().columns - 1
         head = f"{self._encoder.code}, {self._encoder.interface.title}, {self._place}    Ctrl-C ends"
         lines = [head, *(f"{name:<10}{value}" for name, value in (*self._list_values(), *self._list_state()))]
@@ -207,6 +213,7 @@ class _Screen:
     def _list_state(self) -> list[tuple[str, str]]:
         """Return the rows of alarms, rate and errors: labels and texts."""
         reports = self._frame.reports if self._frame is not None else ()
+        # Times of all frames in the last half second, also of those without a usable position.
         times = [time for time, _ in self._recent]
         span = times[-1] - times[0] if times else 0.0
         # Between n times there are n - 1 readings.
@@ -222,7 +229,8 @@ class _Screen:
         """Return the number of failures of each kind as text: ``2 of 9 readings failed: 2 no reply``."""
         total = self.frames + self.failures
         kinds = ", ".join(f"{count} {kind}" for kind, count in self._errors.most_common())
-        return f"{self.failures} of {total} readings failed" + (f": {kinds}" if kinds else "")
+        kinds_text = f": {kinds}" if kinds else ""
+        return f"{self.failures} of {total} readings failed{kinds_text}"
 
     def _measure_speed(self) -> str:
         """Return the speed over the recent readings, with its unit, or ``-`` with fewer than two usable positions."""
@@ -247,11 +255,15 @@ def _convert_to_unit(encoder: Any, position: int | None) -> tuple[str, str]:
 
     The value is ``-`` for None, and for encoders whose manual gives no size of a count.
     """
-    if hasattr(encoder, "millimetres"):
-        return "length", "-" if position is None else f"{encoder.millimetres(position):.4f} mm"
+    measures_length = hasattr(encoder, "millimetres")
+    name = "length" if measures_length else "angle"
+    if position is None:
+        return name, "-"
+    if measures_length:
+        return name, f"{encoder.millimetres(position):.4f} mm"
     if hasattr(encoder, "degrees"):
-        return "angle", "-" if position is None else f"{encoder.degrees(position):.5f}°"
-    return "angle", "-"
+        return name, f"{encoder.degrees(position):.5f}°"
+    return name, "-"
 
 
 def _name_error(error: RuntimeError) -> str:

@@ -13,6 +13,8 @@ from ..reports import Interface
 
 #: Default limit for the percentage of frames with an error. A higher percentage suggests wrong settings or wiring.
 DEFAULT_MAX_ERRORS: Final = 10.0
+#: Most characters of a number, which is enough for 64 bits.
+_LONGEST_NUMBER: Final = 20
 
 
 def add_capture(parser: argparse.ArgumentParser) -> None:
@@ -77,7 +79,7 @@ def add_input(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_max_errors(add: Callable[..., object], failure: str) -> None:
-    """Add the option ``--max-errors``."""
+    """Add the option ``--max-errors``. ``failure`` says what counts, for its help: ``frames have an error``."""
     add(
         "--max-errors",
         type=_parse_percent,
@@ -115,14 +117,18 @@ def add_encoder(parser: argparse.ArgumentParser) -> None:
     )
 
 
+# The functions below parse the text of an option. They raise ValueError for a wrong one, which argparse reports.
+
+
 def _names(text: str) -> tuple[str, ...]:
+    """Return the names in a list with commas: ``("time", "position")`` for ``time,position``."""
     return tuple(name.strip() for name in text.split(","))
 
 
 def _parse_number(text: str) -> int:
     """Return a number of an option."""
     # Longer numbers are out of range anyway, and Python refuses to parse very long ones.
-    if len(text) > 20 or not text.isascii():
+    if len(text) > _LONGEST_NUMBER or not text.isascii():
         raise ValueError
     return int(text, 0)
 
@@ -135,12 +141,14 @@ def count(text: str) -> int:
 
 
 def _parse_percent(text: str) -> float:
+    """Return a percentage, from 0 to 100."""
     if not 0 <= (number := float(text)) <= 100:
         raise ValueError
     return number
 
 
 def _parse_register(text: str) -> tuple[int, int]:
+    """Return the address and the byte in ``ADDRESS=BYTE``: ``(0x56, 0x10)`` for ``0x56=0x10``."""
     address, _, value = text.partition("=")
     return _parse_number(address), _parse_number(value)
 

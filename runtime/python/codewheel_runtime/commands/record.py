@@ -82,7 +82,10 @@ class _Csv:
 
 
 class _JsonLines:
-    """One JSON object per line."""
+    """One JSON object per line.
+
+    Without a file, lines go to standard output. ``_own`` is the text layer over a file, which the caller closes.
+    """
 
     def __init__(self, file: Any) -> None:
         self._own = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
@@ -102,11 +105,13 @@ class _Parquet:
     """Parquet file, written in groups of rows."""
 
     def __init__(self, file: Any) -> None:
+        """Write the header of ``file``, whose columns are the fields of ``Reading``."""
         self._pa: Any = import_module("pyarrow")
-        text = self._pa.string()
-        kinds = {"time": self._pa.float64(), "position": self._pa.int64()}
-        self._schema = self._pa.schema([(name, kinds.get(name, text)) for name in Reading._fields])
+        text_type = self._pa.string()
+        number_types = {"time": self._pa.float64(), "position": self._pa.int64()}
+        self._schema = self._pa.schema([(name, number_types.get(name, text_type)) for name in Reading._fields])
         self._writer = import_module("pyarrow.parquet").ParquetWriter(file, self._schema)
+        #: Rows that are not written yet.
         self._rows: list[dict[str, Any]] = []
 
     def write(self, reading: Reading) -> None:
@@ -158,5 +163,5 @@ def open_recorder(target: str, kind: RecordKind | None, force: bool) -> Generato
 
 
 def _round(seconds: float) -> float:
-    """Return a time with microseconds."""
+    """Return a time rounded to microseconds."""
     return round(seconds, 6)

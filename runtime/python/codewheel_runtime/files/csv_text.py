@@ -43,13 +43,17 @@ def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, s
     place, is_header = _find_frame_column(first_row, name, stored, shape)
     header = [cell.strip() for cell in first_row] if is_header else [""] * len(first_row)
     names = [cell or f"column_{number}" for number, cell in enumerate(header, 1)]
-    other_names = [(index, cell) for index, cell in enumerate(names) if index != place]
-    empty_columns = select_columns((cell for _, cell in other_names), stored, lambda _: [], name)
-    columns = [(index, cell) for index, cell in other_names if cell in empty_columns]
-    # Lines before the first row of frames: comments, empty lines and the header. ``start`` is their length in bytes.
+    # The index and the name of each column other than that of the frames.
+    other_columns = [(index, column_name) for index, column_name in enumerate(names) if index != place]
+    other_names = tuple(column_name for _, column_name in other_columns)
+    empty_columns = select_columns(other_names, stored, lambda _: [], name)
+    columns = [(index, column_name) for index, column_name in other_columns if column_name in empty_columns]
+    # Number of lines before the first row of frames: comments, empty lines and the header. ``start`` is their length in
+    # bytes. The line that was read last is the first row, which can be the header.
     skipped = lines.number if is_header else lines.number - 1
     start = 0
     for _ in range(skipped):
+        # ``find`` returns -1 if no line follows, which becomes 0 here.
         start = head.find(b"\n", start) + 1 or len(head)
     if b"\r" in head[:start].replace(b"\r\n", b""):
         # A line ends with a single CR, which only the reader of rows counts. It reads from the beginning, so it skips
@@ -62,7 +66,7 @@ def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, s
         read_fast = make_block_reader(names, place, columns, delimiter, shape, stored.digits)
     csv_file = _CsvFile(name, stored, shape, share)
     parts = _read_parts(slow_reader, read_fast, chain([head[start:]], blocks), skipped, start, csv_file)
-    return Source(parts, size, tuple(cell for _, cell in other_names), empty_columns)
+    return Source(parts, size, other_names, empty_columns)
 
 
 def _open_text(blocks: Iterable[bytes]) -> io.TextIOWrapper:
@@ -107,7 +111,7 @@ class _SlowReader:
     def open(self, blocks: Iterable[bytes], lines: int, done: int) -> None:
         """Read these blocks. ``lines`` and ``done`` are the numbers of lines and bytes before these blocks."""
         self.lines = _Lines(_open_text(blocks), self.lines.name, lines, done)
-        self._rows = _open_rows(self.lines, self.delimiter)[1]
+        _, self._rows = _open_rows(self.lines, self.delimiter)
         if self._skips_header:
             next(self._rows, None)
             self._skips_header = False
@@ -168,17 +172,17 @@ def _read_parts(
     for block in blocks:
         can_be_fast = read_fast is not None and has_a_row_per_line(block)
         has_whole_lines = block.endswith(b"\n")
-        parsed = read_fast(block) if read_fast is not None and can_be_fast and has_whole_lines else None
-        if parsed is not None:
-            lines += parsed.lines
+        fast_block = read_fast(block) if read_fast is not None and can_be_fast and has_whole_lines else None
+        if fast_block is not None:
+            lines += fast_block.lines
             done += len(block)
-            cells.seen += len(parsed.frames)
-            if is_first and len(parsed.frames):
-                _check_first_cells(cells, parsed.first, csv_file)
+            cells.seen += len(fast_block.frames)
+            if is_first and len(fast_block.frames):
+                _check_first_cells(cells, fast_block.first, csv_file)
                 is_first = False
             # The next block can end with an incomplete row, which is compared with this cell.
-            slow_reader.remember_last_cell(parsed.last)
-            yield Part(parsed.frames, done, parsed.other_columns)
+            slow_reader.remember_last_cell(fast_block.last)
+            yield Part(fast_block.frames, done, fast_block.other_columns)
             continue
         # After a quote, a row can continue in the next block.
         ends_here = can_be_fast and ends_with_row(block, slow_reader.delimiter)
@@ -256,11 +260,13 @@ def _open_rows(lines: _Lines, delimiter: str = "") -> tuple[str, Iterator[list[s
     while first_line and (not first_line.strip() or first_line.lstrip().startswith("#")):
         first_line = next(texts, "")
     delimiter = delimiter or max(",;\t", key=first_line.count)
-    return delimiter, _split_rows(lines, chain([first_line], texts), delimiter) if first_line else iter(())
+    if not first_line:
+        return delimiter, iter(())
+    return delimiter, _split_rows(lines, chain([first_line], texts), delimiter)
 
 
 def _split_rows(lines: _Lines, texts: Iterable[str], delimiter: str) -> Iterator[list[str]]:
-    """Yield rows, without empty ones and # comments."""
+    """Yield rows, without empty ones and # comments. ``texts`` are the lines, and ``lines`` counts them for errors."""
     try:
         for row in csv.reader(texts, delimiter=delimiter):
             # The row counts if its first cell is not empty and no comment, or if any other cell is not empty.
@@ -282,7 +288,8 @@ def _find_frame_column(first_row: list[str], name: str, stored: Stored, shape: S
     """Return the column of frames.
 
     The column is the requested one, by name or by number from 1, or the only one, or one named ``frame`` or ``word``.
-    Names are those of a header. Otherwise the first row is a header if its cell in the column is not a frame.
+    Names are those of a header. Otherwise the first row is a header if its cell in the column is not a frame. ``name``
+    is that of the file, for errors, and ``stored.column`` the request.
 
     Raises:
         InputError: There is no such column.
@@ -293,6 +300,7 @@ def _find_frame_column(first_row: list[str], name: str, stored: Stored, shape: S
         return _FrameColumn(names.index(chosen), has_header=True)
     if chosen:
         is_number = chosen.isascii() and chosen.isdigit() and len(chosen) < 9
+        # -1 is the index of no column.
         index = int(chosen) - 1 if is_number else -1
         if not 0 <= index < len(names):
             raise InputError(name, "line 1", f"no column {short(chosen)}; the columns are {listed(names)}")

@@ -32,9 +32,9 @@ def read_parquet_batches(file: BinaryIO, name: str, stored: Stored, shape: Shape
     empty_columns = select_columns(
         other_names, stored, lambda column_name: pa.array([], schema.field(column_name).type), name
     )
-    return Source(
-        _read_batches(opened_file, column, tuple(empty_columns), name, stored, shape), total, other_names, empty_columns
-    )
+    kept_names = tuple(empty_columns)
+    parts = _read_batches(opened_file, column, kept_names, name, stored, shape)
+    return Source(parts, total, other_names, empty_columns)
 
 
 def _read_batches(
@@ -48,8 +48,8 @@ def _read_batches(
     done = 0
     with _convert_to_readable(name):
         # More columns mean fewer rows at once.
-        rows = max(inputs.CHUNK // (1 + len(kept_names)), 1)
-        batches = file.iter_batches(batch_size=rows, columns=[column, *kept_names])
+        row_count = max(inputs.CHUNK // (1 + len(kept_names)), 1)
+        batches = file.iter_batches(batch_size=row_count, columns=[column, *kept_names])
     while True:
         with _convert_to_readable(name):
             batch = next(batches, None)
@@ -68,11 +68,12 @@ def _read_batches(
 @contextmanager
 def _convert_to_readable(name: str) -> Generator[None, None, None]:
     """Convert the errors that pyarrow raises for an unreadable file to InputError."""
-    error: Any = load("pyarrow").lib.ArrowException
+    arrow_error: Any = load("pyarrow").lib.ArrowException
     try:
         yield
     except InputError:
         raise
-    except (error, OSError, ValueError, MemoryError) as fault:
-        reason = next(iter(str(fault).splitlines()), type(fault).__name__)
+    except (arrow_error, OSError, ValueError, MemoryError) as error:
+        # The first line of the message, or the type of an error without a message.
+        reason = next(iter(str(error).splitlines()), type(error).__name__)
         raise InputError(name, "", f"this is not a valid Parquet file: {reason}") from None

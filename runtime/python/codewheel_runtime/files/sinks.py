@@ -97,11 +97,13 @@ class Texts:
                 try:
                     return cells.cast(self.kind)
                 except self._pa.ArrowInvalid:
-                    pass  # Some cells are empty or not numbers. They are examined below.
+                    # Some cells are empty or not numbers. They are examined below.
+                    pass
             compute: Any = load("pyarrow.compute")
             texts = compute.utf8_trim_whitespace(cells)
             texts = compute.if_else(compute.equal(texts, ""), None, texts)
         else:
+            # The cells are a list of texts.
             texts = self._pa.array([cell.strip() or None for cell in cells], self._pa.string())
         if self.kind is None:
             self.kind = self._find_type(texts)
@@ -334,7 +336,8 @@ class _ArrowFormatter:
 
 def _convert_to_plain(column: Any) -> list[Any]:
     """Return the cells of a column of the source for CSV: a list, an Arrow array or a NumPy array."""
-    # Only Arrow arrays have ``to_pylist``, and only NumPy arrays have ``tolist`` but not that.
+    # Arrow arrays have ``to_pylist``. Only their cells can be None, bools or bytes, which become text here. Lists have
+    # texts, and NumPy arrays, with ``tolist``, have numbers.
     if hasattr(column, "to_pylist"):
         return [_convert_cell(cell) for cell in column.to_pylist()]
     cells: list[Any] = column.tolist() if hasattr(column, "tolist") else column

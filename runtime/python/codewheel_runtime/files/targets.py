@@ -32,6 +32,7 @@ def open_for_writing(target: str, sources: Iterable[str | os.PathLike[str]], for
         if not force:
             raise UsageError(f"{target} already exists; replace it with --force, or force=True")
     folder, name = os.path.split(real_path)
+    # The name is shortened, because file systems limit its length.
     temporary_path = os.path.join(folder, f".{name[:100]}.{os.getpid()}.part")
     try:
         file = open(temporary_path, "xb")  # noqa: SIM115 (closed below)

@@ -76,7 +76,7 @@ class Coded:
         return find_any_shape(cls, encoder).frame
 
     def _arguments(self) -> tuple[Any, ...]:
-        """Return the encoder and the answers: the first fields."""
+        """Return the encoder and the answers, which are the first fields, as many as the description has arguments."""
         kind = cast(Any, type(self))
         values = cast("tuple[Any, ...]", self)
         return values[: len(find_description(kind)[1])]
@@ -96,7 +96,10 @@ class ForEncoder(Coded):
     __slots__ = ()
 
     def _encoder(self) -> Encode:
-        """Return the function that encodes such frames of the same encoder, which stores it by class."""
+        """Return the function that encodes such frames of the same encoder.
+
+        The encoder keeps these functions in its attribute ``_encoders``, by the class of the frame.
+        """
         fields: Any = self
         try:
             encode: Encode = fields[0].__dict__["_encoders"][self.__class__]

@@ -32,32 +32,33 @@ def find_class_encoder(frame: Any) -> Encode:
     """
     kind = cast(type, frame.__class__)
     needed = find_description(kind)[1]
-    # The answers are frame[first:count]. frame[:first] is the encoder, which is the same in all frames that the
-    # function encodes, or empty if the class needs none.
-    first = sum(issubclass(argument_type, Encoder) for argument_type in needed)
-    count = len(needed)
+    # A frame begins with its encoder, if the class needs it, and the answers: (encoder, answer, …, field, …). The
+    # encoder is the same in all frames that the function encodes, so only the answers choose.
+    encoder_count = sum(issubclass(argument_type, Encoder) for argument_type in needed)
+    argument_count = len(needed)
     # Raises an error if a field is not an encoder or an answer.
-    encode_first = make_encoder(kind, frame[:count])
-    if count == first:
+    encode_first = make_encoder(kind, frame[:argument_count])
+    has_no_answers = argument_count == encoder_count
+    if has_no_answers:
         return encode_first
-    by_answers: dict[tuple[Any, ...], Encode] = {frame[first:count]: encode_first}
+    by_answers: dict[tuple[Any, ...], Encode] = {frame[encoder_count:argument_count]: encode_first}
 
-    def encode(frame: Any) -> Any:
-        """Encode a frame with the function for its answers."""
-        answers = frame[first:count]
+    def encode(next_frame: Any) -> Any:
+        """Encode a frame of this class with the function for its answers."""
+        answers = next_frame[encoder_count:argument_count]
         try:
             encode_frame = by_answers[answers]
         except (KeyError, TypeError):
             # The answers are new, or not hashable. This raises an error if a field is not an answer.
-            encode_frame = make_encoder(kind, frame[:count])
+            encode_frame = make_encoder(kind, next_frame[:argument_count])
             by_answers[answers] = encode_frame
-        return encode_frame(frame)
+        return encode_frame(next_frame)
 
     return encode
 
 
 def make_encoder(kind: type, arguments: tuple[Any, ...]) -> Encode:
-    """Return a function that encodes frames of a class. ``arguments`` are the encoder and the answers.
+    """Return a function that encodes frames of a class. ``arguments`` are the encoder and the answers that it needs.
 
     The function is compiled for this class. If a field is of a kind without a fast path, or has limits of the encoder,
     it is ``encode_any`` instead, which reads the description of the frame each time.

@@ -209,9 +209,12 @@ def compute_parity(chunk: Chunk, check: Check) -> Any:
 
 
 def _fold_to_one_bit(bits: Any, width: int) -> Any:
-    """Return the XOR of the ``width`` bits of each number, by folding their upper half onto their lower half."""
+    """Return the XOR of the ``width`` bits of each number, by folding their upper half onto their lower half.
+
+    Bits above the width must be 0. An example of width 4: ``1011 -> 10 ^ 11 = 01 -> 0 ^ 1 = 1``.
+    """
     bits_type = bits.dtype.type
-    # Half of the smallest power of two that is not below the width.
+    # Half of the smallest power of two that is not below the width: 4 for the widths 5 to 8.
     half = (1 << max(width - 1, 0).bit_length()) // 2
     while half:
         bits = bits ^ (bits >> bits_type(half))

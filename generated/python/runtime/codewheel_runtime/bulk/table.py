@@ -200,7 +200,9 @@ class Table(_TableOf[_Name, _Unit]):
             return self._find_column(condition.flag)
         unused: Any = self._find_column("unused")
         # The mask is limited to the width of the column, as NumPy requires.
-        return unused & (condition.mask & ((1 << (8 * unused.itemsize)) - 1)) != 0
+        column_bits = 8 * unused.itemsize
+        possible_mask = condition.mask & ((1 << column_bits) - 1)
+        return (unused & possible_mask) != 0
 
     @property
     def others(self) -> Mapping[str, Any]:
@@ -306,6 +308,7 @@ class Table(_TableOf[_Name, _Unit]):
         """
         column = self._find_column(name)[rows]
         cells: list[Any] = column.tolist() if hasattr(column, "tolist") else list(column)
+        # A fault is the number of its ErrorKind. A verdict is its index in Verdict, whose values are texts.
         if name == "fault":
             return [ErrorKind(cell) for cell in cells]
         if name == "verdict":
@@ -401,14 +404,18 @@ class Table(_TableOf[_Name, _Unit]):
         for extreme in (int(usable_positions.max()), int(usable_positions.min())):
             if not valid.lowest <= extreme <= valid.highest:
                 raise RangeError("position", extreme, f"{valid.lowest} to {valid.highest}")
+        # The count of the first usable position.
         start = int(usable_positions[0]) if previous is None else valid.unwrap(previous, int(usable_positions[0]))
         steps = np.diff(usable_positions)
         if valid.modulus is not None:
             # The shorter way around: from minus half of the modulus to half of it.
             steps = (steps + valid.modulus // 2) % valid.modulus - valid.modulus // 2
         # Index 0 is the count before the first usable position, and index n that of the n-th one.
-        counts = np.concatenate([[start if previous is None else previous, start], start + np.cumsum(steps)])
-        return counts[np.cumsum(self.usable)].astype(np.int64)
+        count_before = start if previous is None else previous
+        counts = np.concatenate([[count_before, start], start + np.cumsum(steps)])
+        # For each frame, the number of usable positions up to it.
+        usable_so_far = np.cumsum(self.usable)
+        return counts[usable_so_far].astype(np.int64)
 
     def in_units(self, unit: _Unit, counts: Any = None) -> Any:
         """Convert counts to a unit.
@@ -424,8 +431,8 @@ class Table(_TableOf[_Name, _Unit]):
             AttributeError: The frames have no position.
             ValueError: The encoder does not measure in this unit, or the manual does not give the size of a count.
         """
-        # The size of one count. For angles, the denominator is the number of counts per turn.
         positions = self.position if counts is None else counts
+        # The size of one count. For angles, the denominator is the number of counts per turn.
         numerator, denominator = self._find_unit_size(unit)
         if unit in ("degrees", "radians"):
             positions = positions % denominator
@@ -564,11 +571,14 @@ class Table(_TableOf[_Name, _Unit]):
         """
         # A quantity has no meaning where its number has none.
         if name in self._scales:
-            return self.hidden(self._scales[name][0])
+            number_name, _ = self._scales[name]
+            return self.hidden(number_name)
         if name in self._position_columns:
             return ~self.usable
         column = self._columns.get(name)
-        return self._fault == ErrorKind.LENGTH if column is not None and column.dtype == bool else None
+        # Only flags are columns of bools.
+        is_flag = column is not None and column.dtype == bool
+        return self._fault == ErrorKind.LENGTH if is_flag else None
 
     def to_arrow(self, *, raw: bool = False) -> Any:
         """Return an Arrow table with the same columns. Needs pyarrow.

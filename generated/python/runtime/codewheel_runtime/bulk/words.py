@@ -27,16 +27,18 @@ WORDS: Final[Mapping[WordKind, tuple[int, str]]] = MappingProxyType(
 
 
 def numbers(rows: Any, words: WordKind = "packed") -> Any:
-    """Return rows of bytes as 64-bit numbers.
+    """Return rows of bytes as 64-bit numbers: the row ``01 02`` as ``0x102``, or little-endian as ``0x201``.
 
     Rows of ``packed`` words have one to eight bytes, most significant first. The rows of other words have the number of
     bytes of the word.
     """
-    # A length of 0 stands for packed words. Those of eight bytes need no zeros in front.
+    # A length of 0 stands for packed words. Those of eight bytes need no zeros in front, so they are read like words
+    # whose length is 8.
     length, order = WORDS[words]
     if length or rows.shape[1] == 8:
         word_type = f"{order}u{length or 8}"
         return np.ascontiguousarray(rows).reshape(-1).view(word_type).astype(np.uint64, copy=False)
+    # Shorter packed words get zeros in front.
     padded_rows = np.zeros((len(rows), 8), np.uint8)
     padded_rows[:, 8 - rows.shape[1] :] = rows
     return padded_rows.reshape(-1).view(">u8").astype(np.uint64)

@@ -72,9 +72,10 @@ class Access(NamedTuple):
 class Accesses:
     """Finder of accesses. It follows the bits of successive cycles on both sides, master and slave.
 
-    ``_state`` is the method that follows the next cycle. ``_is_free`` is True outside a control frame. ``_zeros`` is
-    the number of CDM zeros since the last 1. ``_sent`` and ``_answers`` are the CDM and CDS bits of the header or byte,
-    the last one in bit 0, and ``_bit_count`` is the number of its cycles so far. ``_head`` has CTS, ID and address.
+    ``_state`` is the method that follows the next cycle. ``_time`` is the time at which the control frame began, and
+    ``_is_write`` is True if it writes. ``_is_free`` is True outside a control frame. ``_zeros`` is the number of CDM
+    zeros since the last 1. ``_sent`` and ``_answers`` are the CDM and CDS bits of the header or byte, the last one in
+    bit 0, and ``_bit_count`` is the number of its cycles so far. ``_head`` has CTS, ID and address.
     """
 
     def __init__(self) -> None:
@@ -85,7 +86,10 @@ class Accesses:
         self._is_write, self._is_free = False, True
 
     def feed(self, bits: ControlBits) -> Iterator[Access]:
-        """Yield the accesses that end in the cycles of these bits."""
+        """Yield the accesses that end in the cycles of these bits.
+
+        Outside a control frame, all cycles up to the next 1 of CDM are skipped at once, because they are many.
+        """
         times, cds, cdm = bits
         ones = np.flatnonzero(cdm)
         cycle = 0
@@ -157,7 +161,9 @@ class Accesses:
     def _make_access(self, value: int | None, result: str, done: bool = False) -> Access:
         """Return the access with the ID and the address that were transmitted, and this value and result."""
         is_head_complete = self._state != self._follow_header or self._bit_count > ADDRESS_BITS
-        head = ControlHead.decode(self._head if is_head_complete else self._sent >> CRC_BITS)
+        # While the header is followed, the head is in the bits that were sent, in front of their CRC.
+        head_bits = self._head if is_head_complete else self._sent >> CRC_BITS
+        head = ControlHead.decode(head_bits)
         return Access(
             time=self._time,
             slave_id=head.slave_id,
@@ -184,6 +190,7 @@ class Accesses:
             if head is None or not head.is_register_access:
                 self._end_access()
         elif self._bit_count == HEADER_BITS:
+            # The last two bits are R and W. Only one of them is 1: R for a read, W for a write.
             r_and_w = self._sent & 0b11
             self._is_write = r_and_w == 0b01
         elif self._bit_count == HEADER_BITS + 1:
@@ -227,7 +234,8 @@ class Accesses:
             self._sent = append_bit(self._sent, cdm)
         elif self._bit_count == BYTE_BITS:
             self._answers = append_bit(self._answers, cds)
-            value = _decode_value(self._sent if self._is_write else self._answers)
+            byte_and_crc = self._sent if self._is_write else self._answers
+            value = _decode_value(byte_and_crc)
             outcome = self._judge_byte(value)
             is_done = outcome is Outcome.DONE
             yield self._make_access(value, outcome.value, done=is_done)
@@ -235,7 +243,7 @@ class Accesses:
             if not is_done or cdm:
                 self._end_access()
         elif cdm:
-            # The master continues with the next register.
+            # The master continues with the next register. The address is in the lowest bits of the head.
             self._head += 1
             self._state = self._follow_start
         else:

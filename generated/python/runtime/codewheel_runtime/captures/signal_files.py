@@ -76,10 +76,12 @@ def _open_single_file(
 ) -> Signals:
     """Return the signals of a file, whose format its first bytes show.
 
-    The formats are a ZIP file (sigrok or NumPy), a NumPy file, a VCD file, and a table of text.
+    The formats are a ZIP file (sigrok or NumPy), a NumPy file, a VCD file, and a table of text. ``stack`` closes an
+    archive. For the other arguments, see ``open_signals``.
     """
     head = file.read(HEADER)
     file.seek(0)
+    # Binary formats begin with a fixed mark. All other files are text, which has no bytes of 0.
     if head.startswith(b"PK"):
         return _read_archive(stack, file, path, names, rate, threshold)
     if head.startswith(b"\x93NUMPY"):
@@ -88,6 +90,7 @@ def _open_single_file(
         raise InputError(path, "", "the file is empty")
     if b"\0" in head:
         raise InputError(path, "", f"this is not a capture: {HINT}")
+    # A value change dump begins with a command such as $date or $timescale.
     if head.lstrip().startswith(b"$"):
         return read_vcd_signals(file, path, names)
     return read_table_signals(file, path, head, names, rate, threshold)
@@ -104,7 +107,7 @@ _DAMAGED: Final = (zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSErr
 def _read_archive(
     stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: float | None, threshold: float | None
 ) -> Signals:
-    """Return the signals of a ZIP file: a session of sigrok, or arrays of NumPy."""
+    """Return the signals of a ZIP file, which ``stack`` closes: a session of sigrok, or arrays of NumPy."""
     try:
         archive = stack.enter_context(zipfile.ZipFile(file))
         file_names = archive.namelist()
@@ -125,7 +128,9 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: Names, rate: float
         config.read_string(text)
         devices = [dict(config[name]) for name in config.sections() if "capturefile" in config[name]]
         device: dict[str, str] = devices[0] if devices else {}
+        # Number of bytes of a sample, and the name of the files of samples without their numbers.
         size, stem = _parse_small_number(device.get("unitsize", "1")), device.get("capturefile", "")
+        # The names of the channels are the values of the keys probe1, probe2 and so on.
         probe_keys = [key for key in device if re.fullmatch(r"probe[0-9]{1,3}", key)]
         probes = {_parse_small_number(key[5:]): device[key] for key in probe_keys}
     except (KeyError, ConfigError, ValueError, *_DAMAGED):
@@ -152,7 +157,8 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: Names, rate: float
         sizes = f"{total / 1e9:.1f} GB unpacked, and at most {_MOST_UNPACKED / 1e9:.1f} GB are read"
         raise InputError(path, "", f"the samples have {sizes}: save a shorter session")
     parts = _unpack_samples(archive, entries, size, path)
-    return Signals(read_samples(parts, masks), 1 / sample_rate if sample_rate else None, True, total)
+    seconds = 1 / sample_rate if sample_rate else None
+    return Signals(read_samples(parts, masks), seconds=seconds, is_sampled=True, total=total)
 
 
 def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], path: str) -> Any:
@@ -165,7 +171,8 @@ def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], 
         InputError: No probe in use has this number.
     """
     text = name or ""
-    if not (text.isascii() and text.isdigit() and len(text) < 4) or text in probes.values():
+    is_number = text.isascii() and text.isdigit() and len(text) < 4
+    if not is_number or text in probes.values():
         return name
     if int(text) not in numbers:
         raise InputError(path, "", f"no channel {short(text)}; the channels are {listed([*probes.values()])}")
@@ -195,13 +202,12 @@ def _unpack_samples(
     try:
         for info in entries:
             with archive.open(info) as file:
-                while data := file.read(SAMPLES * size):
-                    done += len(data)
-                    data = remainder + data
-                    # Number of bytes of complete samples.
-                    whole_bytes = len(data) // size * size
-                    remainder = data[whole_bytes:]
-                    yield np.frombuffer(data, f"<u{size}", whole_bytes // size), done, None
+                while block := file.read(SAMPLES * size):
+                    done += len(block)
+                    data = remainder + block
+                    sample_count = len(data) // size
+                    remainder = data[sample_count * size :]
+                    yield np.frombuffer(data, f"<u{size}", count=sample_count), done, None
     except _DAMAGED as error:
         raise InputError(path, f"offset {done}", f"the samples are damaged: {error or 'they end early'}") from None
 
@@ -228,10 +234,11 @@ class _ArrayForm(NamedTuple):
 
 def _read_array_form(file: BinaryIO, path: str) -> _ArrayForm:
     """Read the header of a NumPy file, and leave the file at its first sample."""
-    form = np.lib.format
+    numpy_format = np.lib.format
     try:
-        version = form.read_magic(file)
-        read_header = form.read_array_header_1_0 if version == (1, 0) else form.read_array_header_2_0
+        version = numpy_format.read_magic(file)
+        is_first_version = version == (1, 0)
+        read_header = numpy_format.read_array_header_1_0 if is_first_version else numpy_format.read_array_header_2_0
         shape, is_fortran, dtype = read_header(file)
     except Exception:  # The parser of the header raises many types.
         raise InputError(path, "", "this is not a valid NumPy file") from None
@@ -254,7 +261,7 @@ def _read_array_file(file: BinaryIO, path: str, names: Names, rate: float | None
     bits = places if channels is None else range(len(places))
     parts = _read_array_parts(file, dtype, channels, places)
     edges = read_samples(parts, tuple(1 << bit for bit in bits))
-    return Signals(edges, 1 / rate if rate else None, True)
+    return Signals(edges, seconds=1 / rate if rate else None, is_sampled=True)
 
 
 def _read_array_parts(
@@ -270,7 +277,8 @@ def _read_array_parts(
     while data := file.read(max(SAMPLES // row_width, 1) * row_bytes):
         done += len(data)
         # An incomplete row at the end is ignored.
-        samples = np.frombuffer(data, dtype, len(data) // row_bytes * row_width)
+        row_count = len(data) // row_bytes
+        samples = np.frombuffer(data, dtype, count=row_count * row_width)
         if channels is not None:
             yield pack_bits(samples.reshape(-1, row_width)[:, places]), done, None
             continue
@@ -303,7 +311,7 @@ def _load_arrays(archive: zipfile.ZipFile, path: str) -> _Arrays:
         elif array.ndim:
             channels[name] = array
         elif name.lower() in _RATES and array > 0:
-            # An array without dimensions is a single number.
+            # An array without dimensions is a single number. If there are several rates, the first one counts.
             rate = rate or float(array)
     return _Arrays(channels, times, rate)
 
@@ -325,7 +333,8 @@ def _read_array_archive(
     if len(arrays) == 1 and arrays[0].dtype.kind != "f" and times is None:
         return read_array(arrays[0], names, sample_rate)
     columns = arrays if times is None else [times, *arrays]
-    if len({column.shape for column in columns}) != 1 or any(column.ndim != 1 for column in columns):
+    shapes = {column.shape for column in columns}
+    if len(shapes) != 1 or any(column.ndim != 1 for column in columns):
         raise InputError(
             path, "", "expected one array of samples, or an array of 0 and 1 of the same length per channel"
         )
@@ -383,7 +392,9 @@ class _Saleae:
         if version not in (0, 1):
             raise InputError(path, "", f"Saleae's binary format {version} is not supported: export as CSV")
         self._has_rate = version == 1
-        self.chunks = struct.unpack("<Q", self._read_exactly(8))[0] if version == 1 else 1
+        self.chunks = 1
+        if self._has_rate:
+            (self.chunks,) = struct.unpack("<Q", self._read_exactly(8))
         # The latest end of a chunk so far, in seconds. The first level and the number of edges of the first chunk.
         self.end = 0.0
         self._ready = (0, 0)
@@ -400,7 +411,9 @@ class _Saleae:
     def _read_chunk(self) -> tuple[int, int]:
         """Read the header of the next chunk. Return its first level and the number of its edges, which follow."""
         # First level, sample rate in version 1, begin, end and number of edges.
-        header = struct.Struct("<IdddQ" if self._has_rate else "<IddQ")
+        header_format = "<IdddQ" if self._has_rate else "<IddQ"
+        header = struct.Struct(header_format)
+        # The sample rate is not used, because times are in seconds.
         level, *_, begin, end, count = header.unpack(self._read_exactly(header.size))
         if not (np.isfinite(begin) and np.isfinite(end)) or level > 1:
             raise InputError(self._path, "", "this Saleae file is damaged")
@@ -414,7 +427,7 @@ class _Saleae:
         The first one has no edges, but shows the level at the beginning.
         """
         last_time = -np.inf
-        level = self._ready[0]
+        level, _ = self._ready
         yield level, np.zeros(0), self._file.tell()
         for chunk_index in range(self.chunks):
             first_level, count = self._ready if not chunk_index else self._read_chunk()
@@ -444,4 +457,4 @@ def _read_saleae(files: Sequence[BinaryIO], paths: Sequence[str]) -> Signals:
     readers = [_Saleae(file, path) for file, path in zip(files, paths, strict=True)]
     edge_streams = [reader.edges() for reader in readers]
     edges = merge_edges(edge_streams, end=lambda: max(reader.end for reader in readers))
-    return Signals(edges, 1.0, False, sum(map(measure_size, files)))
+    return Signals(edges, seconds=1.0, is_sampled=False, total=sum(map(measure_size, files)))

@@ -62,13 +62,17 @@ def read_table_signals(
     """Return the signals of a table: columns of 0 and 1, with one row per sample or a time in the first column.
 
     Columns can also have voltages. Those above ``threshold`` are 1. By default, it is in the middle of their range.
+    ``head`` are the first bytes of the file, and ``rate`` the sample rate in Hz, if it is chosen.
     """
     form = find_table_form(path, head)
     places = names.places(form.channels, path)
     # A column of times or of numbers is in front of the channels.
     offset = int(form.unit is not None)
-    parts = _read_table_parts(file, path, form, [offset + place for place in places], threshold)
-    edges = read_samples(parts, tuple(1 << index for index in range(len(places))))
+    columns = [offset + place for place in places]
+    parts = _read_table_parts(file, path, form, columns, threshold)
+    # The levels of the signals are packed, so their bits are numbered from 0.
+    masks = tuple(1 << bit for bit in range(len(places)))
+    edges = read_samples(parts, masks)
     total = measure_size(file)
     if form.unit:
         return Signals(edges, seconds=form.unit, is_sampled=False, total=total)
@@ -80,6 +84,8 @@ def _read_table_parts(
     file: BinaryIO, path: str, form: TableForm, columns: list[int], threshold: float | None
 ) -> Generator[tuple[Any, int, Any], None, None]:
     """Yield the levels of some rows, the amount read, and their times, or None if the table has no times.
+
+    ``columns`` are the indices of the columns of the signals. ``path`` is for errors.
 
     Raises:
         InputError: The times are not in ascending order, or a cell is wrong.
@@ -116,6 +122,7 @@ class _RowReader:
         It stops at the first rows if they have no voltages: all cells are whole numbers, or some are not finite. With
         ``threshold``, the columns always have voltages.
         """
+        # The lowest and the highest voltage of each column, block by block.
         ranges: list[Any] = []
         for block, line, _ in self.blocks_of_rows(file):
             cells = self._read_numbers(block, line, self._columns)
@@ -136,6 +143,7 @@ class _RowReader:
             first_line = line
             # The headers are in the first block.
             if line == 1 and self._form.skipped:
+                # The last piece is what follows the skipped lines.
                 block = data.split(b"\n", self._form.skipped)[-1]
                 first_line += self._form.skipped
             line += data.count(b"\n")
@@ -204,6 +212,7 @@ class _RowReader:
         times = np.array(stamp_texts, "datetime64[ns]")
         if self._first_stamp is None:
             self._first_stamp = times[0]
+        # The differences are in nanoseconds.
         seconds = (times - self._first_stamp).astype(np.int64) / 1e9
         return seconds, b"\n".join(rows_without_stamps) + b"\n"
 
@@ -262,6 +271,7 @@ def _read_regular_rows(block: bytes, delimiter: str | None, columns: list[int]) 
         if not (rows[:, offset] == first_row[offset]).all():
             return None
     characters = rows[:, [cell_offsets[column] for column in columns]]
+    # Characters below 0 wrap around, so all others than 0 and 1 become more than 1.
     levels = characters - np.uint8(ord("0"))
     return pack_bits(levels) if (levels <= 1).all() else None
 

@@ -72,14 +72,16 @@ def _add_optional_answers(encoder: Encoder, chosen: argparse.Namespace) -> Encod
     with_answers: Callable[..., Encoder] | None = getattr(encoder, "with_answers", None)
     if with_answers is None:
         return encoder
-    kinds: dict[str, Any] = get_type_hints(with_answers)
-    chosen_kinds = {name: kinds[name] for name, _ in chosen.choose if name in kinds and name not in ("self", "return")}
-    answers: dict[str, Any] = {name: next(iter(kind)) for name, kind in kinds.items() if name not in ("self", "return")}
+    hints: dict[str, Any] = get_type_hints(with_answers)
+    # The enumeration of each parameter. Its first member is the default.
+    kinds = {name: hint for name, hint in hints.items() if name not in ("self", "return")}
+    answers: dict[str, Any] = {name: next(iter(kind)) for name, kind in kinds.items()}
+    is_any_chosen = any(name in kinds for name, _ in chosen.choose)
     for name, answer in chosen.choose:
-        if name in chosen_kinds:
-            answers[name] = find_answer(name, answer, chosen_kinds[name])
-    chosen.choose = [(name, answer) for name, answer in chosen.choose if name not in chosen_kinds]
-    return with_answers(**answers) if chosen_kinds else encoder
+        if name in kinds:
+            answers[name] = find_answer(name, answer, kinds[name])
+    chosen.choose = [(name, answer) for name, answer in chosen.choose if name not in kinds]
+    return with_answers(**answers) if is_any_chosen else encoder
 
 
 def find_answer(name: str, answer: str, kind: type[Enum]) -> Enum:
@@ -148,6 +150,10 @@ class _Stoppable:
         raise KeyboardInterrupt
 
 
+#: Number of characters of a progress bar.
+_BAR_WIDTH: Final = 30
+
+
 class Progress:
     """Progress bar on the last line of a terminal."""
 
@@ -167,10 +173,10 @@ class Progress:
         self._shown = now
         text = f"{frames:,} frames, {now - self._started:.0f} s"
         if total:
-            # The bar has 30 characters.
             fraction = min(done / total, 1.0)
-            filled = round(30 * fraction)
-            text = f"[{'#' * filled}{' ' * (30 - filled)}] {fraction:4.0%} {text}"
+            filled_width = round(_BAR_WIDTH * fraction)
+            bar = f"{'#' * filled_width:<{_BAR_WIDTH}}"
+            text = f"[{bar}] {fraction:4.0%} {text}"
         columns = shutil.get_terminal_size().columns
         # The whole line is replaced. Its last column stays empty, because some terminals would begin a new line.
         self._out.write(f"\r{text[: columns - 1]:<{columns - 1}}")

@@ -157,7 +157,11 @@ def _make_parser(package: str) -> argparse.ArgumentParser:
     def add_command(
         name: str, run: Callable[..., int | None], summary: str, description: str = "", epilog: str = ""
     ) -> Any:
-        """Add a command with its summary, and return its parser."""
+        """Add a command with its summary, and return its parser.
+
+        ``run`` carries out the command. ``main`` finds it as ``run`` in the parsed arguments. It takes the name of the
+        package and these arguments, and can return an exit code.
+        """
         description = description or f"{summary[0].upper()}{summary[1:]}."
         parser = commands.add_parser(
             name, help=summary, description=description, epilog=epilog, formatter_class=formatter, allow_abbrev=False
@@ -256,7 +260,8 @@ def _decode(package: str, chosen: argparse.Namespace) -> int | None:
         if frame is not None:
             return _show(encoder, frame, chosen)
     if len(chosen.file) > 1:
-        raise Failed(f"expected one file or one frame, got {' '.join(chosen.file)[:60]!r}", USAGE)
+        arguments_text = " ".join(chosen.file)
+        raise Failed(f"expected one file or one frame, got {arguments_text[:60]!r}", USAGE)
     chosen.file = chosen.file[0]
     _decode_file(package, encoder, chosen)
     return DONE
@@ -265,24 +270,27 @@ def _decode(package: str, chosen: argparse.Namespace) -> int | None:
 def _parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
     """Return the frame that the arguments contain, or None if they are the name of a file.
 
-    Over RS-485 it is hexadecimal bytes. A frame of bits is a number in hexadecimal, or text of 0 and 1 with ``0b``.
+    Over RS-485, ``"1A 2B"`` is bytes. A frame of bits is a number in hexadecimal, such as ``1A2B`` or ``0x1A2B``, or
+    text of 0 and 1 such as ``0b0110``, which also shows its length. If the encoder only sends frames that are too long
+    for a number of 64 bits, whole bytes without ``0x`` are bytes.
     """
+    # Separators between bytes or digits are ignored.
     packed = re.sub("[ _,:]", "", text)
     if encoder.interface is Interface.RS485:
         packed = packed.removeprefix("0x")
         return bytes.fromhex(packed) if re.fullmatch("([0-9a-fA-F]{2})+", packed) else None
     if re.fullmatch("0b[01]+", packed):
         return packed
-    # Frames of more than 64 bits are decoded from bytes.
-    in_bytes = all(find_any_shape(frame_class, encoder).length for frame_class in find_kinds(encoder))
-    if in_bytes and re.fullmatch("([0-9a-fA-F]{2})+", packed):
+    # Frames of more than 64 bits are decoded from bytes, so their shapes have a length in bytes.
+    are_long_frames = all(find_any_shape(frame_class, encoder).length for frame_class in find_kinds(encoder))
+    if are_long_frames and re.fullmatch("([0-9a-fA-F]{2})+", packed):
         return bytes.fromhex(packed)
     return int(packed, 16) if re.fullmatch("(0x)?[0-9a-fA-F]{1,64}", packed) else None
 
 
 def _list_other_frames(encoder: Encoder, frame: int | bytes | str, result: Any) -> str:
     """Return the other frames that a frame can be, in words, or an empty string. ``result`` can be its error."""
-    # Its return type is a union of the classes of frames that it decodes, and of FrameError.
+    # The return type of ``try_decode`` is a union of the classes of frames that it decodes, and of FrameError.
     hint = get_type_hints(type(encoder).try_decode)["return"]
     decoded_kinds = [
         frame_class for frame_class in get_args(hint) or (hint,) if not issubclass(frame_class, FrameError)
@@ -293,7 +301,7 @@ def _list_other_frames(encoder: Encoder, frame: int | bytes | str, result: Any) 
     (decoded_kind,) = decoded_kinds
     names: list[str] = []
     for frame_class in find_kinds(encoder):
-        # Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
+        # A number in hexadecimal does not show its leading zeros, so a short frame would be valid as a long one.
         has_same_length = find_any_shape(frame_class, encoder).bits == find_any_shape(decoded_kind, encoder).bits
         may_fit = has_same_length or isinstance(result, LengthError)
         if frame_class is not decoded_kind and may_fit and _is_valid_as(frame_class, encoder, frame):
@@ -326,13 +334,15 @@ def _show(encoder: Encoder, frame: int | bytes | str, chosen: argparse.Namespace
         print(json.dumps(values, ensure_ascii=False))
     elif isinstance(result, FrameError):
         more = other_frames or result.hint
-        raise Failed(f"{result}. {more}" if more else result)
+        message: object = f"{result}. {more}" if more else result
+        raise Failed(message)
     else:
         width = max(map(len, values))
         for name, value in values.items():
             print(f"{name:<{width}}  {_convert_to_plain(value)}")
         for report in result.reports:
-            print(f"\n{report.name}: {report.meaning}" + (f"\n  {report.remedy}" if report.remedy else ""))
+            remedy_line = f"\n  {report.remedy}" if report.remedy else ""
+            print(f"\n{report.name}: {report.meaning}{remedy_line}")
         if other_frames:
             print(f"\n{other_frames}")
     if isinstance(result, FrameError):
@@ -358,6 +368,7 @@ def _add_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str, 
     open_answers: dict[str, Any] = {}
     hints = get_type_hints(encoder.try_decode)
     for name, answer in answers.items():
+        # The parameter for an answer has the type ``Kind | None``, where ``Kind`` is the enumeration of the answers.
         kinds = [answer_class for answer_class in get_args(hints.get(name)) if answer_class is not type(None)]
         if not kinds:
             raise Failed(f"--choose {name} does not apply to the frames of {encoder.code}", USAGE)
@@ -404,6 +415,7 @@ def _decode_file(package: str, encoder: Encoder, chosen: argparse.Namespace) -> 
 def _report(summary: Summary, chosen: argparse.Namespace) -> None:
     """Print the summary, to standard error if the table goes to standard output. Raises Failed for too many errors."""
     out = sys.stderr if chosen.output == "-" else sys.stdout
-    print(json.dumps(summary.to_dict()) if chosen.json else summary, file=out)
+    summary_text = json.dumps(summary.to_dict()) if chosen.json else str(summary)
+    print(summary_text, file=out)
     if 100 * summary.error_rate > chosen.max_errors:
         raise Failed(f"{summary.error_rate:.0%} of the frames have an error; --max-errors is {chosen.max_errors:g}")

@@ -45,6 +45,8 @@ _UNITS: Final = (
 )
 #: Number of points above which only the lowest and highest of each column of pixels are drawn.
 _POINTS: Final = 20_000
+#: Number of points below which each of them is marked.
+_FEW_POINTS: Final = 200
 
 
 def figure(table: Table, lost: Sequence[Lost] = (), title: str = "") -> Any:
@@ -75,12 +77,15 @@ def figure(table: Table, lost: Sequence[Lost] = (), title: str = "") -> Any:
     top.set_ylabel(units.position_label)
     _draw_speed(bottom, table, times, units.speed)
     is_timed = axis == "time"
-    bottom.set_ylabel(units.speed_label if is_timed else units.speed_label.replace("/s", "/sample"))
+    # Without a sample rate, speeds are per sample.
+    speed_label = units.speed_label if is_timed else units.speed_label.replace("/s", "/sample")
+    bottom.set_ylabel(speed_label)
     bottom.set_xlabel("time in s" if is_timed else "sample")
     for mark_times, label, colour in _list_marks(table, times, lost):
         if len(mark_times):
             _draw_marks((top, bottom), mark_times, f"{label} ({len(mark_times)})", colour)
-    if top.get_legend_handles_labels()[1]:
+    _, legend_labels = top.get_legend_handles_labels()
+    if legend_labels:
         # Above the axes, where it does not cover the plot.
         top.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, frameon=False, fontsize="small")
     for axes in (top, bottom):
@@ -165,7 +170,8 @@ def _draw_line(axes: Any, times: Any, values: Any, wraps: bool) -> None:
         wraps_at = np.flatnonzero(np.abs(np.diff(values)) > 180) + 1
         times = np.insert(times, wraps_at, times[wraps_at])
         values = np.insert(values, wraps_at, np.nan)
-    markers = {"marker": ".", "markersize": 4} if len(values) < 200 else {}
+    # Few points are also drawn as dots.
+    markers = {"marker": ".", "markersize": 4} if len(values) < _FEW_POINTS else {}
     axes.plot(times, values, linewidth=1, **markers)
 
 
@@ -179,7 +185,7 @@ def _thin_out(times: Any, values: Any) -> tuple[Any, Any]:
     values = values[is_finite]
     if len(values) <= _POINTS:
         return times, values
-    # Each stretch has two points.
+    # Each stretch gives two points.
     stretch_size = ceil(len(values) / (_POINTS // 2))
     whole_size = len(values) // stretch_size * stretch_size
     stretches = values[:whole_size].reshape(-1, stretch_size)
@@ -194,6 +200,7 @@ def _draw_marks(axes: Sequence[Any], times: Any, label: str, colour: str) -> Non
     # Where lines are too close to be distinguished, only some are drawn.
     most_lines = _POINTS // 10
     step = max(ceil(len(times) / most_lines), 1)
+    # The ends of each line: 0 is the bottom of the axes, and 1 their top.
     lines_at = [[(time, 0), (time, 1)] for time in times[::step]]
     for index, plot_axes in enumerate(axes):
         lines = _COLLECTIONS.LineCollection(

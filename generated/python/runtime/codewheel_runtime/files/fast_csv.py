@@ -103,8 +103,9 @@ def make_block_reader(
 ) -> Callable[[bytes], Block | None] | None:
     """Return a function that reads a block, or None if pyarrow is not installed.
 
-    The function returns None if a cell is missing, or is not a frame in the usual form. ``place`` is the index of the
-    column of frames, and ``kept_columns`` have the index and the name of each other column.
+    The function returns None if a cell is missing, or is not a frame in the usual form. ``names`` are those of all
+    columns. ``place`` is the index of the column of frames, and ``kept_columns`` have the index and the name of each
+    other column to keep. ``digits`` is the base of numbers without ``0x``.
     """
     try:
         pa: Any = load("pyarrow")
@@ -114,6 +115,7 @@ def make_block_reader(
         return None
     columns = [str(index) for index in range(len(names))]
     parse = csv.ParseOptions(delimiter=delimiter)
+    # Columns are named by their index, because names in the file can be equal. That of the frames comes first.
     wanted = [str(place), *(str(index) for index, _ in kept_columns)]
     convert = csv.ConvertOptions(
         include_columns=wanted, column_types=dict.fromkeys(wanted, pa.string()), strings_can_be_null=False
@@ -138,6 +140,7 @@ def make_block_reader(
             return None
         if frames is None:
             return None
+        # Column 0 has the frames.
         other_columns = {name: table.column(index).combine_chunks() for index, (_, name) in enumerate(kept_columns, 1)}
         last_cell = cells[-1].as_py() if len(cells) else ""
         # These cells are for the check of the first frames.
@@ -171,10 +174,12 @@ def _read_bytes(cells: Any, length: int, pc: Any) -> Any:
     """Return rows of bytes, or None if a cell has a different length or is not hexadecimal."""
     packed_cells = pc.replace_substring(cells, " ", "")
     count = len(packed_cells)
-    # Arrow stores the cells one after another in ``data``, and the start of each in ``offsets``.
+    # Arrow stores the cells one after another in ``data``, and the start of each in ``offsets``, followed by the end of
+    # the last one. An array can be a slice of a longer one, which begins at the cell ``first``.
     _, offsets, data = packed_cells.buffers()
     first = packed_cells.offset
-    starts = np.frombuffer(offsets, np.int32)[first : first + count + 1]
+    after_last = first + count
+    starts = np.frombuffer(offsets, np.int32)[first : after_last + 1]
     cell_lengths = np.diff(starts)
     digits_per_cell = 2 * length
     if not count or (cell_lengths != digits_per_cell).any():
@@ -184,6 +189,7 @@ def _read_bytes(cells: Any, length: int, pc: Any) -> Any:
     # 255 stands for a character that is not a hexadecimal digit.
     if digits.max() > 15:
         return None
+    # Each cell has an even number of digits, so this also holds across the cells.
     high_digits = digits[::2]
     low_digits = digits[1::2]
     return ((high_digits << 4) | low_digits).reshape(count, length)

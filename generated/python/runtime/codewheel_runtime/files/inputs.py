@@ -82,6 +82,8 @@ class Source(NamedTuple):
 def select_columns(names: Iterable[str], stored: Stored, empty: Callable[[str], Any], file: str) -> dict[str, Any]:
     """Return an empty column, made by ``empty``, for each of the other columns to keep, by name.
 
+    ``names`` are those of all columns but that of the frames. ``file`` is the name of the file, for errors.
+
     Raises:
         UsageError: Two of these columns have the same name.
     """
@@ -95,6 +97,8 @@ def select_columns(names: Iterable[str], stored: Stored, empty: Callable[[str], 
 
 def find_column(names: list[str], wanted: str, file: str) -> str:
     """Return the name of the column with the frames: the requested one, the only one, or one with a default name.
+
+    ``names`` are those of all columns, and ``wanted`` is the requested one, or empty. ``file`` is for errors.
 
     Raises:
         InputError: There is no such column, or there are several.

@@ -69,13 +69,16 @@ class PartitionDecoder(NamedTuple):
         """Return a table of pandas: the columns other than that of the frames, then the decoded ones."""
         names = list(map(str, partition.columns))
         column = find_column(names, self.column, _NAME)
+        column_index = names.index(column)
         try:
-            frames = _read_series(partition.iloc[:, names.index(column)], self.shape, self.digits)
+            frames = _read_series(partition.iloc[:, column_index], self.shape, self.digits)
             table = decode_many(frames, self.shape, self.encoder)
         except (TypeError, ValueError) as error:
             raise InputError(_NAME, f"column {column!r}", str(error)) from None
         decoded_columns = pandas_columns(table, table.names, self.raw)
-        kept_part = partition.drop(columns=[partition.columns[names.index(column)]])
+        # The label of a column in pandas can be another type than text.
+        label = partition.columns[column_index]
+        kept_part = partition.drop(columns=[label])
         check_apart(list(map(str, kept_part.columns)), decoded_columns, _NAME)
         return kept_part.assign(**decoded_columns)
 
@@ -83,7 +86,7 @@ class PartitionDecoder(NamedTuple):
 def _read_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
     """Convert a pandas column to the form that ``decode_many`` expects. Missing items are None or NaN.
 
-    Numbers stay an array. Other columns become a list of cells.
+    Numbers stay an array. Other columns become a list of cells. ``digits`` is the base of numbers in text.
 
     Raises:
         ValueError: Most cells of text contain no frame.

@@ -48,12 +48,14 @@ def open_source(path: str, stored: Stored, shape: Shape, share: Share) -> Genera
     if path == "-":
         if kind == "parquet":
             raise UsageError("Parquet cannot be read from standard input; give a file")
+        # A replaced standard input can lack ``buffer``. It is then binary itself.
         file = cast(BinaryIO, getattr(sys.stdin, "buffer", sys.stdin))
         standard_input = _choose_source(file, "standard input", None, kind, stored, shape, share)
         with _close_after(standard_input) as source:
             yield source
         return
     with open(path, "rb") as file:
+        # A pipe has no size.
         size = file.seek(0, io.SEEK_END) if file.seekable() else None
         if size is not None:
             file.seek(0)
@@ -86,7 +88,11 @@ def _close_after(source: Source) -> Generator[Source, None, None]:
 def _choose_source(
     file: BinaryIO, name: str, size: int | None, kind: FileKind, stored: Stored, shape: Shape, share: Share
 ) -> Source:
-    """Return the source of frames in a file of this kind. ``size`` is its size in bytes, if known."""
+    """Return the source of frames in a file of this kind.
+
+    ``name`` is the name of the file in errors, and ``size`` its size in bytes, if known. ``share`` returns the fraction
+    of valid frames.
+    """
     if kind == "parquet":
         return read_parquet_batches(file, name, stored, shape)
     if kind == "csv":
@@ -97,19 +103,30 @@ def _choose_source(
 def _read_binary(
     file: BinaryIO, name: str, size: int | None, stored: Stored, shape: Shape, share: Share
 ) -> Generator[Part, None, None]:
-    """Yield the frames of a binary file, and the amount read.
+    """Yield the frames of a binary file, and the number of bytes read.
 
-    ``check_form`` compares the first frames in the chosen form of words with those in the other forms.
+    Frames of bytes are yielded as rows of bytes, and frames of bits as numbers.
+
+    Args:
+        file: The open file, at its first frame.
+        name: Name of the file, for errors.
+        size: Size of the file in bytes, if known.
+        stored: Form of the frames. With ``stored.cut``, an incomplete frame at the end is ignored.
+        shape: Description of the frames.
+        share: Function that returns the fraction of valid frames, for the check of the first ones.
 
     Raises:
-        InputError: The frames fit another form, or the file ends within a frame and ``stored.cut`` is False.
+        InputError: The first frames fit another form of words, or the file ends within a frame.
     """
-    length = shape.length or _check_length(stored.words, shape)
+    has_bytes = bool(shape.length)
+    # Number of bytes that each frame occupies in the file.
+    length = shape.length if has_bytes else _find_word_length(stored.words, shape)
     done = 0
     while data := _read(file, length * inputs.CHUNK):
         is_first_block = not done
-        if is_first_block and not shape.length:
+        if is_first_block and not has_bytes:
             _check_first_words(data, name, stored.words, shape, share)
+        # If the size is known, an incomplete frame is reported before any frame is decoded.
         if is_first_block and size is not None and size % length and not stored.cut:
             raise _incomplete_frame_error(name, size, length)
         done += len(data)
@@ -118,12 +135,12 @@ def _read_binary(
         if excess and not stored.cut:
             raise _incomplete_frame_error(name, done, length)
         rows = np.frombuffer(data, np.uint8, count=len(data) - excess).reshape(-1, length)
-        yield Part(rows if shape.length else numbers(rows, stored.words), done)
+        yield Part(rows if has_bytes else numbers(rows, stored.words), done)
 
 
 def _check_first_words(data: bytes, name: str, words: WordKind, shape: Shape, share: Share) -> None:
     """Raise InputError if the first frames are valid in another form of words, but not in the chosen one."""
-    # Enough for the first frames in every form, whose words have at most eight bytes.
+    # This is enough for the first frames in every form, because no word has more than eight bytes.
     head = data[: 8 * FIRST]
     other_forms = ((f"--words {form}", _find_first(head, form, shape)) for form in _list_other_forms(words, shape))
     check_form(name, _find_first(head, words, shape), other_forms, share)
@@ -138,7 +155,7 @@ def _incomplete_frame_error(name: str, size: int, length: int) -> InputError:
 
 
 def _read(file: BinaryIO, size: int) -> bytes:
-    """Return ``size`` bytes, or the rest of the file. A pipe delivers them in pieces."""
+    """Return ``size`` bytes, or the rest of the file if it has fewer. A pipe delivers them in pieces."""
     data = file.read(size)
     if len(data) == size or not data:
         return data
@@ -150,18 +167,21 @@ def _read(file: BinaryIO, size: int) -> bytes:
     return b"".join(pieces)
 
 
-def _check_length(words: WordKind, shape: Shape) -> int:
-    """Return the number of bytes that a frame of bits occupies in the file."""
-    return WORDS[words][0] or (shape.bits + 7) // 8
+def _find_word_length(words: WordKind, shape: Shape) -> int:
+    """Return the number of bytes that a frame of bits occupies in the file: 3 for 20 bits in packed words."""
+    word_bytes, _ = WORDS[words]
+    # 0 stands for packed words, which have as many bytes as the bits need.
+    return word_bytes or (shape.bits + 7) // 8
 
 
 def _list_other_forms(words: WordKind, shape: Shape) -> Iterator[WordKind]:
     """Yield all other forms that are wide enough for such a frame."""
-    return (form for form in get_args(WordKind) if form != words and 8 * _check_length(form, shape) >= shape.bits)
+    return (form for form in get_args(WordKind) if form != words and 8 * _find_word_length(form, shape) >= shape.bits)
 
 
 def _find_first(head: bytes, words: WordKind, shape: Shape) -> Any:
     """Return the first frames of a file as numbers, read in the form ``words``: at most 1000."""
-    length = _check_length(words, shape)
+    length = _find_word_length(words, shape)
     count = min(len(head) // length, FIRST)
-    return numbers(np.frombuffer(head, np.uint8, count * length).reshape(-1, length), words)
+    rows = np.frombuffer(head, np.uint8, count=count * length).reshape(-1, length)
+    return numbers(rows, words)

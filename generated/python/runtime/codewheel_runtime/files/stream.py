@@ -252,7 +252,7 @@ def _decode_file(
     limit: int | None,
     progress: Callable[[int, int | None, int], None] | None,
 ) -> Summary:
-    """Decode a file into a file of columns, part by part.
+    """Decode a file into a file of columns, part by part. For ``limit`` and ``progress``, see ``decode_file``.
 
     Raises:
         UsageError: Speeds are requested, but the source has no column ``time``, or has a column of the same name.
@@ -306,13 +306,15 @@ def decode_parts(
         raise UsageError(f"limit must be at least 0, got {limit}")
     counts = _Counts()
     for part in read.parts:
-        # As many rows as the limit leaves.
-        rows = slice(None if limit is None else limit - counts.frames)
+        # As many rows as the limit leaves, or all.
+        rows_left = None if limit is None else limit - counts.frames
+        rows = slice(rows_left)
         table = decode_many(part.frames[rows], shape, encoder)
         counts.add(table)
         if len(table.fault):
             other_columns = {name: column[rows] for name, column in part.other_columns.items()}
-            sink.write(table if derived is None else derived(table, other_columns), other_columns)
+            extended_table = table if derived is None else derived(table, other_columns)
+            sink.write(extended_table, other_columns)
         if progress is not None:
             progress(part.done, read.total, counts.frames)
         if limit is not None and counts.frames >= limit:
@@ -353,8 +355,11 @@ class Derived:
         usable_rows = np.flatnonzero(table.usable)
         if len(usable_rows):
             # Unwrapping continues from the last position of the previous table.
-            previous = None if self._last is None else self._last[0]
-            self._last = (int(table.unwrapped(previous)[-1]), float(times[usable_rows[-1]]))
+            previous_position = None if self._last is None else self._last[0]
+            # Later frames without a usable position have the same count.
+            last_position = int(table.unwrapped(previous_position)[-1])
+            last_usable_row = usable_rows[-1]
+            self._last = (last_position, float(times[last_usable_row]))
         return extended
 
 
@@ -380,15 +385,16 @@ class _Counts:
 
     def summary(self, lost: int) -> Summary:
         """Return the counts, without verdicts that no frame has. ``lost`` is the number of cells left empty."""
-        order = [*Verdict]
-        verdicts = {order[place]: count for place, count in self._verdicts.items() if count}
+        all_verdicts = [*Verdict]
+        verdicts = {all_verdicts[index]: count for index, count in self._verdicts.items() if count}
         return Summary(self.frames, dict(sorted(self._faults.items())), verdicts, lost)
 
 
 def make_plan(empty: Table, read: Source, columns: Sequence[str], source: str, raw: bool) -> Plan:
     """Return the columns to write: the requested ones, or the other columns of the file and all fields.
 
-    ``empty`` is a table without frames, which shows the fields.
+    ``empty`` is a table without frames, which shows the fields. ``read`` is the source, ``source`` its name for errors,
+    and ``columns`` are the requested columns, or none. With ``raw``, positions that are not usable are also written.
 
     Raises:
         UsageError: A requested column does not exist, or a column of the file has the name of a field.
@@ -397,5 +403,9 @@ def make_plan(empty: Table, read: Source, columns: Sequence[str], source: str, r
     if unknown:
         known_columns = ", ".join([*read.names, *empty.names])
         raise UsageError(f"no column '{unknown[0][:40]}'; the columns are {known_columns}")
-    check_apart(read.empty_columns, [name for name in empty.names if name not in empty.others], source)
-    return Plan(tuple(dict.fromkeys(columns or (*read.empty_columns, *empty.names))), read.empty_columns, empty, raw)
+    field_names = [name for name in empty.names if name not in empty.others]
+    check_apart(read.empty_columns, field_names, source)
+    written_names = columns or (*read.empty_columns, *empty.names)
+    # Each name once, in the order of the first.
+    names = tuple(dict.fromkeys(written_names))
+    return Plan(names=names, source_columns=read.empty_columns, empty=empty, raw=raw)

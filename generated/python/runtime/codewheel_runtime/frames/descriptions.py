@@ -23,6 +23,7 @@ def shape_of(kind: type, *arguments: object) -> Shape:
         FamilyError, InterfaceError: The encoder belongs to another family, or has another interface.
     """
     make, needed = find_description(kind)
+    # There can be fewer arguments. The call of ``make`` then raises the error.
     for wanted, value in zip(needed, arguments, strict=False):
         if not isinstance(value, wanted):
             if issubclass(wanted, Encoder):
@@ -33,19 +34,23 @@ def shape_of(kind: type, *arguments: object) -> Shape:
 
 
 def find_any_shape(kind: type, encoder: Encoder) -> Shape:
-    """Return the description of a class for an encoder, with the first possible answer to each open question."""
+    """Return the description of a class for an encoder, with the first possible answer to each open question.
+
+    It is for what does not depend on the answers, such as the length of the frame.
+    """
     make, needed = find_description(kind)
     arguments: list[object] = []
     for argument_type in needed:
         is_encoder = issubclass(argument_type, Encoder)
+        # Other types are enumerations of answers, whose first member this takes.
         arguments.append(encoder if is_encoder else next(iter(cast(Any, argument_type))))
     return make(*arguments)
 
 
 def find_kinds(encoder: Encoder) -> tuple[type, ...]:
     """Return the classes of the frames that an encoder sends over its interface."""
-    # FRAMES has the functions for shapes by the name of the frame, by interface and sender. SHAPES has the functions by
-    # class.
+    # FRAMES has the functions for shapes by interface and sender, and there by the name of the frame. SHAPES has the
+    # functions by class. Both have the same functions, so these connect the two.
     package, _, family = type(encoder).__module__.rpartition(".")
     module = import_module(f"{package}._shapes.{family}")
     makers = module.FRAMES.get((encoder.interface.value, "encoder"), {}).values()
@@ -79,5 +84,6 @@ def decoding_arguments(kind: type, /, **arguments: object) -> tuple[object, ...]
     They are ``variant``, which is the encoder, and the answers to open questions. Others are ignored.
     """
     fields: tuple[str, ...] = cast(Any, kind)._fields
+    # The first fields of a class are the arguments of the function for its description.
     needed_fields = fields[: len(find_description(kind)[1])]
     return tuple(arguments[name] for name in needed_fields)
