@@ -268,6 +268,7 @@ def _fraction_hint(key: str, fraction: float) -> str:
     A lower bound is rounded up and an upper one down, unless it would be 0. Others are not rounded.
     """
     unit = _unit_of_key(key)
+    # Small frequencies and baud rates are more likely in a larger unit.
     if unit in _LARGER and fraction > 0:
         return _larger_unit_hint(unit, fraction)
     if key == "step_um":
@@ -288,6 +289,7 @@ def _larger_unit_hint(unit: str, fraction: float) -> str:
     ``unit`` is ``hz`` or ``baud``.
     """
     prefix, power = ("k", 3) if fraction >= _LIKELY_KILO else ("M", 6)
+    # From the shortest decimal form: 2.1 means 21/10, not the nearest binary fraction.
     converted = Fraction(str(fraction)) * 10**power
     if converted.denominator != 1:
         return f"; there are no fractions of {_LARGER[unit]}"
@@ -316,13 +318,17 @@ def _polynomial_hint(polynomial_text: str) -> str:
 
 def polynomial_powers(polynomial_text: str) -> set[int]:
     """Return the powers of a polynomial such as ``x^6 + x + 1``."""
-    terms = re.sub(r"\s", "", polynomial_text.lower()).split("+")
+    without_blanks = re.sub(r"\s", "", polynomial_text.lower())
+    terms = without_blanks.split("+")
     return set(map(_parse_power, terms))
 
 
 def _parse_power(term: str) -> int:
-    """Return the power of a term such as ``x^6``, ``x`` or ``1``."""
-    return int(term.partition("^")[2] or 1) if term.startswith("x") else 0
+    """Return the power of a term: 6 for ``x^6``, 1 for ``x`` and 0 for ``1``."""
+    _, _, power_text = term.partition("^")
+    if not term.startswith("x"):
+        return 0
+    return int(power_text) if power_text else 1
 
 
 def key_hint(unknown_key: str, value_of_key: Any, known_keys: Iterable[str]) -> str:
@@ -363,7 +369,9 @@ def _keys_of_same_kind(stem: str, unit: str, known_keys: Iterable[str]) -> list[
             keys_of_kind.append(known_key)
     stems = {_remove_unit(known_key) for known_key in keys_of_kind}
     meant_stem = stem if stem in stems else nearest_choice(stem, list(stems))
-    return [known_key for known_key in keys_of_kind if meant_stem and _remove_unit(known_key) == meant_stem]
+    if not meant_stem:
+        return []
+    return [known_key for known_key in keys_of_kind if _remove_unit(known_key) == meant_stem]
 
 
 def _best_unit(keys: list[str], value_of_key: Any, unit: str) -> str:
@@ -403,7 +411,11 @@ def _name_unit(unit: str) -> str:
 
 def _convert_number(number: Fraction, unit: str, target_unit: str) -> int | None:
     """Return the number in another unit of the same kind, or None if the kind differs or the result is not whole."""
-    if unit not in _UNITS or target_unit not in _UNITS or _UNITS[unit][0] != _UNITS[target_unit][0]:
+    if unit not in _UNITS or target_unit not in _UNITS:
         return None
-    exact = number * Fraction(10) ** (_UNITS[unit][1] - _UNITS[target_unit][1])
-    return int(exact) if exact.denominator == 1 else None
+    base_unit, power = _UNITS[unit]
+    target_base_unit, target_power = _UNITS[target_unit]
+    if base_unit != target_base_unit:
+        return None
+    converted = number * Fraction(10) ** (power - target_power)
+    return int(converted) if converted.denominator == 1 else None

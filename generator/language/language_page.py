@@ -227,7 +227,8 @@ def _yield_rows(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[
         type_and_limits = f"{_describe_type(inner)}, {limits}" if limits else _describe_type(inner)
         definition = definitions.get(_definition_name(inner), {})
         meaning = inner.get("description") or definition.get("description", "")
-        yield code(prefix + name), "required" if name in required_keys else "", type_and_limits, escape(meaning)
+        required_text = "required" if name in required_keys else ""
+        yield code(prefix + name), required_text, type_and_limits, escape(meaning)
         is_one_or_more = "properties" in inner and "items" in inner
         if not is_one_or_more:  # Otherwise, the section of its items has the keys.
             yield from _yield_rows(inner, definitions, f"{prefix}{name}.")

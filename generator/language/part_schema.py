@@ -158,6 +158,7 @@ def _with_block(lines: Sequence[str], begin: int, keys: Sequence[str], text_of: 
         begin = next(number for number in range(begin + 1, end) if lines[number].strip() == f'"{key}": {{')
         indent = len(lines[begin]) - len(lines[begin].lstrip())
         end = next(number for number in range(begin, end) if lines[number].startswith(" " * indent + "}"))
+    # ``indent`` is now the indentation of the last key.
     comma = "," if lines[end].endswith(",") else ""
     new_block = f'{" " * indent}"{keys[-1]}": ' + text_of(indent) + comma
     return [*lines[:begin], *new_block.splitlines(), *lines[end + 1 :]]
@@ -173,7 +174,8 @@ def _format_schema(schema: JsonSchema, indent: int) -> str:
     lines: list[str] = []
     words_on_line: JsonSchema = {}
     for word, value in schema.items():
-        if word == "description" or isinstance(value, dict):
+        has_own_line = word == "description" or isinstance(value, dict)
+        if has_own_line:
             lines += [*_on_one_line(words_on_line), f"{json.dumps(word)}: {_value_text(word, value, indent + 2)}"]
             words_on_line = {}
         else:

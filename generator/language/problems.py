@@ -363,7 +363,7 @@ def _has_same_meaning(word: str, known_word: str) -> bool:
     """Return True if two words have the same digits and do not end in two different units, such as hz and khz."""
     if _DIGITS.findall(word) != _DIGITS.findall(known_word):
         return False
-    ending, known_ending = word.rpartition("_")[2], known_word.rpartition("_")[2]
+    ending, known_ending = word.rpartition("_")[2], known_word.rpartition("_")[2]  # ``hz`` of ``min_hz``.
     return ending == known_ending or ending not in UNITS or known_ending not in UNITS
 
 
@@ -405,12 +405,12 @@ def _cut_window(line_text: str, column: int, width: int) -> tuple[str, int]:
     stripped = line_text.strip(" ")
     caret_index = max(0, min(column - 1 - indent, len(stripped)))
     # Each character takes at least one column, so nothing farther away can be shown. A line may have millions.
-    first = max(0, caret_index - width)
-    pieces_before = [_visible_character(character) for character in stripped[first:caret_index]]
+    start = max(0, caret_index - width)
+    pieces_before = [_visible_character(character) for character in stripped[start:caret_index]]
     pieces_after = [_visible_character(character) for character in stripped[caret_index : caret_index + width + 1]]
-    is_too_long = first > 0 or _measure_columns("".join(pieces_before + pieces_after)) > width
+    is_too_long = start > 0 or _measure_columns("".join(pieces_before + pieces_after)) > width
     if is_too_long:
-        pieces_before = _cut_at_start(pieces_before, width * 2 // 3, is_cut_already=first > 0)
+        pieces_before = _cut_at_start(pieces_before, width * 2 // 3, is_cut_already=start > 0)
         pieces_after = _cut_at_end(pieces_after, width - _measure_columns("".join(pieces_before)))
     return "".join(pieces_before + pieces_after), _measure_columns("".join(pieces_before))
 

@@ -258,12 +258,13 @@ def _read_pyproject_table(file: Path, report: Report, has_places: bool) -> Docum
     if section is None:
         return None
     toml_lines = tuple(toml_text.split("\n"))
+    start_of_file = Mark(line=1, column=1, key_line=1, key_column=1)
     if not isinstance(section, dict):
-        return Document(str(file), toml_lines, {"codewheel": section}, Mark(line=1, column=1, key_line=1, key_column=1))
-    marks = places_in(toml_text) if has_places else Mark(line=1, column=1, key_line=1, key_column=1)
+        return Document(str(file), toml_lines, {"codewheel": section}, start_of_file)
+    marks = places_in(toml_text) if has_places else start_of_file
     # The marks of the section are below those of its two names.
     for name in ("tool", "codewheel"):
-        marks = marks.children.get(name, Mark(line=1, column=1, key_line=1, key_column=1))
+        marks = marks.children.get(name, start_of_file)
     return Document(str(file), toml_lines, section, marks)
 
 

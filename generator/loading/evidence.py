@@ -28,9 +28,10 @@ def read_counts(spec: Path, report: Report) -> TimesRead | None:
     expected_keys = [member.name for member in fields(TimesRead)]
     try:
         counts = json.loads(file.read_text(encoding="utf-8"))
-        if set(counts) == set(expected_keys) and all(type(counts[name]) is int for name in expected_keys):
+        has_expected_keys = set(counts) == set(expected_keys)
+        if has_expected_keys and all(type(counts[name]) is int for name in expected_keys):
             return TimesRead(**counts)
-    except (OSError, ValueError, TypeError):
+    except (OSError, ValueError, TypeError):  # TypeError: the content is not a map.
         pass
     message = "the file was edited; write it again: codewheel check --coverage --write"
     report.add_at(str(file), 1, 1, RULE, message)

@@ -282,11 +282,10 @@ def _ambiguous_numbers(
                 continue
             for placed_field in placed.fields:
                 other_field = other_placed.find_field(placed_field.name)
-                if (
-                    other_field is None
-                    or other_field.low != placed_field.low
-                    or other_field.width != placed_field.width
-                ):
+                if other_field is None:
+                    continue
+                has_same_place = (other_field.low, other_field.width) == (placed_field.low, placed_field.width)
+                if not has_same_place:
                     continue
                 if isinstance(placed_field.field.kind, Number) and isinstance(other_field.field.kind, Constant):
                     yield placed_field.field, other_layout, other_field.field.kind.value

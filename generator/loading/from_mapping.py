@@ -76,7 +76,7 @@ def record(part_class: Callable[..., T], raw: Raw, /, **values: Any) -> T:
             values[name] = _convert_to_type(hint, raw[name])
         elif not has_default:
             container_or_type = get_origin(hint) or hint
-            values[name] = _EMPTY.get(container_or_type)
+            values[name] = _EMPTY.get(container_or_type)  # None if the type is not in the map.
     return part_class(**values)
 
 
@@ -172,8 +172,10 @@ def check_only(raw_spec: Raw, variants: Sequence[Variant], report: DocumentRepor
     for path, owner in _mappings_with_only(raw_spec, ()):
         only = owner["only"]
         unmatched = _unmatched_patterns(only, variants)
-        # Other editions have fewer order codes, and the same lists of patterns.
-        if unmatched if not report.document.family else not any(fits(only, variant.code) for variant in variants):
+        is_faulty = bool(unmatched)
+        if report.document.family:  # Other editions have fewer order codes, and the same lists of patterns.
+            is_faulty = not any(fits(only, variant.code) for variant in variants)
+        if is_faulty:
             example_code = variants[0].code
             message = f"no order code of the family matches {quoted(unmatched[0])}"
             example_pattern = quoted(f"{example_code[: len(example_code) // 2]}...")

@@ -114,6 +114,7 @@ def in_whole_bytes(fields: list[Field], bits: Expression) -> tuple[list[Field], 
 
     Fields without a constant width in total are returned as they are.
     """
+    # A remainder in Python is not negative: 3 bits are missing after 13, and none after 16.
     missing_bits = -bits.constant % 8 if bits.is_constant else 0
     if not missing_bits or not fields:
         return fields, bits

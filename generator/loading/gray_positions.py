@@ -54,7 +54,8 @@ def _is_in_gray(layout: Layout, measurement: Measurement) -> bool:
         return False
     if not layout.gray_of or measurement.of not in layout.member_names:
         return False
-    return layout.names_in(measurement.of)[-1] in layout.names_in(layout.gray_of)
+    lowest_name = layout.names_in(measurement.of)[-1]  # The most significant field is the first.
+    return lowest_name in layout.names_in(layout.gray_of)
 
 
 def _is_position_alone(layout: Layout, measurement: Measurement) -> bool:
@@ -99,14 +100,16 @@ def _problem_of_counts(layout: Layout, measurement: Measurement, variants: Seque
     for variant in variants:
         counts = counts_by_code[variant.code]
         bits = (counts - 1).bit_length()
-        # The codes in use are in the middle of all codes, so half of the others come before them.
+        # The codes in use are in the middle of all codes, so half of the others come before them: for 360 counts in
+        # 9 bits, (512 - 360) / 2 = 76.
         excess = ((1 << bits) - counts) // 2
         stated = layout.gray_excess.value(variant.parameters) if layout.gray_excess is not None else 0
+        is_odd = counts & 1 == 1
         # Counts below 1 are reported elsewhere. With an even number and the right excess, nothing is wrong.
-        if counts < 1 or (stated == excess and counts & 1 == 0):
+        if counts < 1 or (stated == excess and not is_odd):
             continue
-        # Not a power of two, so it needs an excess, but it is odd or not alone in its number.
-        if not is_power_of_two(counts) and (counts & 1 or not _is_position_alone(layout, measurement)):
+        needs_excess = not is_power_of_two(counts)
+        if needs_excess and (is_odd or not _is_position_alone(layout, measurement)):
             return KeyProblem("", _no_excess_message(layout, variant, counts))
         formula = f"(2^{bits} - {counts}) / 2 = {excess}"
         if layout.gray_excess is not None:

@@ -249,7 +249,10 @@ def check_layout(layout: Layout, site: Site, low_byte_first: bool) -> bool:
 
 
 def _remedy_for_long_frames(layout: Layout) -> str:
-    """Return the end of the message about a frame of bits that is too long: how to write it in bytes."""
+    """Return the end of the message about a frame of bits that is too long: how to write it in bytes.
+
+    A longer frame can be carried as bytes instead of one number, but then all order codes must have the same length.
+    """
     if layout.bits.is_constant:
         return f", or {LARGEST_BYTES} with 'carried_as: bytes'"
     condition = "if the frame has the same length for all order codes"

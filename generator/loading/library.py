@@ -99,6 +99,7 @@ def load_families(
     report = Report()
     needs_contents = bool(cache) or others is not None
     contents_before = contents(paths) if needs_contents else {}
+    # The content of its files is the key of a device: with the same content, it would be built in the same way.
     known_devices = {tuple(family.content): family.device for family in others or () if family.content}
     stored_devices: dict[str, Device | None] = {}
     for file, content in contents_before.items():
@@ -282,7 +283,8 @@ def _manufacturers_by_name(
     for document, data in checked:
         if data is not None and "device" not in data and "manufacturer" in data:
             # Several folders may have the same file, so that each of them can be used alone.
-            if first_data_by_name.setdefault(data["manufacturer"], data) != data:
+            first_data = first_data_by_name.setdefault(data["manufacturer"], data)
+            if first_data != data:
                 message = f"there is a different manufacturer file for '{data['manufacturer']}'"
                 report.add("duplicate-name", document, ("manufacturer",), message)
             maker = build_manufacturer(data)
@@ -305,7 +307,8 @@ def _check_manufacturer(
     """Check that names derived from a manufacturer are unique, and that its package hides no standard module."""
     package = maker.python_package
     path = ("python_package",) if "python_package" in document.data else ("manufacturer",)
-    if package in _OURS or package in sys.stdlib_module_names or keyword.iskeyword(package):
+    is_name_of_python = package in sys.stdlib_module_names or keyword.iskeyword(package)
+    if package in _OURS or is_name_of_python:
         name_user = "codewheel" if package in _OURS else "Python"
         report.add(
             "not-allowed",
@@ -380,6 +383,7 @@ def narrowed_to(devices: Sequence[Device], only: str) -> tuple[Device, ...]:
     narrowed_devices = []
     for device in devices:
         codes = {variant.code for variant in device.variants if wanted_names & set(_names_of_code(device, variant))}
+        # A device without a wanted order code is left out.
         if codes:
             narrowed_device = for_codes(device, codes)
             # Frames that programs and pages show come from one of the remaining order codes.
@@ -412,9 +416,8 @@ def _unknown_message(devices: Sequence[Device], word: str) -> str:
     """
     families_of_word = [device for device in devices if word.upper().startswith(device.name.upper())]
     codes_of_families = [variant.code for device in families_of_word for variant in device.variants]
-    nearest_name = nearest_choice(
-        word, [*_yield_suggestions(devices), *codes_of_families, *map(str.lower, codes_of_families)]
-    )
+    codes_in_lower_case = [code.lower() for code in codes_of_families]
+    nearest_name = nearest_choice(word, [*_yield_suggestions(devices), *codes_of_families, *codes_in_lower_case])
     first_code = next((variant.code for device in devices for variant in device.variants), "")
     valid_names = codes_of_families or [f"order codes, such as {first_code}", *_yield_suggestions(devices)]
     hint = f"did you mean '{nearest_name}'?" if nearest_name else f"valid are {', '.join(valid_names)}"

@@ -41,7 +41,8 @@ def check_named_widths(raw_spec: Raw, device: Device, report: DocumentReport) ->
         if not is_checked or parameter.name in used_words:
             continue
         frames = ((interface, layout) for interface in device.interfaces for layout in interface.layouts)
-        problem = next(filter(None, (_describe_difference(device, parameter, *frame) for frame in frames)), "")
+        problems = (_describe_difference(device, parameter, interface, layout) for interface, layout in frames)
+        problem = next(filter(None, problems), "")
         if problem:
             remedy = "correct 'equals', or rename the parameter if it is another number"
             report.add("parameter-width", ("parameters", parameter.name, "equals"), f"{problem}; {remedy}")
@@ -63,7 +64,9 @@ def _describe_difference(device: Device, parameter: Parameter, interface: Interf
     It is empty if the encoder does not send a number of this name with this layout.
     """
     name = parameter.name.removesuffix(_ENDING)
-    if layout.sender != "encoder" or not {field.name for field in layout.fields}.issuperset(layout.names_in(name)):
+    field_names = {field.name for field in layout.fields}
+    has_number = field_names.issuperset(layout.names_in(name))
+    if layout.sender != "encoder" or not has_number:
         return ""
     for variant in device.variants_over(interface.name):
         placed = layout.place(variant.parameters)
@@ -91,20 +94,16 @@ def check_reach(raw_spec: Raw, context: Context, variants: Sequence[Variant]) ->
         # A number has the same value in each set.
         sets_to_check = sets_of_interface if parameter_names else sets_of_interface[:1]
         sets_and_expressions = product(sets_to_check, (expression_text, *formulas_of_parameters))
-        problem = next(
-            filter(
-                None, (_error_of_expression(expression, parameters) for parameters, expression in sets_and_expressions)
-            ),
-            "",
-        )
-        if problem:
-            context.report.add("bad-expression", path, problem)
+        problems = (_error_of_expression(expression, parameters) for parameters, expression in sets_and_expressions)
+        first_problem = next(filter(None, problems), "")
+        if first_problem:
+            context.report.add("bad-expression", path, first_problem)
     for name, definition in raw_spec["parameters"].items():
         if "equals" not in definition:
             continue
-        problems = [_error_of_expression(definition["equals"], variant.parameters) for variant in variants]
-        if problems and all(problems):
-            context.report.add("bad-expression", ("parameters", name, "equals"), problems[0])
+        problem_of_each_code = [_error_of_expression(definition["equals"], variant.parameters) for variant in variants]
+        if problem_of_each_code and all(problem_of_each_code):
+            context.report.add("bad-expression", ("parameters", name, "equals"), problem_of_each_code[0])
     return len(context.report) == problems_before
 
 
@@ -159,7 +158,8 @@ def held_in_registers(raw_spec: Raw, report: DocumentReport) -> Mapping[str, int
             )
             defaults[name] = definition.get("max", 0)
         else:
-            number = (register["default"] >> low_bit) & ((1 << width) - 1)
+            mask = (1 << width) - 1
+            number = (register["default"] >> low_bit) & mask
             defaults[name] = _default_of_parameter(name, definition, number, field.get("zero_means", 0), report)
     return MappingProxyType(defaults)
 
@@ -189,7 +189,8 @@ def _default_of_parameter(
             report.add("default-does-not-fit", ("parameters", name), f"{message}, {remedy}")
         return value or 0
     value = stored_number or zero_means
-    if not definition.get("min", 0) <= value <= definition.get("max", value):
+    lowest, highest = definition.get("min", 0), definition.get("max", value)
+    if not lowest <= value <= highest:
         message = f"the default of '{definition['read_from']}' is {value}, not between 'min' and 'max'"
         report.add("default-does-not-fit", ("parameters", name), message)
     return value
@@ -270,7 +271,8 @@ def _find_raw_field(register: Raw, field_name: str) -> Raw | None:
     other name may be a field of the group. The result is then empty.
     """
     if "fields" not in register:
-        return {"name": field_name, "at": f"{8 * register['length'] - 1}:0"} if field_name == register["name"] else None
+        highest_bit = 8 * register["length"] - 1
+        return {"name": field_name, "at": f"{highest_bit}:0"} if field_name == register["name"] else None
     own_fields = [field for field in register["fields"] if "use" not in field]
     field_of_group: Raw | None = {} if len(own_fields) < len(register["fields"]) else None
     return next((field for field in own_fields if field.get("name") == field_name), field_of_group)
@@ -316,11 +318,8 @@ def parameter_sets(
     states_by_field = extreme_states(raw_spec)
     # One by one first, so that messages name as few parameters as possible.
     single_states = (register_state for states in states_by_field for register_state in states)
-    register_states: list[State] = [
-        {},
-        *single_states,
-        *(extreme_combinations(states_by_field) if len(states_by_field) > 1 else ()),
-    ]
+    combined_states = extreme_combinations(states_by_field) if len(states_by_field) > 1 else ()
+    register_states: list[State] = [{}, *single_states, *combined_states]
     known_sets: set[tuple[str, tuple[int, ...]]] = set()
     sets_by_codes = _without_definitions(definitions, variants)
     for (kind, set_by_code), register_state, values_of_answer in product(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from itertools import islice, pairwise
+from itertools import pairwise
 
 from ..language.document import Path
 from ..language.problems import DocumentReport
@@ -26,6 +26,8 @@ _REVOLUTIONS = ("revolution", "revolutions", "turn", "turns")
 
 @dataclass(frozen=True)
 class _Case:
+    """One order code with one layout of its interface, for which the numbers of a measurement are checked."""
+
     variant: Variant
     layout: Layout
     #: The fields of the position that this order code has, most significant first, each with its width.
@@ -38,14 +40,19 @@ class _Case:
 
 def check_measurements(device: Device, report: DocumentReport) -> None:
     """Check scales and Gray code of positions, and report the first contradiction of each measurement."""
-    reported: set[Path] = set()
+    # Interfaces without a measurement of their own share that of the device, which is reported once.
+    reported_paths: set[Path] = set()
     _check_scales(device, report)
     check_gray_positions(device, report)
     for interface in device.interfaces:
-        for path, problem in islice(_problems_of(device, interface), 1):
-            if path not in reported:
-                reported.add(path)
-                report.add("measurement-does-not-fit", (*path, problem.key), problem.message)
+        # Only the first problem: the generator checks no further order codes once it has yielded one.
+        first_problem = next(_problems_of(device, interface), None)
+        if first_problem is None:
+            continue
+        path, problem = first_problem
+        if path not in reported_paths:
+            reported_paths.add(path)
+            report.add("measurement-does-not-fit", (*path, problem.key), problem.message)
 
 
 def _problems_of(device: Device, interface: Interface) -> Iterator[tuple[Path, KeyProblem]]:
@@ -61,7 +68,7 @@ def _problems_of(device: Device, interface: Interface) -> Iterator[tuple[Path, K
         problem = _measurement_problem(device, measurement.within(range_of_layout), case)
         if problem is not None:
             range_path: Path = ("interfaces", interface.name, "layouts", case.layout.name, "position_range")
-            # A number that the range of the layout gives is wrong there, others in the measurement.
+            # A number that the range of the layout gives is reported there, others in the measurement.
             is_of_range = getattr(range_of_layout, problem.key, None) is not None
             yield range_path if is_of_range else measurement_path, problem
 
@@ -75,8 +82,10 @@ def _check_scales(device: Device, report: DocumentReport) -> None:
             continue
         for layout in interface.layouts:
             owner = ("interfaces", interface.name, "layouts", layout.name)
+            # The position is one field, or a join of several ones.
             for field in layout.find_fields(layout.names_in(measurement.of)):
-                path: Path = (*(("field_groups", field.group) if field.group else owner), "fields", field.name, "scale")
+                owner_of_field = ("field_groups", field.group) if field.group else owner
+                path: Path = (*owner_of_field, "fields", field.name, "scale")
                 if field.scale is not None and path not in reported:
                     reported.add(path)
                     message = f"'measurement' already gives the unit of '{field.name}'; leave 'scale' out"
@@ -170,7 +179,8 @@ def _width_problem(
     """Return the key and the message if the position has too few bits, or unused bits where it must use all."""
     turns = values.get("turns", 1)
     counts = values[counts_key] * turns
-    counts_text = f"{values[counts_key]} counts" + (f" × {turns} turns" if turns > 1 else "")
+    turns_text = f" × {turns} turns" if turns > 1 else ""
+    counts_text = f"{values[counts_key]} counts{turns_text}"
     width_text = f"'{measurement.of}' in '{case.layout.name}' has {case.width} bits for {case.variant.code}"
     if counts > 1 << case.width:
         return KeyProblem(counts_key, f"{counts_text} do not fit, because {width_text}")
@@ -181,7 +191,7 @@ def _width_problem(
         highest = measurement.highest.value(case.variant.parameters)
         if highest >= end_of_width:
             return KeyProblem("highest", f"'highest' is {highest}, but {width_text} and ends at {end_of_width - 1}")
-    width_parameters = _parameters_behind(device, *(case.layout.field(name).width for name, _ in case.fields))
+    width_parameters = _parameters_behind(device, *(field.width for field in fields))
     count_parameters = _parameters_behind(
         device, *filter(None, (measurement.counts_per_turn, measurement.turns, measurement.modulus))
     )
@@ -193,8 +203,8 @@ def _width_problem(
     must_fill = uses_all_bits or (
         width_parameters and count_parameters <= width_parameters and not (is_signed and measurement.highest)
     )
-    # One bit less would be enough.
-    if 2 * counts <= 1 << case.width and must_fill:
+    one_bit_less_is_enough = 2 * counts <= 1 << case.width
+    if one_bit_less_is_enough and must_fill:
         message = f"{counts_text} need {(counts - 1).bit_length()} bits, but {width_text}"
         return KeyProblem(counts_key, f"{message}; define zeros above a position as a separate field")
     return None
@@ -283,8 +293,8 @@ def _revolution_problem(case: _Case, counts_key: str, values: Mapping[str, int])
 
 def _at_run_time(device: Device, expression: Expression) -> bool:
     """Return True if the expression depends on a register, which may hold any number."""
-    held_names = {parameter.name for parameter in device.run_time_parameters}
-    return not held_names.isdisjoint(device.needed_parameters(expression.parameters))
+    names_from_registers = {parameter.name for parameter in device.run_time_parameters}
+    return not names_from_registers.isdisjoint(device.needed_parameters(expression.parameters))
 
 
 def _parameters_behind(device: Device, *expressions: Expression) -> frozenset[str]:
@@ -312,13 +322,21 @@ def check_position_widths(device: Device, report: DocumentReport) -> None:
 
 
 def _position_field(layout: Layout, measurement: Measurement) -> Field | None:
-    """Return the field that is the whole position if it is unsigned, has a constant width and no note, else None."""
+    """Return the field that is the whole position if its width can be compared with the counts, else None.
+
+    It must be unsigned and without padding, and have a constant width and no note. A joined position is several fields.
+    """
     names = layout.names_in(measurement.of)
-    field = next((field for field in layout.fields if list(names) == [field.name]), None)
+    if len(names) != 1:
+        return None
+    (position_name,) = names
+    field = next((candidate for candidate in layout.fields if candidate.name == position_name), None)
     if field is None:
         return None
     is_plain = field.width.is_constant and not field.note and not field.number.signed
-    return field if is_plain and field.container in (0, field.width.constant) else None
+    # The container is 0 for a field without 'padded_to'.
+    is_unpadded = field.container in (0, field.width.constant)
+    return field if is_plain and is_unpadded else None
 
 
 def _check_width(device: Device, interface: Interface, layout: Layout, field: Field, report: DocumentReport) -> None:
@@ -347,7 +365,10 @@ def _check_width(device: Device, interface: Interface, layout: Layout, field: Fi
 
 
 def _corrected_width(measurement: Measurement, fills_width: bool, bits: int) -> str:
-    """Return the corrected ``bits``, such as ``bits: 24``. It is a parameter if some order code fills the width."""
+    """Return the corrected ``bits``, such as ``bits: 24``. It is a parameter if some order code fills the width.
+
+    With 2^position_bits counts, the parameter is position_bits.
+    """
     counts = measurement.counts_per_turn
     assert counts is not None
     counts_text = counts.render()
@@ -360,6 +381,7 @@ def _corrected_width(measurement: Measurement, fills_width: bool, bits: int) -> 
 def _needed_bits(measurement: Measurement, variant: Variant) -> int | None:
     """Return the bits that the positions of an order code fill, or None if that is not a whole number."""
     counts = _value_or_one(measurement.counts_per_turn, variant) * _value_or_one(measurement.turns, variant)
+    # 2^12 has 13 bits itself, but 12 bits count from 0 to 2^12 - 1.
     return counts.bit_length() - 1 if is_power_of_two(counts) else None
 
 

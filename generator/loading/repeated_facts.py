@@ -70,15 +70,16 @@ def _report_different_facts(
             facts_by_key.setdefault(key, []).append((document, fact))
     for key, facts in facts_by_key.items():
         affected_place = (section, part_name, *key)
-        (common_text, _), *_ = Counter(text for _, (_, text) in facts).most_common(1)
-        facts_in_common = [fact for fact in facts if fact[1][1] == common_text]
-        common_document, (common_path, _) = facts_in_common[0]
+        texts = [text for _, (_, text) in facts]
+        ((common_text, _),) = Counter(texts).most_common(1)
+        # The first file with the most common text.
+        common_document, (common_path, _) = facts[texts.index(common_text)]
         if has_erratum_at(common_document, *affected_place):
             continue
         for document, (path, text) in facts:
             if text == common_text or has_erratum_at(document, *affected_place):
                 continue
-            line = common_document.position((section, part_name, *common_path))[0]
+            line, _ = common_document.position((section, part_name, *common_path))
             message = (
                 f"this is {text}, but {common_text} in {PurePath(common_document.file).name}:{line}; according to the"
                 f" manufacturer's file, {quoted(part_name)} is the same in all devices. If it is not, add an erratum"
@@ -147,9 +148,9 @@ def _check_default(device: Device, register: Register, path: Path, report: Docum
     Report only the first contradiction of the first order code that has one.
     """
     default = register.default
-    # A default with too many bits is reported with the limits.
-    if default is None or default >> (8 * register.length):
-        return
+    has_too_many_bits = default is not None and default >> (8 * register.length) != 0
+    if default is None or has_too_many_bits:
+        return  # Too many bits are reported with the limits.
     for variant in device.variants_over(register.interface):
         placed = register.layout.place(variant.parameters)
         decoded = codec.decode(device, placed, default)
@@ -172,7 +173,9 @@ def _check_preset(device: Device, register: Register, path: Path, report: Docume
     """
     if "preset" not in register.name.split("_") or register.max is None or register.meanings:
         return
-    if {*register.max.parameters} & {parameter.name for parameter in device.run_time_parameters}:
+    names_from_registers = {parameter.name for parameter in device.run_time_parameters}
+    depends_on_register = not names_from_registers.isdisjoint(register.max.parameters)
+    if depends_on_register:
         return
     for variant in device.variants_over(register.interface):
         measurement = device.measurement_of(variant.interface)
@@ -226,6 +229,7 @@ def _check_biss_id(device: Device, report: DocumentReport) -> None:
         # The ID is not in a bank.
         if register.bank is not None:
             continue
+        # The ID is the same for all order codes, so the first one is enough.
         number, mask = _documented_bits(register, variants[0])
         bytes_of_register = number_to_bytes(register.layout, number, 8 * register.length)
         masks_of_bytes = number_to_bytes(register.layout, mask, 8 * register.length)
@@ -281,7 +285,7 @@ def _check_read_biss_id(device: Device, identity: int, report: DocumentReport) -
 
 
 def _byte_of_biss_id(biss_id: int, address: int) -> int:
-    """Return the byte of the manufacturer ID at one of its addresses."""
+    """Return the byte of the manufacturer ID at one of its addresses: of 0x4C41, 0x4C at 7Eh and 0x41 at 7Fh."""
     return (biss_id >> _BISS_ID[address]) & 0xFF
 
 
@@ -295,6 +299,7 @@ def _check_meanings(raw_spec: Raw, device: Device, report: DocumentReport) -> No
     variants = [variant for variant in device.variants if variant.interface in interfaces]
     for index, part in enumerate(raw_spec["order_code"]["parts"]):
         for text_of_value, value in part["values"].items():
+            # A value without keys is None.
             meaning = _compared_meaning(value or {})
             count_texts = [meaning] if _ALONE.fullmatch(meaning) else _COUNTED.findall(meaning)
             numbers = [int(count_text.replace(",", "")) for count_text in count_texts]
@@ -361,6 +366,7 @@ def _check_bits_named(raw_spec: Raw, device: Device, report: DocumentReport) -> 
 def _frame_and_position_widths(device: Device, variant: Variant) -> set[int]:
     """Return the widths of the frames that an encoder with this order code sends, and of the positions in them.
 
+    A frame of 32 bits with 24 bits of position gives ``{32, 24}``.
     Frames without the position do not count. Without a measurement, there are no widths.
     """
     measurement = device.measurement_of(variant.interface)
@@ -369,7 +375,9 @@ def _frame_and_position_widths(device: Device, variant: Variant) -> set[int]:
         return widths
     for layout in device.interface(variant.interface).layouts:
         placed = layout.place(variant.parameters)
-        position_fields = placed.find_fields(layout.names_in(measurement.of))
+        # The position is one field, or a join of several ones. There are none if this frame lacks it.
+        position_names = layout.names_in(measurement.of)
+        position_fields = placed.find_fields(position_names)
         if layout.sender == "encoder" and position_fields:
             widths |= {placed.bits, sum(field.width for field in position_fields)}
     return widths

@@ -203,14 +203,17 @@ def _list_files(commit: str, path: str) -> dict[str, str]:
 
     An empty path stands for all files. Links and submodules are left out.
     """
-    listing = _run_git(["ls-tree", "-r", "-z", "--full-tree", commit, *(["--", path] if path else [])])
+    limited_to_path = ["--", path] if path else []
+    listing = _run_git(["ls-tree", "-r", "-z", "--full-tree", commit, *limited_to_path])
     blobs_by_path = {}
     # A line is ``MODE TYPE HASH``, a tab and the path.
     for tree_line in filter(None, listing.split(b"\0")):
         mode_and_blob, _, name = tree_line.partition(b"\t")
         mode, _, blob = mode_and_blob.decode().split(" ")
         file_path = os.fsdecode(name)
-        if mode in (_FILE, _EXECUTABLE) and (path in ("", file_path) or file_path.startswith(f"{path}/")):
+        is_regular_file = mode in (_FILE, _EXECUTABLE)
+        is_at_or_below = path in ("", file_path) or file_path.startswith(f"{path}/")
+        if is_regular_file and is_at_or_below:
             blobs_by_path[file_path] = blob
     return blobs_by_path
 
@@ -223,7 +226,11 @@ def _refuse_large_files(revision_path: RevisionPath, specs: Mapping[str, str]) -
     command = ["cat-file", "--batch-check=%(objectname) %(objecttype) %(objectsize)"]
     # A reply is ``HASH blob SIZE``, or ``HASH missing``.
     replies = (line.split(" ") for line in _run_git(command, specs.values()).decode().splitlines())
-    sizes = {reply[0]: int(reply[2]) for reply in replies if len(reply) == 3 and reply[1] == "blob"}
+    sizes: dict[str, int] = {}
+    for reply in replies:
+        if len(reply) == 3 and reply[1] == "blob":
+            blob, _, size = reply
+            sizes[blob] = int(size)
     for name, blob in specs.items():
         file_text = f"{visible(revision_path.revision)}:{visible(name)}"
         if blob not in sizes:
@@ -247,8 +254,10 @@ def _read_contents(blobs: Iterable[str]) -> dict[str, bytes]:
     while start_of_head < len(printed):
         end_of_head = printed.index(b"\n", start_of_head)
         blob, _, size = printed[start_of_head:end_of_head].decode().split(" ")
-        start_of_head = end_of_head + 1 + int(size) + 1
-        content_by_blob[blob] = printed[end_of_head + 1 : start_of_head - 1]
+        start_of_content = end_of_head + 1
+        end_of_content = start_of_content + int(size)
+        content_by_blob[blob] = printed[start_of_content:end_of_content]
+        start_of_head = end_of_content + 1  # After the newline.
     return content_by_blob
 
 

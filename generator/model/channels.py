@@ -85,7 +85,8 @@ class PlacedChannels:
         low_bit = self.bits
         for channel in self.channels:
             low_bit -= channel.bits
-            numbers.append((frame >> low_bit) & ((1 << channel.bits) - 1))
+            mask = (1 << channel.bits) - 1
+            numbers.append((frame >> low_bit) & mask)
         return tuple(numbers)
 
     def join(self, numbers: Sequence[int]) -> int:
@@ -102,7 +103,8 @@ class PlacedChannels:
             if name is not None:
                 number = values_of_channel[name]
                 assert isinstance(number, int)
-                yield number >> (channel.field(name).width - self.compared_bits)
+                lower_bits = channel.field(name).width - self.compared_bits
+                yield number >> lower_bits
 
     def agree(self, values: Sequence[Mapping[str, object]]) -> bool:
         """Return whether the compared fields agree. ``values`` has the values of each channel, by field."""

@@ -94,7 +94,8 @@ def _signed_range(measurement: Measurement, field: Field) -> PositionRange | Non
     highest = measurement.highest
     if total is None or highest is None:
         return None
-    return PositionRange(field, highest - total + Expression(1), highest)
+    lowest = highest - total + Expression(1)
+    return PositionRange(field, lowest, highest)
 
 
 def _unsigned_range(
@@ -110,7 +111,8 @@ def _unsigned_range(
     if total is None or any(field.number.signed for field in fields):
         return None
     if len(fields) == 1:
-        return PositionRange(fields[0], Expression(0), measurement.highest or total - Expression(1))
+        highest = measurement.highest or total - Expression(1)
+        return PositionRange(fields[0], lowest=Expression(0), highest=highest)
     if len(fields) != 2 or measurement.highest is not None or counts_per_turn is None or turns is None:
         return None
     # The fields of a position are listed from the most significant one.
@@ -119,7 +121,7 @@ def _unsigned_range(
         if counts_per_turn.value(parameters) != 1 << low_field.width.value(parameters):
             # Both fields are parts of one revolution.
             return None
-    return PositionRange(high_field, Expression(0), turns - Expression(1))
+    return PositionRange(high_field, lowest=Expression(0), highest=turns - Expression(1))
 
 
 _Kind = TypeVar("_Kind", bound=Interface)
@@ -422,8 +424,8 @@ class Device:
         layouts = [layout for _, layout in self.layouts()]
         layouts += [register.layout for register in self.registers]
         covers_bytes = [layout.crc_covers_bytes for layout in layouts if crc in self.crcs_of(layout)]
-        # Without a layout that uses the CRC, it is only used for bytes.
-        return crc.refin and (any(covers_bytes) or not covers_bytes)
+        is_in_no_layout = not covers_bytes  # Then it is only used for bytes.
+        return crc.refin and (any(covers_bytes) or is_in_no_layout)
 
     def procedure(self, name: str) -> Procedure:
         return member_named(self.procedures, name, "procedure")

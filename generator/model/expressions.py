@@ -94,6 +94,7 @@ class Expression:
                 factors = cls(1)
             if operator is None:
                 return total
+            # A product keeps the sign of its term.
             sign = {"+": 1, "-": -1, "*": sign}[operator[0]]
             position += 1
 
@@ -202,7 +203,9 @@ def _simplify(constant: int, terms: tuple[Term, ...]) -> Expression:
             remaining.remove(opposite)
         else:
             remaining.append(term)
-    return Expression(constant, tuple(sorted(remaining, key=lambda term: term.multiple < 0)))
+    # False comes before True, and terms of one sign keep their order.
+    positive_first = sorted(remaining, key=lambda term: term.multiple < 0)
+    return Expression(constant, tuple(positive_first))
 
 
 def _parse_atom(match: re.Match[str]) -> Expression:
@@ -213,7 +216,8 @@ def _parse_atom(match: re.Match[str]) -> Expression:
     """
     is_power = match["power"] is not None
     if match["name"] is not None:
-        return Expression(0, (Term(1, (Factor(match["name"], is_power),)),))
+        factor = Factor(match["name"], is_power)
+        return Expression(0, (Term(1, (factor,)),))
     number = int(match["hex"], 16) if match["hex"] else int(match["number"])
     if is_power and number > LARGEST_EXPONENT:
         raise ExpressionError(f"2^{number} is larger than any field can hold")
@@ -230,7 +234,9 @@ def _multiply(product: Expression, atom: Expression) -> Expression:
         return atom
     if product.is_constant or atom.is_constant:
         raise ExpressionError("a product can contain only parameters and powers of two of parameters, not numbers")
-    return Expression(0, (Term(1, (*product.terms[0].factors, *atom.terms[0].factors)),))
+    # Both have one term, since only atoms are multiplied.
+    factors = (*product.terms[0].factors, *atom.terms[0].factors)
+    return Expression(0, (Term(1, factors),))
 
 
 def _value_of_factor(factor: Factor, parameters: Mapping[str, int]) -> int:

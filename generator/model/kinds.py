@@ -353,10 +353,11 @@ class Scale:
 
     def decimal(self, number: int) -> str:
         """Return the quantity for a number as a decimal. If it is not exact, it is rounded."""
-        size = abs(number * self.numerator + self.offset)
-        # The quantity in units of the last decimal place, rounded: half a unit is added before the division.
-        scaled = (2 * size * 10**self.places + self.denominator) // (2 * self.denominator)
-        sign = "-" if scaled and number * self.numerator + self.offset < 0 else ""
+        # The quantity is this number divided by the denominator.
+        dividend = number * self.numerator + self.offset
+        # Its size in units of the last decimal place, rounded: half a unit is added before the division.
+        scaled = (2 * abs(dividend) * 10**self.places + self.denominator) // (2 * self.denominator)
+        sign = "-" if scaled and dividend < 0 else ""
         # At least one digit before the decimal point.
         digits = f"{scaled:0{self.places + 1}}"
         if not self.places:

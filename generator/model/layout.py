@@ -217,7 +217,8 @@ class Layout:
         """
         placed_fields = (field.place(parameters) for field in self.fields)
         fields_by_name = {field.name: field for field in placed_fields if field.width > 0}
-        gray = bool(self.gray_of and (not self.gray_when or parameters.get(self.gray_when)))
+        is_switched_on = not self.gray_when or parameters.get(self.gray_when)
+        gray = bool(self.gray_of and is_switched_on)
         remaining_unused = [(field, place) for field, place in self.unused if field.name in fields_by_name]
         return PlacedLayout(
             layout=self,
@@ -329,8 +330,9 @@ class PlacedLayout:
         covered_fields = self.find_fields(end.field.kind.of)
         if not covered_fields:
             return end.width, self.bits - end.width
-        first, last = covered_fields[0], covered_fields[-1]
-        return last.low, first.high + 1 - last.low
+        # They are listed from the highest bits to the lowest ones.
+        highest_field, lowest_field = covered_fields[0], covered_fields[-1]
+        return lowest_field.low, highest_field.high + 1 - lowest_field.low
 
     @property
     def covers_part(self) -> bool:
@@ -421,8 +423,9 @@ def have_lengths(layouts: Sequence[Layout], sender: str) -> bool:
     That is so if there are more pairs of channel and length than channels.
     """
     frames = [layout for layout in layouts if layout.sender == sender]
+    channels = {layout.channel for layout in frames}
     channels_and_lengths = {(layout.channel, layout.bits) for layout in frames}
-    return len(channels_and_lengths) > len({layout.channel for layout in frames})
+    return len(channels_and_lengths) > len(channels)
 
 
 def number_from_bytes(layout: Layout, data: bytes) -> int:

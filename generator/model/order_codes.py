@@ -104,7 +104,10 @@ def choices(alternatives: Sequence[Alternative]) -> Iterator[tuple[tuple[Answer,
     Without alternatives there is one combination, which is empty.
     """
     for answers in product(*(alternative.answers for alternative in alternatives)):
-        yield answers, {name: value for answer in answers for name, value in answer.sets.items()}
+        parameters: dict[str, int] = {}
+        for answer in answers:
+            parameters |= answer.sets
+        yield answers, parameters
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,7 +203,10 @@ def fits(only: str, code: str) -> bool:
     ``...`` stands for any text and ``x`` for any one character. Commas separate several patterns. The hyphen after an
     order code on a label counts as part of it.
     """
-    return not only or any(pattern.match(text) for pattern in _code_patterns(only) for text in (code, f"{code}-"))
+    if not only:
+        return True
+    texts = (code, f"{code}-")
+    return any(pattern.match(text) for pattern in _code_patterns(only) for text in texts)
 
 
 @cache

@@ -72,7 +72,7 @@ def _compare_with_contents(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
 
     Only names in the manual's language are compared. Very long contents are not searched.
     """
-    titles: dict[str, str] = {}
+    titles: dict[str, str] = {}  # Titles as printed, by their lower case.
     for section in as_read.manual.contents.values():
         titles |= {title.casefold(): title for title in section.names_in("entries")}
     if len(titles) > _MOST_ENTRIES:
@@ -136,7 +136,7 @@ def _printed_number(printed_name: str, width: int | None) -> int | None:
     Zeros and ones in quotes are a binary number if they have as many digits as the field has bits.
     """
     if _IN_QUOTES.fullmatch(printed_name):
-        digits = printed_name[1:-1]
+        digits = printed_name[1:-1]  # without the quotes
         return int(digits, 2) if len(digits) == width else None
     if _WITH_PREFIX.fullmatch(printed_name):
         return int(printed_name, 0)
@@ -155,6 +155,7 @@ def check_number_in_meaning(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
             if not fixed_numbers or _PLACE.search(field.meaning):
                 continue
             key, fixed_number = fixed_numbers[0]
+            # Of the two groups of the expression, for 0x1F and for 1Fh, one is empty.
             printed_numbers = {int(with_prefix or with_h, 16) for with_prefix, with_h in _HEX.findall(field.meaning)}
             if len(printed_numbers) == 1 and fixed_number not in printed_numbers:
                 message = (
@@ -197,7 +198,7 @@ def _printed_polynomials(note: str, width: int) -> dict[str, int]:
     top_bit = 1 << width
     if not _PLACE.search(note):
         for match in _HEX.finditer(note):
-            number = int(match[1] or match[2], 16)
+            number = int(match[1] or match[2], 16)  # One of the groups, for 0x1F and for 1Fh, is empty.
             is_odd = number & 1 == 1  # Every polynomial of a CRC ends in + 1.
             if is_odd and top_bit < number < 2 * top_bit:
                 polynomials[match[0]] = number
@@ -228,10 +229,12 @@ def check_unused_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 
 def _bits_at(at: int | str | None) -> range:
     """Return the bits of a place such as ``7:6`` or ``5``, or none if it is not a place."""
-    high, _, low = str(at).partition(":")
-    if not high.isdigit():
+    high_text, _, low_text = str(at).partition(":")
+    if not high_text.isdigit():
         return range(0)
-    return range(int(low or high), int(high) + 1)
+    high = int(high_text)
+    low = int(low_text) if low_text else high
+    return range(low, high + 1)
 
 
 def _unused_bits_in(field_text: str) -> Iterator[int]:
@@ -296,7 +299,7 @@ def check_repeated_requests(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
     for procedure in spec.procedures:
         times = procedure.steps[0].times if len(procedure.steps) == 1 else None
         if times is None:
-            continue
+            continue  # With several steps, it is not known about which of them a text speaks.
         for text_path, text in leaves(procedure.data):
             if not isinstance(text, str):
                 continue

@@ -53,7 +53,7 @@ def check_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         is_in_bank = register.bank is not None
         if fixed_place is None or interface_of(register) != Biss.name or (is_in_bank and not selects_banks):
             continue
-        address, length, place_text = fixed_place
+        address, length, place_text = fixed_place  # Such as 0x40, 1 and "at 40h".
         if register.address != address or is_in_bank:
             problem = f"{quoted(name)} is at {register.address:02X}h, but BiSS has"
             if selects_banks:
@@ -82,10 +82,12 @@ def check_taken_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
         fixed_name = _taken_place(register)
         if fixed_name is None or has_erratum_at(report.document, "registers", name, "address"):
             continue
-        first = register.address
-        last = register.address + register.length - 1
-        address_text = f"at {first:02X}h" if first == last else f"at {first:02X}h to {last:02X}h"
-        problem = f"{quoted(name)} is {address_text}, but BiSS has {quoted(fixed_name)} {_PLACES[fixed_name][2]}"
+        first_address = register.address
+        last_address = register.address + register.length - 1
+        is_one_byte = first_address == last_address
+        address_text = f"at {first_address:02X}h" if is_one_byte else f"at {first_address:02X}h to {last_address:02X}h"
+        _, _, fixed_place_text = _PLACES[fixed_name]
+        problem = f"{quoted(name)} is {address_text}, but BiSS has {quoted(fixed_name)} {fixed_place_text}"
         remedy = (
             f"correct the address, or rename the register to {quoted(fixed_name)} if that is the one you mean. If"
             f" this is what the manual says, add an erratum that affects registers.{name}.address"
@@ -105,7 +107,8 @@ def _taken_place(register: WrittenRegister) -> str | None:
         overlaps = first_address < fixed_end and fixed_first < end_address
         is_inside = fixed_first <= first_address and end_address <= fixed_end
         is_part = is_inside and (register.access == "read_only" or register.name.startswith(fixed_name))
-        if fixed_name != "eds_bank" and overlaps and not is_part:
+        may_be_used = fixed_name == "eds_bank"  # At 41h. Without banks, manuals use it for other purposes.
+        if not may_be_used and overlaps and not is_part:
             return fixed_name
     return None
 
@@ -201,7 +204,7 @@ def _late_positions(sent_fields: SentFields, positions: set[str], frame_path: st
     for path, field in sent_fields:
         name = field.name
         if first_flag is None:
-            first_flag = name if name in _FLAGS else None
+            first_flag = name if name in _FLAGS else None  # Fields before the first flag are in order.
         elif name in positions and name not in _FLAGS:
             problem = f"{quoted(name)} is after {quoted(first_flag)}, but BiSS sends the position before nE and nW"
             yield _Fault(path, f"{frame_path}.{name}", f"{problem}; move it before {quoted(first_flag)}")
@@ -270,7 +273,7 @@ def check_biss_control(spec: WrittenSpec, as_read: WrittenSpec, report: Document
 
 
 def _is_control_crc(crc: Located[Crc]) -> bool:
-    """Return True for x^4 + x + 1, start 0, sent inverted."""
+    """Return True for the CRC of the control frame: x^4 + x + 1 (``poly`` 0x3 in 4 bits), start 0, sent inverted."""
     part = crc.part
     parameters = (part.width, part.poly, part.init, part.refin, part.refout, part.xorout)
     is_complete = all(map(crc.is_valid, ("init", "refin", "refout")))

@@ -166,7 +166,9 @@ def _is_fixed(fields: FieldList, field_name: str) -> bool:
 
 def _width_of_field(field: WrittenField) -> int | str | None:
     """Return the number of bits of a field, given by its width or as the place of one bit."""
-    return 1 if isinstance(field.at, int) else field.bits
+    # ``at`` is the number of one bit, or a text such as 7:6.
+    is_at_one_bit = isinstance(field.at, int)
+    return 1 if is_at_one_bit else field.bits
 
 
 _GRAY = re.compile(r"\bGray\b", re.IGNORECASE)
@@ -227,7 +229,8 @@ def _find_contradiction(
 def check_named_gray_code(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an interface whose order codes name Gray code has a layout in Gray code.
 
-    A value of an order code belongs to the interface that it selects, or to the only one.
+    A value of an order code belongs to the interface that it selects, or to the only one. If it selects none of
+    several interfaces, it is not checked.
     """
     interface_names = [interface_name for interface_name, _ in interfaces(spec)]
     only_interface = interface_names[0] if len(interface_names) == 1 else ""
@@ -235,6 +238,7 @@ def check_named_gray_code(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
         for label, value in part.values.items():
             if not _names_gray(value):
                 continue
+            # No layout has an empty interface name, so that there are no layouts then.
             interface_name = value.interface or only_interface
             position_layouts = _with_position(spec, as_read, interface_name)
             if position_layouts and all(_gray_of(frame) is None for frame in position_layouts):
@@ -278,6 +282,7 @@ def _numbers_set(spec: WrittenSpec, interface_name: str, parameter: str) -> set[
     set_numbers: set[int] = set()
     for part in spec.order_code.parts:
         for value in part.values.values():
-            if (value.interface or interface_name) == interface_name and parameter in value.sets:
+            applies = not value.interface or value.interface == interface_name
+            if applies and parameter in value.sets:
                 set_numbers.add(value.sets[parameter])
     return set_numbers

@@ -91,9 +91,11 @@ def check_interfaces_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: D
         names = {name for contact in connector.part.contacts for name in signal_names(contact.signal)}
         for interface, lines in _LINES.items():
             has_interface = getattr(spec.interfaces, interface) is not None
+            # A connector that lists no interfaces is for all of them.
             is_missing = bool(connector.part.interfaces) and interface not in connector.part.interfaces
-            if has_interface and is_missing and names & lines:
-                line = min(names & lines)
+            lines_of_interface = names & lines
+            if has_interface and is_missing and lines_of_interface:
+                line = min(lines_of_interface)
                 message = f"{quoted(line)} is a line of {interface}; add it, or correct the signals"
                 report.add("contact-interface", (*connector.path, "interfaces"), message)
 
@@ -118,7 +120,8 @@ def _connections_by_titles(spec: WrittenSpec) -> dict[tuple[str, str], list[_Con
     connectors = spec.connectors[:_MOST_CONNECTORS]
     for connector in (candidate for candidate in connectors if candidate.part.kind == "connector"):
         for cable in (candidate for candidate in connectors if candidate.part.kind == "cable"):
-            if {*connector.part.interfaces} & {*cable.part.interfaces}:
+            has_common_interface = not set(connector.part.interfaces).isdisjoint(cable.part.interfaces)
+            if has_common_interface:
                 titles = connector.part.title, cable.part.title
                 connections.setdefault(titles, []).append((connector, cable))
     return connections
@@ -126,13 +129,13 @@ def _connections_by_titles(spec: WrittenSpec) -> dict[tuple[str, str], list[_Con
 
 def _wires_by_contact(connector: Connector, cable: Connector) -> dict[str, str]:
     """Return the wire of each contact, by the signals that both have once: ``{"2": "Pink"}``."""
-    counts = Counter(_plain_signal(contact.signal) for contact in connector.contacts)
+    counts_of_contacts = Counter(_plain_signal(contact.signal) for contact in connector.contacts)
     counts_of_wires = Counter(_plain_signal(wire.signal) for wire in cable.contacts)
     wire_by_signal = {_plain_signal(wire.signal): wire.contact for wire in cable.contacts}
     wires: dict[str, str] = {}
     for contact in connector.contacts:
         signal = _plain_signal(contact.signal)
-        if counts[signal] == 1 and counts_of_wires[signal] == 1:
+        if counts_of_contacts[signal] == 1 and counts_of_wires[signal] == 1:
             wires[contact.contact] = wire_by_signal[signal]
     return wires
 
@@ -187,8 +190,9 @@ def _wrong_order(pair: _Pair, pairs: Sequence[_Pair]) -> str:
     Its lines are apart unlike those of another pair, or are not in the order of the first pair.
     """
     first_pair = pairs[0]
-    is_unlike_others = any(not other.is_apart for other in pairs) or len(pairs) == 2
-    if pair.is_apart and is_unlike_others:
+    # If both of two pairs are apart, that is unusual as well.
+    is_apart_unusual = any(not other.is_apart for other in pairs) or len(pairs) == 2
+    if pair.is_apart and is_apart_unusual:
         return f"{quoted(pair.first)} and {quoted(pair.second)} are not next to each other"
     if pair.is_plain_first != first_pair.is_plain_first:
         order_of_first_pair = f"{quoted(first_pair.first)} before {quoted(first_pair.second)}"
@@ -222,7 +226,10 @@ def _yield_pairs(connector: Connector, indexes: Mapping[str, int]) -> Iterator[_
 def _true_statements(
     connector: Located[Connector], indexes: Mapping[str, int], report: DocumentReport
 ) -> Iterator[set[int]]:
-    """Yield the contacts of each statement of the note about their order, and report a statement that is not true."""
+    """Yield the contacts of each statement of the note about their order, and report a statement that is not true.
+
+    For "MA - is on a lower contact than MA +", these are the indices of the two contacts, such as ``{2, 3}``.
+    """
     for match in _STATEMENT.finditer(connector.part.note):
         names = [_last_line(match[key], indexes) for key in ("first", "second")]
         if not all(names):

@@ -48,7 +48,8 @@ def _check_order(connector: Located[Connector], numbered: Numbered, report: Docu
         expected_number = earlier_number + 1
         is_explained = re.search(rf"\b{expected_number}\b", connector.part.note) is not None
         # One contact can have several signals, for different order codes.
-        is_next = number == expected_number or number == earlier_number > 0
+        is_repeated = number == earlier_number > 0
+        is_next = number == expected_number or is_repeated
         has_leading_zero = connector.part.contacts[index].contact != str(number)
         if has_leading_zero or not (is_next or is_explained):
             message = (

@@ -33,7 +33,7 @@ def check_lone_levels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         flags = [field for field in field_list.fields if field.active and not field.sums_up]
         levels = Counter(flag.active for flag in flags)
         if len(levels) != 2:
-            continue
+            continue  # All flags have the same level, or there are none.
         (usual_level, usual_count), (_, rarer_count) = levels.most_common()
         for flag in flags:
             if rarer_count == 1 and usual_count >= _SEVERAL and flag.active != usual_level and not _gives_level(flag):
@@ -139,7 +139,7 @@ def check_summands(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
     """Check that at most one flag of a list combines each flag, and that it omits no single flag of a group."""
     groups = by_name(spec.field_groups)
     for field_list in field_lists(spec):
-        combining_flags: dict[str, str] = {}
+        combining_flags: dict[str, str] = {}  # For each combined flag, the first one that combines it.
         for flag in field_list.fields:
             for index, name in enumerate(flag.sums_up):
                 if name in combining_flags and flag.name != combining_flags[name]:
@@ -186,7 +186,8 @@ def check_summed_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
     for field_list in field_lists(spec):
         for flag in field_list.fields:
             verdicts = [flags[name].makes_position for name in flag.sums_up if name in flags]
-            if not verdicts or not all(verdict in _SEVERITIES for verdict in (flag.makes_position, *verdicts)):
+            all_have_verdict = all(verdict in _SEVERITIES for verdict in (flag.makes_position, *verdicts))
+            if not verdicts or not all_have_verdict:
                 continue
             most_severe = max(verdicts, key=_SEVERITIES.index)
             if _SEVERITIES.index(flag.makes_position) < _SEVERITIES.index(most_severe):
@@ -200,7 +201,7 @@ def check_summed_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 def check_explained_flags(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a diagnostic bit explains only one flag of a register."""
     for register in spec.registers:
-        flags_by_bit: dict[str, str] = {}
+        flags_by_bit: dict[str, str] = {}  # For each diagnostic bit, the first flag that it explains.
         for flag in register.fields:
             for index, bit in enumerate(flag.explained_by):
                 if bit in flags_by_bit:

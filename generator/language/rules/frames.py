@@ -43,6 +43,7 @@ def check_parities(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
         layout = frame.layout
         if layout is None or frame.interface == Rs485.name:
             continue
+        # A width that is a text is an expression, which may be 0 for some order codes.
         always_has_crc = any(field.crc and not isinstance(field.bits, str) for field in layout.fields)
         if not always_has_crc:
             for parity_fields in _parities_sent_together(layout):
@@ -52,6 +53,7 @@ def check_parities(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
 def _parities_sent_together(layout: WrittenLayout) -> Iterator[list[WrittenField]]:
     """Yield the parity bits that every word has, and then each one that only some order codes have."""
     parity_fields = [field for field in layout.fields if field.parity_of]
+    # A width that is a text is an expression over parameters, so some order codes may have no such bit.
     permanent_fields = [field for field in parity_fields if not isinstance(field.bits, str)]
     if permanent_fields:
         yield permanent_fields
@@ -204,8 +206,8 @@ def check_memory_accesses(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
     replies = [reply for reply in rs485.memory_access if reply.is_valid("busy")] if rs485 is not None else []
     earlier_cases: set[tuple[str, int]] = set()
     for reply in replies:
-        case = reply.part.access, reply.part.busy
-        if case in earlier_cases:
-            message = f"there is already a row for {case[0]} with 'busy' {case[1]}; correct one of the two"
+        access, busy = reply.part.access, reply.part.busy
+        if (access, busy) in earlier_cases:
+            message = f"there is already a row for {access} with 'busy' {busy}; correct one of the two"
             report.add("memory-access-repeated", (*reply.path, "busy"), message)
-        earlier_cases.add(case)
+        earlier_cases.add((access, busy))

@@ -90,10 +90,13 @@ def _collect_affected(erratum: WrittenErratum, section: str, numbers: _Numbers, 
     """
     affected_numbers: dict[str, int | None] = {}
     for affected in erratum.affects:
-        steps = affected.split(".")
-        is_affected = steps[0] == section and steps[1:2] and steps[2:] in ([], [key])
-        if is_affected and steps[1] in numbers:
-            affected_numbers[steps[1]] = numbers[steps[1]]
+        affected_section, *names = affected.split(".")
+        if affected_section != section or not names:
+            continue
+        part_name, *keys = names
+        affects_number = keys in ([], [key])
+        if affects_number and part_name in numbers:
+            affected_numbers[part_name] = numbers[part_name]
     return affected_numbers
 
 
@@ -172,17 +175,19 @@ def _list_starts(order_code: WrittenOrderCode) -> list[str]:
     If all labels begin and end with the same letters, an x may replace what is between: ENx10 for EN10 and ENB10. The
     list is empty if a start is too short, or a label begins with a digit, because it would match other words.
     """
-    start, _, rest = order_code.pattern.partition("{")
+    start, _, from_first_name = order_code.pattern.partition("{")
     if start:
         return [re.escape(start)] if len(start) >= _SHORTEST_START else []
-    first_part = by_name(order_code.parts).get(rest.partition("}")[0])
+    first_name, _, _ = from_first_name.partition("}")
+    first_part = by_name(order_code.parts).get(first_name)
     labels = list(first_part.values) if first_part is not None else []
     too_general_labels = [label for label in labels if len(label) < _SHORTEST_START or not label[0].isalpha()]
     if not labels or too_general_labels:
         return []
     expressions = {re.escape(label) for label in labels}
     common_start = _common_start(labels)
-    common_end = _common_start([label[::-1] for label in labels])[::-1]
+    reversed_labels = [label[::-1] for label in labels]
+    common_end = _common_start(reversed_labels)[::-1]
     if len(labels) > 1 and common_start and common_end:
         expressions.add(f"{re.escape(common_start)}x{re.escape(common_end)}")
     return sorted(expressions, key=len, reverse=True)  # A label comes before another one with which it begins.
@@ -229,8 +234,10 @@ def _split_pattern(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[s
             alternatives += [part.open] if part.open else []
         expression = None
         with suppress(re.error):  # An invalid expression is reported elsewhere.
-            expression = re.compile("|".join(alternatives)) if all(alternatives) and alternatives else None
-        pieces.append(("" if index == 1 else literals_and_names[index - 1], expression))
+            has_empty_label = not all(alternatives)
+            expression = re.compile("|".join(alternatives)) if alternatives and not has_empty_label else None
+        literal_before = "" if index == 1 else literals_and_names[index - 1]
+        pieces.append((literal_before, expression))
     return pieces
 
 
@@ -242,20 +249,20 @@ def _unknown_label(order_code_text: str, pieces: Sequence[tuple[str, re.Pattern[
     replace the next ones: after it, a part whose literal does not follow is skipped.
     """
     is_left_open = False
-    for before, expression in pieces:
+    for literal, expression in pieces:
         if _TAIL.fullmatch(order_code_text) or expression is None:
             return ""
-        if not order_code_text.startswith(before):
+        if not order_code_text.startswith(literal):
             if is_left_open:
                 continue
             return ""
-        rest = order_code_text.removeprefix(before)
-        match = expression.match(rest) or _LEFT_OPEN.match(rest)
+        text_from_label = order_code_text.removeprefix(literal)
+        match = expression.match(text_from_label) or _LEFT_OPEN.match(text_from_label)
         if match is not None:
-            is_left_open = rest[0] in "x.…_*"
-            order_code_text = rest[match.end() :]
-        elif before or not is_left_open:
-            return _first_word(rest)
+            is_left_open = text_from_label[0] in "x.…_*"  # the characters of _LEFT_OPEN
+            order_code_text = text_from_label[match.end() :]
+        elif literal or not is_left_open:
+            return _first_word(text_from_label)
     return ""
 
 

@@ -27,6 +27,7 @@ from ..written_masters import (
     WrittenWriting,
 )
 
+#: Names of all items of a record, which describes an encoder for a master.
 _ITEMS = (*WORDS, *NUMBERS)
 _KINDS = ("value", "choice", "clocks", "any_clock", "text", "string", "unknown")
 _WRITING = ("needs", "after", "then", "takes_effect")
@@ -54,11 +55,13 @@ def check_master(master_data: dict[str, object], report: DocumentReport) -> None
     master = WrittenMaster(master_data)
     _check_name(master, report)
     for path, node in _yield_maps(master_data, ()):
+        # What a map is follows from its keys. Each view of it has empty values for keys that the map lacks.
         cited_part = _CitedPart(node, path)
         condition = WrittenCondition(node, path)
         if cited_part.source:
             _check_source(cited_part.source, cited_part.place_of("source"), master, report)
-        if condition.item:  # Only a map with this key is a condition or a limit.
+        is_condition_or_limit = bool(condition.item)
+        if is_condition_or_limit:
             _check_limit(condition, report)
         for place in cited_part.places:
             _check_place(place, master, report)
@@ -163,7 +166,7 @@ class _Bound(NamedTuple):
 
 def _check_bounds(lowest: _Bound, highest: _Bound, path: Path, report: DocumentReport) -> None:
     """Check that the highest number is not less than the lowest one. Without a lowest one, it is not less than 0."""
-    low = lowest.number or 0
+    low = lowest.number if lowest.number is not None else 0
     if highest.number is not None and highest.number < low:
         message = f"'{highest.key}' is less than '{lowest.key}', which is {low}"
         report.add("value-clash", (*path, highest.key), message)

@@ -75,7 +75,8 @@ def check_counts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport
                 continue
             parameters = resolve_parameters(value.sets, definitions)
             for number_text, words in _COUNTS.findall(value.meaning):
-                formula = formulas.get("counts" if words.startswith("counts") else "turns")
+                kind = "counts" if words.startswith("counts") else "turns"
+                formula = formulas.get(kind)
                 number = _evaluate_formula(formula, parameters) if formula is not None else None
                 if number is not None and number_text not in (str(number), f"{number:,}"):
                     message = (
@@ -129,7 +130,7 @@ def check_widths(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport
     ranges = _ranges_set(spec)
     definitions = _collect_definitions(spec)
     parameters_at_bounds = []
-    for bound in (0, 1):
+    for bound in (0, 1):  # the index of the lowest number in a range, and that of the highest
         set_numbers = {name: bounds_of_name[bound] for name, bounds_of_name in ranges.items()}
         parameters_at_bounds.append(resolve_parameters(set_numbers, definitions))
     for name, parameter in spec.parameters.items():
@@ -227,5 +228,6 @@ def _figure_numbers(figure_text: str) -> Iterator[int]:
         for numbers in re.split(", | and ", listed_numbers):
             first_text, _, last_text = numbers.partition(" to ")
             first = int(first_text)
-            last = int(last_text or first_text)
-            yield from range(first, last + 1) if last - first < _MOST_FIGURES else (first, last)
+            last = int(last_text) if last_text else first
+            is_plausible_range = last - first < _MOST_FIGURES
+            yield from range(first, last + 1) if is_plausible_range else (first, last)

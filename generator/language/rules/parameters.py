@@ -173,12 +173,13 @@ def all_parameters(expression_text: object, parameters: Mapping[str, WrittenPara
     """Yield the parameters in an expression, and those in the expressions that define them, each once."""
     factors_to_visit = _list_factors(expression_text)
     visited_names: set[str] = set()
-    # The list grows during the loop: parameters named directly come before those that define them.
+    # The list grows during the loop, so that parameters named directly come before those that define them.
     for factor in factors_to_visit:
         name = factor.parameter
         if name not in visited_names and name in parameters:
             visited_names.add(name)
             yield name
+            # A parameter without ``equals`` adds no factors.
             factors_to_visit += _list_factors(parameters[name].equals)
 
 
@@ -198,14 +199,15 @@ def check_long_sums(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
 
     Definitions that use others twice each would fill the memory: 30 of them are a sum of 2^30 terms.
     """
-    counts: dict[str, int] = {}
+    terms_by_name: dict[str, int] = {}
     for name, parameter in spec.parameters.items():
-        count = _count_of_terms(name, spec.parameters, counts)
+        term_count = _count_of_terms(name, spec.parameters, terms_by_name)
+        # Then that parameter is reported, and not those that use it.
         has_long_parameter = any(
-            counts.get(factor.parameter, 0) > _MOST_TERMS for factor in _list_factors(parameter.equals)
+            terms_by_name.get(factor.parameter, 0) > _MOST_TERMS for factor in _list_factors(parameter.equals)
         )
-        if count > _MOST_TERMS and not has_long_parameter:
-            problem = f"{quoted(name)} is a sum of {count} terms with the definitions of its parameters"
+        if term_count > _MOST_TERMS and not has_long_parameter:
+            problem = f"{quoted(name)} is a sum of {term_count} terms with the definitions of its parameters"
             report.add("bad-expression", parameter.place_of("equals"), f"{problem}; the limit is {_MOST_TERMS}")
 
 
@@ -245,7 +247,7 @@ def check_alternative_references(spec: WrittenSpec, as_read: WrittenSpec, report
 
     Parameters and examples must name alternatives that exist, and examples their answers.
     """
-    resolver = NameResolver(as_read, report)
+    resolver = NameResolver(as_read, report)  # Also knows names in invalid parts, which ``spec`` lacks.
     alternatives = by_name(as_read.alternatives)
     for alternative in spec.alternatives:
         parameters_as_read = as_read.parameters.items()
@@ -278,7 +280,7 @@ def _check_answers(alternative: WrittenAlternative, own_parameters: Sequence[str
     A parameter that no answer sets is reported elsewhere.
     """
     owner = alternative.name
-    first_answers: dict[str, str] = {}
+    first_answers: dict[str, str] = {}  # For each parameter, the first answer that sets it.
     for answer_name, answer in alternative.values.items():
         for name in answer.sets:
             first_answers.setdefault(name, answer_name)
@@ -304,6 +306,7 @@ def check_alternative_use(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
     alternatives = by_name(as_read.alternatives)
     set_by_alternative = {name: parameter for name, parameter in as_read.parameters.items() if parameter.alternative}
     used_texts = list(expressions(spec))
+    # The parameter under 'when', which turns Gray code on, is not an expression.
     used_texts += [(use.path, use.text) for use in parameter_uses(spec, as_read) if use.path[-1] == "when"]
     for path, text in used_texts:
         names = [factor.parameter for factor in _list_factors(text) if factor.parameter in set_by_alternative]
@@ -375,6 +378,7 @@ def check_parameter_cycle(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 def _find_cycle(start: str, definitions: Mapping[str, tuple[str, ...]], settled: set[str]) -> list[str]:
     """Return the parameters of a cycle that is reached from ``start``, with the first one also at the end, or none.
 
+    If a needs b, b needs c and c needs b, the cycle reached from a is ``["b", "c", "b"]``.
     Every parameter that is visited is added to ``settled``, because each cycle is reported once.
     """
     # Depth first, without recursion: a long chain of parameters must not exhaust the stack.

@@ -164,7 +164,7 @@ def field_lists(spec: WrittenSpec) -> Iterator[FieldList]:
         yield FieldList(Has.GROUP, group, "")
     yield from layouts(spec)
     for name, interface in interfaces(spec):
-        # An interface with an unknown name, which is reported, may be BiSS.
+        # Only BiSS has control data. An interface with an unknown name, which is reported, may be BiSS.
         control_data = WrittenBiss(interface.data, interface.path).control_data
         if control_data is not None and control_data.is_given:
             yield FieldList(Has.CONTROL, control_data, name)

@@ -26,6 +26,7 @@ def check_addresses(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
         if register.addresses is None:
             continue
         first_text, _, last_text = str(register.addresses).partition("-")
+        # A single address is the first and the last one. Base 0 reads 0x4B as hexadecimal.
         printed_range = (int(first_text, 0), int(last_text or first_text, 0))
         actual_range = (register.address, last_address(register))
         if printed_range != actual_range:
@@ -220,7 +221,9 @@ def _step_write(step: WrittenStep, registers: Mapping[str, WrittenRegister], gro
     possible_fields = [field for field in register_fields if step.field in ("", field.name)]
     # The field that has the value. Without one, the value is an argument, whose number the caller supplies.
     fields_with_value = [field for field in possible_fields if step.value in field.values]
-    number = fields_with_value[0].values[step.value].value if fields_with_value else None
+    number = None
+    if fields_with_value:
+        number = fields_with_value[0].values[step.value].value
     first = register.address
     last = last_address(register)
     writes_whole_register = not step.field and (not fields_with_value or len(register_fields) == 1)

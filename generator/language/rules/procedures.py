@@ -112,7 +112,7 @@ def _check_written_registers(spec: WrittenSpec, read_only: Collection[str], repo
 def _check_read_registers(spec: WrittenSpec, write_only: Collection[str], report: DocumentReport) -> None:
     """Check that registers that contain parameters or alarms are readable."""
     for name, parameter in spec.parameters.items():
-        register_name = parameter.read_from.partition(".")[0]
+        register_name, _, _ = parameter.read_from.partition(".")  # ``register`` or ``register.field``
         if register_name in write_only:
             message = f"{quoted(register_name)} is write_only, so {quoted(name)} cannot be read from it"
             report.add("access-mismatch", parameter.place_of("read_from"), message)
@@ -130,7 +130,8 @@ def check_step_waits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
         for index, step in enumerate(procedure.steps):
             needed_ms = _register_of(step, registers).wait_at_least_ms
             if step.do == "write" and needed_ms is not None:
-                short_wait = _find_short_wait(step, procedure.steps[index + 1 :], needed_ms)
+                later_steps = procedure.steps[index + 1 :]
+                short_wait = _find_short_wait(step, later_steps, needed_ms)
                 if short_wait is not None:
                     wait_path, wait_text = short_wait
                     problem = f"{quoted(step.register)} needs a wait of {needed_ms} ms after a write"
@@ -169,11 +170,14 @@ def check_opening_steps(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
                 continue
             steps_before = procedure.steps[:index]
             values_before = [earlier.value for earlier in steps_before if _writes_opening_value(earlier, opener)]
+            if not values_before:
+                continue
+            last_value = values_before[-1]
             # An argument may be the value that opens the register.
-            if values_before and values_before[-1] != opener.value and values_before[-1] not in arguments:
+            if last_value != opener.value and last_value not in arguments:
                 message = (
                     f"{quoted(step.register)} must be opened by writing {quoted(opener.value)} to"
-                    f" {quoted(opener.register)}, but {quoted(values_before[-1])} was written there"
+                    f" {quoted(opener.register)}, but {quoted(last_value)} was written there"
                 )
                 report.add("not-opened", step.place_of("register"), message)
 
@@ -244,8 +248,9 @@ def check_saves_before_writes(spec: WrittenSpec, as_read: WrittenSpec, report: D
         saves = [index for index, step in enumerate(writes) if step.register in registers and _is_save(step)]
         if not saves:
             continue
-        save = writes[saves[-1]]
-        later_writes = writes[saves[-1] + 1 :]
+        index_of_save = saves[-1]
+        save = writes[index_of_save]
+        later_writes = writes[index_of_save + 1 :]
         writes_to_other_registers = [step for step in later_writes if step.register != save.register]
         unsaved_register = _first_unsaved(writes_to_other_registers, arguments, registers)
         if unsaved_register:
@@ -301,7 +306,7 @@ def check_selected_bank(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
         for step in procedure.steps:
             bank = _register_of(step, registers).bank
             if step.do == "write" and step.register == select:
-                # A value that is not a named one is an argument.
+                # A value without a name is an argument, which may select any bank.
                 selected_bank = bank_numbers.get(step.value, _ANY_BANK)
             elif bank is not None and selected_bank not in (bank, _ANY_BANK):
                 message = (
@@ -314,7 +319,7 @@ def _number_by_name(register: WrittenRegister, as_read: WrittenSpec) -> dict[str
     """Return the numbers of all named values of a register by their names. Invalid ones are None."""
     numbers_by_name: dict[str, int | None] = {}
     for field in fields_of(register, by_name(as_read.field_groups)):
-        numbers_by_name |= dict.fromkeys(value_names(field))
+        numbers_by_name |= dict.fromkeys(value_names(field))  # None for each, also for invalid ones.
         for name, value in field.values.items():
             numbers_by_name[name] = value.value if value.is_valid("value") else None
     return numbers_by_name

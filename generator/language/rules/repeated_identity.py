@@ -69,6 +69,7 @@ def check_serial_port(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         return
     port = rs485.port.part
     parity_bits = 0 if port.parity == "none" else 1
+    # For each key, the pattern of words about it and the right one of them.
     words_by_key = {
         "stop_bits": (_STOP_BITS, str(port.stop_bits)),
         "parity": (_PARITY, port.parity.replace("none", "no")),
@@ -91,7 +92,9 @@ def _compare_with_port(
     """
     for key, (pattern, expected) in numbers.items():
         for word in pattern.findall(port_text):
-            if str(_NUMBERS.get(word.casefold(), word.casefold())) != expected:
+            plain_word = word.casefold()
+            number_or_word = str(_NUMBERS.get(plain_word, plain_word))  # "2" for "Two", "even" for "even".
+            if number_or_word != expected:
                 line, _ = report.document.position((*rs485.port.path, key))
                 message = (
                     f"the text says {quoted(word)}, but {quoted(key)} of 'port' on line {line} requires {expected}"
@@ -141,8 +144,9 @@ def check_address_tables(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
             hex_digits = [match[1] for match in map(_HEX_CELL.fullmatch, cells) if match is not None]
             if len(hex_digits) != 2:
                 continue
-            first, last = hex_digits
-            is_range = len(first) == len(last) and int(first, 16) <= int(last, 16)
+            first_digits, last_digits = hex_digits
+            has_equal_length = len(first_digits) == len(last_digits)
+            is_range = has_equal_length and int(first_digits, 16) <= int(last_digits, 16)
             if not is_range:
                 path = (*table.path, "rows", row_index, address_columns[0])
                 message = f"{cells[0]} to {cells[1]} is not a range of addresses; correct one of the two"
@@ -159,7 +163,8 @@ def check_swapped_letters(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 
     The start is the text before the first part. Short starts are not compared.
     """
-    start = spec.order_code.pattern.partition("{")[0].strip("-/ ")
+    text_before_parts, _, _ = spec.order_code.pattern.partition("{")
+    start = text_before_parts.strip("-/ ")
     if len(start) < _SHORTEST_START:
         return
     for path, text in leaves_of(spec.data, report):

@@ -40,7 +40,7 @@ def check_exchanges(
     """Check that the frames of exchanges exist, and that no two have the same request.
 
     A request for the position needs a measurement, because without one no output has a position. Problems are reported
-    under ``rule``.
+    under ``rule``. ``raw_interface`` and ``as_read`` also have the parts that were removed as invalid.
     """
     _check_layouts(interface.exchanges, by_name(raw_interface.layouts), report)
     has_measurement = as_read.has("measurement") or raw_interface.has("measurement")
@@ -162,7 +162,7 @@ def _check_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
                 report.add("spi-exchange", field.place_of("equals"), message, at_key=True)
     registers = by_name(as_read.registers)
     for name, parameter in spec.parameters.items():
-        register_name = parameter.read_from.partition(".")[0]
+        register_name, _, _ = parameter.read_from.partition(".")  # ``register`` or ``register.field``
         if interface_of(registers.get(register_name)) == Spi.name:
             message = (
                 f"a parameter cannot be read from a register over SPI; leave 'read_from' out of {quoted(name)}"
@@ -267,7 +267,8 @@ def _check_fields(
     field_names_of_frames: set[str] = set()
     for exchange in accesses:
         layout = layouts.get(_frame_name(exchange, frame_key))
-        field_names_of_frames |= field_names(_as_fields(layout), groups).keys() if layout is not None else set()
+        if layout is not None:
+            field_names_of_frames |= field_names(_as_fields(layout), groups).keys()
     missing_names = [field_name for field_name in needed if field_name not in field_names_of_frames]
     if missing_names:
         frame_name = _frame_name(accesses[0], frame_key)
@@ -305,7 +306,10 @@ def check_requests_that_write(spec: WrittenSpec, as_read: WrittenSpec, report: D
     write_requests = [exchange.request for exchange in interface.exchanges if exchange.purpose == "write"]
     distinguishable_writes = []
     for name in write_requests:
-        if name in layouts and "address" in _free_names(layouts[name], groups) and _has_constant(bits_by_layout[name]):
+        if name not in layouts:
+            continue
+        has_free_address = "address" in _free_names(layouts[name], groups)
+        if has_free_address and _has_constant(bits_by_layout[name]):
             distinguishable_writes.append(name)
     for exchange in interface.exchanges:
         name = exchange.request
@@ -344,7 +348,8 @@ def _constant_bits(layout: WrittenLayout, groups: Groups) -> str:
         if width is None or width > _WIDEST_WORD:
             return ""
         constant = _fixed_value(field)
-        word += "?" * width if constant is None else f"{constant:0{width}b}"
+        bits_of_field = "?" * width if constant is None else f"{constant:0{width}b}"
+        word += bits_of_field
     return word
 
 

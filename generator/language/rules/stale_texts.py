@@ -62,9 +62,10 @@ def check_erratum_quantities(spec: WrittenSpec, as_read: WrittenSpec, report: Do
         stated_by_kind: dict[str, dict[Decimal, str]] = {}
         for kind, number, stated_text in _stated_quantities(facts):
             stated_by_kind.setdefault(kind, {})[number] = stated_text
-        messages = [message for match in matches if (message := _contradiction_of(match, stated_by_kind))]
-        if messages:
-            report.add("left-behind", erratum.place_of(key), messages[0])
+        messages = [_contradiction_of(match, stated_by_kind) for match in matches]
+        first_message = next(filter(None, messages), "")
+        if first_message:
+            report.add("left-behind", erratum.place_of(key), first_message)
 
 
 def _contradiction_of(quantity: re.Match[str], stated_by_kind: Mapping[str, Mapping[Decimal, str]]) -> str:
@@ -104,7 +105,7 @@ def _in_smallest_unit(number_text: str, unit: str) -> Decimal:
 
 def check_repeated_waits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a timing about writes to a register, by its printed name, has the wait of this register."""
-    waiting_registers: dict[str, WrittenRegister] = {}
+    waiting_registers: dict[str, WrittenRegister] = {}  # By their names in the manual.
     for register in by_name(spec.registers).values():
         if register.printed_name and register.wait_at_least_ms is not None:
             waiting_registers[register.printed_name] = register
@@ -154,11 +155,12 @@ def check_quoted_names(spec: WrittenSpec, as_read: WrittenSpec, report: Document
 
 def _printed_names(spec: WrittenSpec, report: DocumentReport) -> list[str]:
     """Return the names of all parts of a spec, as printed, in specs and in other languages, each once."""
-    names: dict[str, None] = {}
+    names: dict[str, None] = {}  # In the order of the spec, each once.
     for path, text in leaves_of(spec.data, report):
         if path[0] in _ELSEWHERE or path[0] == "errata" or not isinstance(text, str):
             continue
-        if path[-1] in _NAMES or path[-2:-1] == ("names",):
+        is_in_other_language = path[-2:-1] == ("names",)
+        if path[-1] in _NAMES or is_in_other_language:
             names[text] = None
     return list(names)
 
@@ -180,7 +182,8 @@ def check_labels_in_errata(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
         return
     known_labels = _known_labels(spec)
     for erratum in spec.errata:
-        if not any(affected.split(".")[0] == "order_code" for affected in erratum.affects):
+        is_about_order_codes = any(affected.split(".")[0] == "order_code" for affected in erratum.affects)
+        if not is_about_order_codes:
             continue
         words_in_capitals = _LABEL.findall(erratum.used)
         shapes_of_labels = {_shape_of_label(word) for word in words_in_capitals if word in known_labels}

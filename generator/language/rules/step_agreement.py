@@ -61,7 +61,7 @@ def check_polled_values(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
             if step.do != "poll" or register is None or step.until is None:
                 continue
             width = _width_of(register, step.field, groups)
-            if width is not None and step.until >> width:
+            if width is not None and step.until >> width:  # Bits above the width of the field.
                 bits_text = "1 bit" if width == 1 else f"{width} bits"
                 message = f"{quoted(step.field)} has {bits_text}, so it is never {step.until}"
                 report.add("value-too-wide", step.place_of("until"), message)
@@ -108,7 +108,8 @@ def _printed_milliseconds(procedure: WrittenProcedure) -> Iterator[int]:
 def _waits_after_writes(procedure: WrittenProcedure) -> Iterator[tuple[WrittenStep, Sequence[WrittenStep]]]:
     """Yield each write with the waits directly after it, if there are any."""
     for index, step in enumerate(procedure.steps):
-        waits = list(takewhile(lambda later_step: later_step.do == "wait", procedure.steps[index + 1 :]))
+        later_steps = procedure.steps[index + 1 :]
+        waits = list(takewhile(lambda later_step: later_step.do == "wait", later_steps))
         if step.do == "write" and waits:
             yield step, waits
 
@@ -177,9 +178,10 @@ def _counts_in_texts(part_data: Mapping[str, object]) -> Iterator[tuple[Path, in
     """Yield the numbers of requests in the texts of a procedure, with the paths of the texts below it."""
     for path, text in leaves(part_data):
         for number_text in _REPETITIONS.findall(text) if isinstance(text, str) else ():
-            is_digits = number_text.isdigit()
-            # The words begin with two.
-            yield path, int(number_text) if is_digits else _NUMBERS.index(number_text.casefold()) + 2
+            if number_text.isdigit():
+                yield path, int(number_text)
+            else:
+                yield path, _NUMBERS.index(number_text.casefold()) + 2  # The words begin with two.
 
 
 def check_polled_levels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:

@@ -34,7 +34,8 @@ def check_edges_and_periods(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
             period_frequency, edge_frequency = _number_in_cell(row, periods), _number_in_cell(row, edges)
             if period_frequency is None or edge_frequency is None or edge_frequency == _EDGES * period_frequency:
                 continue
-            if not {row[periods], row[edges]} <= numbers_of_errata:
+            is_explained = {row[periods], row[edges]} <= numbers_of_errata
+            if not is_explained:
                 message = f"{row[edges]} edges are not {_EDGES} times {row[periods]} periods"
                 path = (*table.path, "rows", index, edges)
                 report.add("table-arithmetic", path, f"{message}; correct one of the two")
@@ -102,7 +103,7 @@ def check_order_codes_in_tables(spec: WrittenSpec, as_read: WrittenSpec, report:
 
     A number between two hyphens is a label of a part of the order code, or one that an open part accepts.
     """
-    start = spec.order_code.pattern.partition("{")[0]
+    start, _, _ = spec.order_code.pattern.partition("{")  # The text before the first part.
     if not start.strip("-/ "):
         return
     for table in spec.tables:
@@ -112,11 +113,12 @@ def check_order_codes_in_tables(spec: WrittenSpec, as_read: WrittenSpec, report:
         column = headings.index("order code")
         for index, row in enumerate(table.part.rows):
             codes = re.findall(r"\S+-\.\.\.", row[column]) if column < len(row) else []
-            problems = [problem for code in codes if (problem := _wrong_code(code, start, spec))]
+            problems = [_wrong_code(code, start, spec) for code in codes]
+            first_problem = next(filter(None, problems), "")
             path = (*table.path, "rows", index, column)
             is_reported = path in report.faults()  # As an order code in a text.
-            if problems and not is_reported:
-                report.add("table-arithmetic", path, f"{problems[0]}; correct it")
+            if first_problem and not is_reported:
+                report.add("table-arithmetic", path, f"{first_problem}; correct it")
 
 
 def _wrong_code(code: str, start: str, spec: WrittenSpec) -> str:

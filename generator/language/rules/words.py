@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterator, Sequence
 
@@ -46,7 +47,7 @@ def check_threshold_words(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
     for alarm in spec.alarms:
         limit = alarm.part.below_mv
         for path, text in _texts_of(alarm, _TEXTS) if limit is not None else ():
-            for word, number, milli in _VOLTAGE.findall(text):
+            for word, number, milli in _VOLTAGE.findall(text):  # ("above", "3.6", ""), or ("below", "100", "m").
                 millivolts = float(number) * (1 if milli else 1000)
                 if word in _ABOVE and millivolts == limit:
                     message = (
@@ -114,17 +115,16 @@ def check_named_wires(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
     signals_by_colour = _signals_by_wire(spec)
     for path, text in _all_texts(spec) if signals_by_colour else ():
         for first_wire, second_wire in _WIRES.findall(text):
-            if first_wire.casefold() not in signals_by_colour or second_wire.casefold() not in signals_by_colour:
+            first_signals = signals_by_colour.get(first_wire.casefold())
+            second_signals = signals_by_colour.get(second_wire.casefold())
+            if first_signals is None or second_signals is None:
                 continue
-            first_signals, second_signals = (
-                signals_by_colour[first_wire.casefold()],
-                signals_by_colour[second_wire.casefold()],
-            )
-            if not any(_belong_together(first, second) for first in first_signals for second in second_signals):
-                first, second = min(first_signals), min(second_signals)
+            signal_pairs = itertools.product(first_signals, second_signals)
+            if not any(_belong_together(first, second) for first, second in signal_pairs):
+                first_signal, second_signal = min(first_signals), min(second_signals)
                 message = (
                     f"the text names the {first_wire} and {second_wire} wires together, but they carry"
-                    f" {quoted(first)} and {quoted(second)}; correct one of the two"
+                    f" {quoted(first_signal)} and {quoted(second_signal)}; correct one of the two"
                 )
                 report.add("words-contradict", path, message)
 
