@@ -198,7 +198,8 @@ class LayeredSpec:
             change_path: Path = (change_number, change_kind)
             if is_list:
                 change_path = (*change_path, index)
-            if text.partition(".")[0] in _FIXED:
+            first_step, _, _ = text.partition(".")
+            if first_step in _FIXED:
                 message = f"an overlay cannot change {quoted(text)}, only facts about the encoder"
                 self._report_problem("overlay-change", layer, change_path, message)
             elif change_kind == "add":

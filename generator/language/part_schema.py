@@ -138,7 +138,8 @@ def schema_with_parts(text: str) -> str:
     lines = _with_block(lines, 0, ["properties"], lambda indent: _value_text("properties", spec_keys, indent))
     for name, part_class in described_parts().items():
         definition_path = _PLACES.get(name, name_of_part(name))
-        if definition_path.partition(".")[0] in definitions:
+        definition, _, _ = definition_path.partition(".")
+        if definition in definitions:
             schema = part_schema(part_class)
             definitions_line = lines.index(_DEFINITIONS)
             lines = _with_block(lines, definitions_line, definition_path.split("."), partial(_format_schema, schema))
@@ -191,9 +192,8 @@ def _on_one_line(words: JsonSchema) -> list[str]:
 def _value_text(word: str, schema_value: Any, indent: int) -> str:
     """Return the text of a value in a schema. Each of the ``properties`` is on a line of its own."""
     if word == "properties":
-        return _in_braces(
-            [f"{json.dumps(name)}: {_format_schema(inner, indent + 2)}" for name, inner in schema_value.items()], indent
-        )
+        lines = [f"{json.dumps(name)}: {_format_schema(inner, indent + 2)}" for name, inner in schema_value.items()]
+        return _in_braces(lines, indent)
     if isinstance(schema_value, dict):
         return _format_schema(schema_value, indent)
     return json.dumps(schema_value, ensure_ascii=False)

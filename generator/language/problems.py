@@ -68,7 +68,9 @@ class Problem:
             lines.append(f"  in {visible(path)}")
         # The line above a text of several lines has none of its words.
         has_words = _BLOCK.search(self.text) is None
-        return "\n".join([*lines, *(excerpt(self.text, self.column, width) if has_words else ())])
+        if has_words:
+            lines += excerpt(self.text, self.column, width)
+        return "\n".join(lines)
 
     def to_json(self) -> dict[str, str | int]:
         """Return the problem as a flat JSON object with the names of the attributes."""

@@ -61,9 +61,10 @@ def check_crc(layout: Layout, field: Field, crc_value: CrcValue, site: Site) -> 
         if crc_value.of:
             problem = f"'{field.name}' must be the last field of '{layout.name}', even with 'crc_of'"
         site.report("crc-not-last", problem)
-    problem = next(
-        chain(_yield_gap_in_fields(layout, crc_value, site), _yield_fields_left_out(layout, field, crc_value)), ""
+    problems_of_fields = chain(
+        _yield_gap_in_fields(layout, crc_value, site), _yield_fields_left_out(layout, field, crc_value)
     )
+    problem = next(problems_of_fields, "")
     if problem:
         site.report("crc-of", problem, "crc_of")
     is_sent_as_bits = INTERFACES[site.interface].carried_as == "bits" and layout.byte_order == "high_byte_first"

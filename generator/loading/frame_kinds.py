@@ -230,7 +230,7 @@ def _constants_by_name(layout: Layout) -> dict[str, int]:
 def _check_replies(interface: Interface, positions: frozenset[str], report: DocumentReport) -> None:
     """Report a number in a reply that is a constant in each of its requests, so that any other reply would decode.
 
-    A request for a position may name its command like the position.
+    A request for a position may name its command like the position, so the names in ``positions`` are not checked.
     """
     if not isinstance(interface, (Rs485, Spi)):
         return
@@ -239,7 +239,7 @@ def _check_replies(interface: Interface, positions: frozenset[str], report: Docu
         request_names = [exchange.request for exchange in interface.exchanges if exchange.reply == reply.name]
         requests = [layouts[name] for name in request_names if name in layouts]
         for field in reply.fields:
-            constant = _common_constant(requests, field.name)
+            constant = _common_constant(requests, field.name)  # None without requests.
             if isinstance(field.kind, Number) and constant is not None and field.name not in positions:
                 message = f"'{field.name}' can be any number, but it is always {constant:#x} in '{requests[0].name}'"
                 where_to_give = " in each layout, instead of in the group" if field.group else ""

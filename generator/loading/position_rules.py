@@ -94,7 +94,8 @@ def _check_scales(device: Device, report: DocumentReport) -> None:
 
 def _yield_cases(device: Device, interface: Interface, measurement: Measurement) -> Iterator[_Case]:
     """Yield each layout that the encoder sends with each order code of the interface."""
-    for layout in (candidate for candidate in interface.layouts if candidate.sender == "encoder"):
+    sent_layouts = [layout for layout in interface.layouts if layout.sender == "encoder"]
+    for layout in sent_layouts:
         names = layout.names_in(measurement.of)
         for variant in device.variants_over(interface.name):
             placed = layout.place(variant.parameters)

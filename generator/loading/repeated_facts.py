@@ -225,9 +225,9 @@ def _check_biss_id(device: Device, report: DocumentReport) -> None:
     if biss_id is None:
         return
     variants = device.variants_over(Biss.name)
-    for register in device.registers_over(Biss.name) if variants else ():
+    for register in device.registers_over(Biss.name):
         # The ID is not in a bank.
-        if register.bank is not None:
+        if register.bank is not None or not variants:
             continue
         # The ID is the same for all order codes, so the first one is enough.
         number, mask = _documented_bits(register, variants[0])
@@ -256,7 +256,8 @@ def _documented_bits(register: Register, variant: Variant) -> tuple[int, int]:
     mask = 0
     for placed_field in register.layout.place(variant.parameters).fields:
         documented = placed_field.field.documented(variant.parameters)
-        if documented is not None and placed_field.low + placed_field.width <= 8 * register.length:
+        is_inside = placed_field.low + placed_field.width <= 8 * register.length
+        if documented is not None and is_inside:
             value = codec.number_of_text(documented) if isinstance(documented, str) else documented
             number |= (value & placed_field.mask) << placed_field.low
             mask |= placed_field.mask << placed_field.low
@@ -265,7 +266,9 @@ def _documented_bits(register: Register, variant: Variant) -> tuple[int, int]:
 
 def _check_read_biss_id(device: Device, identity: int, report: DocumentReport) -> None:
     """Check that examples of 7Eh and 7Fh have the ID. Skip brands of another manufacturer, which keep the examples."""
-    for example in device.examples if not device.base else ():
+    if device.base:
+        return
+    for example in device.examples:
         if not isinstance(example, RegisterExample) or example.erratum:
             continue
         # Other rules report a register that is missing or wrong.

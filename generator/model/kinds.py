@@ -342,12 +342,10 @@ class Scale:
         """Number of decimals: as many as exact decimals need, otherwise enough for a tenth of a count."""
         reduced_denominator = self.denominator // gcd(self.numerator, self.offset, self.denominator)
         # Only denominators of twos and fives have exact decimals, with fewer places than the denominator has bits.
-        exact_places = next(
-            (places for places in range(reduced_denominator.bit_length()) if 10**places % reduced_denominator == 0),
-            None,
-        )
-        if exact_places is not None:
-            return exact_places
+        for places in range(reduced_denominator.bit_length()):
+            is_exact = 10**places % reduced_denominator == 0
+            if is_exact:
+                return places
         # A tenth of a count is ``numerator / denominator / 10``.
         return next(places for places in count() if 10**places * self.numerator >= 10 * self.denominator)
 

@@ -377,10 +377,12 @@ def _sign_of_value(field: Field, value: Value) -> Sign | None:
     """
     if value.makes_position is None:
         return None
-    name = f"{field.name}_{value.name}"
-    flag = Flag(when_active=value.meaning or f"{field.name} is {value.name}", makes_position=value.makes_position)
+    meaning = value.meaning or f"{field.name} is {value.name}"
+    flag = Flag(when_active=meaning, makes_position=value.makes_position)
     source = value.source or field.source
-    return Sign(_flag_of_sign(name, flag, value.printed_name, source=source), ((field.name, value.value),))
+    flag_field = _flag_of_sign(f"{field.name}_{value.name}", flag, value.printed_name, source=source)
+    condition = (field.name, value.value)
+    return Sign(flag_field, (condition,))
 
 
 def _sign_of_combination(layout: Layout, combination: Combination) -> Sign:

@@ -61,11 +61,13 @@ class Parameter:
     @property
     def register(self) -> str:
         """Register that holds the parameter at run time, or an empty string."""
-        return self.read_from.partition(".")[0]
+        register_name, _, _ = self.read_from.partition(".")
+        return register_name
 
     @property
     def field(self) -> str:
-        return self.read_from.partition(".")[2]
+        _, _, field_name = self.read_from.partition(".")
+        return field_name
 
 
 @dataclass(frozen=True, slots=True)

@@ -96,9 +96,9 @@ def check_taken_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
 
 
 def _taken_place(register: WrittenRegister) -> str | None:
-    """Return the name of the register that BiSS has at these addresses, or None if there is none or it may be here.
+    """Return the name of the register that BiSS has at the addresses of another register.
 
-    A part of that register may be here, and so may any register at 41h.
+    Return None if there is none, or if a register may be there: a part of that register, or any register at 41h.
     """
     first_address = register.address
     end_address = register.address + register.length
@@ -178,7 +178,9 @@ def _field_faults(sent_fields: SentFields, crcs: Mapping[str, Located[Crc]], fra
                 f"{quoted(name)} has 'crc_of', but in BiSS the CRC covers everything before it; leave 'crc_of' out"
             )
             yield _Fault((*path, "crc_of"), f"{frame_path}.{name}", problem)
-        for key, problem in _crc_faults(crcs[field.crc]) if field.crc in crcs else ():
+        if field.crc not in crcs:
+            continue
+        for key, problem in _crc_faults(crcs[field.crc]):
             yield _Fault((*path, "crc"), f"crcs.{field.crc}.{key}", problem)
 
 

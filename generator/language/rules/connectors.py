@@ -142,9 +142,11 @@ def check_connector_and_cable(spec: WrittenSpec, as_read: WrittenSpec, report: D
     """
     if is_second(report.document.file):
         return
-    connectors = _collect_connectors(spec)
-    for cable in (candidate for candidate in connectors if candidate.part.kind == "cable"):
-        for connector in (candidate for candidate in connectors if candidate.part.kind == "connector"):
+    connectors_and_cables = _collect_connectors(spec)
+    connectors = [candidate for candidate in connectors_and_cables if candidate.part.kind == "connector"]
+    cables = [candidate for candidate in connectors_and_cables if candidate.part.kind == "cable"]
+    for cable in cables:
+        for connector in connectors:
             if cable.shares_interface(connector):
                 _report_missing_signals(cable, connector, report)
                 _report_missing_signals(connector, cable, report)

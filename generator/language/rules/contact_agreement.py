@@ -117,9 +117,11 @@ def check_wires_of_contacts(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
 def _connections_by_titles(spec: WrittenSpec) -> dict[tuple[str, str], list[_Connection]]:
     """Return each connector with each cable for the same interfaces, by the titles of the two."""
     connections: dict[tuple[str, str], list[_Connection]] = {}
-    connectors = spec.connectors[:_MOST_CONNECTORS]
-    for connector in (candidate for candidate in connectors if candidate.part.kind == "connector"):
-        for cable in (candidate for candidate in connectors if candidate.part.kind == "cable"):
+    connectors_and_cables = spec.connectors[:_MOST_CONNECTORS]
+    connectors = [located for located in connectors_and_cables if located.part.kind == "connector"]
+    cables = [located for located in connectors_and_cables if located.part.kind == "cable"]
+    for connector in connectors:
+        for cable in cables:
             has_common_interface = not set(connector.part.interfaces).isdisjoint(cable.part.interfaces)
             if has_common_interface:
                 titles = connector.part.title, cable.part.title

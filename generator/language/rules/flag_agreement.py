@@ -60,8 +60,10 @@ def check_repeated_flags(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
     """
     first_flags: dict[tuple[str, str], WrittenField] = {}
     for field_list in field_lists(spec):
-        # Another rule checks those of BiSS.
-        for flag in (field for field in _sent_fields(field_list) if field.active and field_list.interface != Biss.name):
+        if field_list.interface == Biss.name:
+            continue  # Another rule checks the flags of BiSS.
+        flags = [field for field in _sent_fields(field_list) if field.active]
+        for flag in flags:
             first_flag = first_flags.setdefault((field_list.interface, flag.name), flag)
             for key, value, first_value in _yield_differences(flag, first_flag):
                 line, _ = report.document.position(first_flag.path)
@@ -247,7 +249,9 @@ def _explaining_registers(spec: WrittenSpec) -> Iterator[str]:
     """Yield the registers whose bits explain flags, written as ``register.bit``. They may repeat."""
     for register in spec.registers:
         for field in register.fields:
-            yield from (bit.partition(".")[0] for bit in field.explained_by)
+            for bit_path in field.explained_by:
+                register_name, _, _ = bit_path.partition(".")
+                yield register_name
 
 
 #: Keys of a register that matter only if it is written.

@@ -150,9 +150,11 @@ def _report_missing_frame(
 def check_purposes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a request that reads or writes the memory, and so needs an address, has more than its data ID."""
     rs485 = spec.interfaces.rs485
+    if rs485 is None:
+        return
     groups = by_name(as_read.field_groups)
-    for data_id in rs485.data_ids if rs485 is not None else ():
-        request = _request_with(data_id, rs485) if rs485 is not None else None
+    for data_id in rs485.data_ids:
+        request = _request_with(data_id, rs485)
         if request is None or data_id.part.purpose not in _OF_MEMORY:
             continue
         if not any(_carries_data(field) for field in _fields_of(request, groups)):

@@ -117,7 +117,8 @@ def _check_source(source_text: str, path: Path, master: WrittenMaster, report: D
     """Check that the documents of a source, such as ``manual:6.4; errata``, are listed. The places are not checked."""
     documents = master.documents
     for piece in source_text.split(";"):
-        key = piece.partition(":")[0].strip()
+        key_text, _, _ = piece.partition(":")
+        key = key_text.strip()
         if key not in documents:
             report.add("undefined-reference", path, f"{quoted(key)} is not in 'documents'{suggestion(key, documents)}")
 

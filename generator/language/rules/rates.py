@@ -85,7 +85,9 @@ def check_rates_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
         if isinstance(interface, WrittenSpi):
             continue
         has_such_lines = isinstance(interface, WrittenRs485) or _LINES.search(interface.signals) is not None
-        for path, rate, unit in _yield_rates(interface) if has_such_lines else ():
+        if not has_such_lines:
+            continue
+        for path, rate, unit in _yield_rates(interface):
             is_limit = path[-1] != "below_hz"
             if is_limit and rate > _HIGHEST_HZ and not _gives_rate(interface.note, rate):
                 message = (
@@ -185,8 +187,10 @@ def check_timeouts_and_clocks(spec: WrittenSpec, as_read: WrittenSpec, report: D
     Printed time-outs without a rule are then whole numbers of half periods, apart from rounding to nanoseconds.
     """
     biss = spec.interfaces.biss
-    for timeout in biss.timeout if biss is not None else ():
-        if biss is None or has_erratum_at(report.document, *_TIMEOUT, "printed"):
+    if biss is None:
+        return
+    for timeout in biss.timeout:
+        if has_erratum_at(report.document, *_TIMEOUT, "printed"):
             continue
         remedy = f"correct one of the two. If this is what the manual says, add an erratum that affects {_PRINTED}"
         _check_longest_timeout(biss, timeout, remedy, report)
@@ -229,8 +233,10 @@ def _check_longest_timeout(biss: WrittenBiss, timeout: Located[Timeout], remedy:
 def check_timeout_mismatch(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the time-outs of BiSS that the manual calculates match its rule, and are at possible clocks."""
     biss = spec.interfaces.biss
-    for timeout in biss.timeout if biss is not None else ():
-        if biss is None or not timeout.is_given:
+    if biss is None:
+        return
+    for timeout in biss.timeout:
+        if not timeout.is_given:
             continue
         _check_timeout_rule(timeout, report)
         for clock in biss.clock:

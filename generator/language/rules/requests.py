@@ -215,7 +215,9 @@ def _check_frames(interface: WrittenSpi, report: DocumentReport) -> None:
 
 def _free_fields(layout: WrittenLayout | None) -> Iterator[str]:
     """Yield the names of fields of a request whose values a user chooses. None without a request."""
-    for field in layout.fields if layout is not None else ():
+    if layout is None:
+        return
+    for field in layout.fields:
         if field.name and not field.has(*_DECIDED):
             yield field.name
 

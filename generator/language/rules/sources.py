@@ -68,7 +68,7 @@ def check_cited_place(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
                 later_pages.append(
                     _LaterPage(path=path, section=section, page=page, first_page=max(earlier_pages, default=page))
                 )
-    # Otherwise this spec does not follow the custom of citing first pages, so later pages are no errors in it.
+    # Otherwise this spec does not follow the custom of citing first pages, so later pages are correct in it.
     compared_count = first_page_count + len(later_pages)
     first_pages_needed = max(_ENOUGH, _SHARE * compared_count)
     if first_page_count >= first_pages_needed:
@@ -128,8 +128,8 @@ def _find_spans(contents: Mapping[str, WrittenSection]) -> dict[str, dict[str, t
         end_of_entries = _page_of_section(subsections[0], last_page) if subsections else last_page
         entries = list(section.entries.items())
         starts_after = [*(page for _, page in entries[1:]), end_of_entries]
-        for (title, page), next_page in zip(entries, starts_after, strict=False):
-            page_spans[name][title.casefold()] = (page, max(page, next_page))
+        for (title, first_page), next_start in zip(entries, starts_after, strict=False):
+            page_spans[name][title.casefold()] = (first_page, max(first_page, next_start))
     return page_spans
 
 

@@ -89,10 +89,12 @@ def _stated_quantities(facts: Iterable[object]) -> Iterator[tuple[str, Decimal, 
     """
     for fact in facts:
         for path, value in leaves(fact):
-            unit = str(path[-1]).rpartition("_")[2] if path else ""
+            unit = str(path[-1]).rpartition("_")[2] if path else ""  # ``mv`` of ``min_mv``.
             if unit in _KIND_OF_UNIT and isinstance(value, int):
                 yield _KIND_OF_UNIT[unit], Decimal(value), f"'{path[-1]}: {value}'"
-        for characteristic_value in located(Characteristic, fact, ()).part.values if isinstance(fact, dict) else ():
+        if not isinstance(fact, dict):
+            continue
+        for characteristic_value in located(Characteristic, fact, ()).part.values:
             unit = characteristic_value.unit
             for number in (characteristic_value.min, characteristic_value.typical, characteristic_value.max):
                 if unit in _KIND_OF_UNIT and number is not None:

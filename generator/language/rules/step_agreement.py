@@ -177,7 +177,9 @@ def check_counted_requests(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
 def _counts_in_texts(part_data: Mapping[str, object]) -> Iterator[tuple[Path, int]]:
     """Yield the numbers of requests in the texts of a procedure, with the paths of the texts below it."""
     for path, text in leaves(part_data):
-        for number_text in _REPETITIONS.findall(text) if isinstance(text, str) else ():
+        if not isinstance(text, str):
+            continue
+        for number_text in _REPETITIONS.findall(text):
             if number_text.isdigit():
                 yield path, int(number_text)
             else:

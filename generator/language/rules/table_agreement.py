@@ -162,7 +162,9 @@ def check_lengths_of_errata(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
         for affected in erratum.affects:
             if affected in tables:
                 lengths.update(_yield_lengths(tables[affected]))
-        for number, unit in re.findall(r"(\d[\d,]*(?:\.\d+)?) (nm|µm|mm)\b", erratum.used) if lengths else ():
+        if not lengths:
+            continue
+        for number, unit in re.findall(r"(\d[\d,]*(?:\.\d+)?) (nm|µm|mm)\b", erratum.used):
             if Decimal(number.replace(",", "")) * _NANOMETRES[unit] not in lengths:
                 message = f"no table that it affects has {number} {unit}; correct one of the two"
                 report.add("left-behind", erratum.place_of("used"), message)

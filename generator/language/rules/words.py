@@ -46,7 +46,9 @@ def check_threshold_words(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
     """Check that the texts of an alarm below a voltage do not say that it is raised above the same voltage."""
     for alarm in spec.alarms:
         limit = alarm.part.below_mv
-        for path, text in _texts_of(alarm, _TEXTS) if limit is not None else ():
+        if limit is None:
+            continue
+        for path, text in _texts_of(alarm, _TEXTS):
             for word, number, milli in _VOLTAGE.findall(text):  # ("above", "3.6", ""), or ("below", "100", "m").
                 millivolts = float(number) * (1 if milli else 1000)
                 if word in _ABOVE and millivolts == limit:
@@ -75,8 +77,10 @@ def check_level_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
     levels = {"low": "0", "high": "1"}
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            active_level = levels.get(field.active)
-            for path, text in _texts_of(field, _TEXTS) if active_level is not None else ():
+            active_level = levels.get(field.active)  # None for a field that is not a flag.
+            if active_level is None:
+                continue
+            for path, text in _texts_of(field, _TEXTS):
                 wrong_levels = [stated for stated in _LEVEL.findall(text) if stated != active_level]
                 if wrong_levels:
                     message = (
@@ -113,7 +117,9 @@ def check_named_wires(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
     Wires that no cable has are not checked. A colour may have several signals, in different cables.
     """
     signals_by_colour = _signals_by_wire(spec)
-    for path, text in _all_texts(spec) if signals_by_colour else ():
+    if not signals_by_colour:
+        return
+    for path, text in _all_texts(spec):
         for first_wire, second_wire in _WIRES.findall(text):
             first_signals = signals_by_colour.get(first_wire.casefold())
             second_signals = signals_by_colour.get(second_wire.casefold())
@@ -132,8 +138,10 @@ def check_named_wires(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 def _signals_by_wire(spec: WrittenSpec) -> dict[str, set[str]]:
     """Return the signals of each wire colour, in lower case, in all cables: ``{"white": {"MA+"}}``."""
     signals_by_colour: dict[str, set[str]] = {}
-    for cable in spec.connectors:
-        for contact in cable.part.contacts if cable.part.kind == "cable" else ():
+    for connector in spec.connectors:
+        if connector.part.kind != "cable":
+            continue
+        for contact in connector.part.contacts:
             signals_by_colour.setdefault(contact.contact.casefold(), set()).add(contact.signal)
     return signals_by_colour
 

@@ -69,13 +69,14 @@ class Member:
             return self.form
         if self.shape.startswith("hex"):
             return "hex"
-        unit = self.attribute.rpartition("_")[2]
+        _, _, unit = self.attribute.rpartition("_")
         return unit if unit in _UNITS else ""
 
     def is_stated(self, value: object) -> bool:
         """Return True if the manual gives a value, which is not just the default."""
-        default = self.shape.partition("=")[2]
-        return value not in (None, "", ()) and not (default and str(value).lower() == default)
+        _, _, default = self.shape.partition("=")  # ``false`` of ``boolean=false``.
+        is_default = bool(default) and str(value).lower() == default
+        return value not in (None, "", ()) and not is_default
 
     @property
     def is_limit(self) -> bool:
