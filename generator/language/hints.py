@@ -247,7 +247,8 @@ def _our_key(unknown_key: str, value_of_key: Any, allowed_keys: Collection[str])
     """
     candidates = [our_key for our_key in _ELSEWHERE.get(unknown_key.lower(), ()) if our_key in allowed_keys]
     for our_key in candidates:
-        if word_hint(our_key, value_of_key) or value_of_key in _VALUES.get(our_key, {}).values():
+        our_words = _VALUES.get(our_key, {}).values()
+        if word_hint(our_key, value_of_key) or value_of_key in our_words:
             return our_key
     return candidates[0] if candidates else ""
 

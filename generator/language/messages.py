@@ -328,6 +328,7 @@ def _explain_enum(error: Any, subject: str) -> _RuleMessage:
 def _explain_const(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a value that must be another one, such as the version of the language."""
     value, required_value = error.instance, error.validator_value
+    # The key 'codewheel' has the version of the language.
     is_later_version = type(value) is int and subject == "'codewheel'" and value > required_value
     hint = "; a later version of codewheel can read this file" if is_later_version else ""
     return _RuleMessage("not-allowed", f"{subject} must be {quoted(required_value)}, not {quoted(value)}{hint}")

@@ -191,7 +191,8 @@ def _as_one(problems: Sequence[Problem]) -> Problem:
     Problems on the line of the first one are not mentioned.
     """
     first, *others = problems
-    lines = [str(line) for line in dict.fromkeys(problem.line for problem in others) if line != first.line]
+    other_lines = dict.fromkeys(problem.line for problem in others)  # In order, each once.
+    lines = [str(line) for line in other_lines if line != first.line]
     if not lines:
         return first
     noun = "line" if len(lines) == 1 else "lines"

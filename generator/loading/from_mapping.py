@@ -206,10 +206,11 @@ def check_alarms(raw_spec: Raw, report: DocumentReport) -> None:
     spec = WrittenSpec(dict(raw_spec))
     for alarm in spec.alarms:
         owner = owner_of_alarm(spec, alarm)
-        flags = [field for field in owner.fields if field.name == alarm.part.field] if owner is not None else []
-        if not alarm.part.field or not flags or alarm.part.only == flags[0].only:
+        if owner is None or not alarm.part.field:
             continue
-        flag = flags[0]
+        flag = next((field for field in owner.fields if field.name == alarm.part.field), None)
+        if flag is None or alarm.part.only == flag.only:
+            continue
         message = (
             f"the alarm applies to {_codes_in_words(alarm.part.only)}, "
             f"but its flag {quoted(flag.name)} applies to {_codes_in_words(flag.only)}"

@@ -61,7 +61,8 @@ def _is_in_gray(layout: Layout, measurement: Measurement) -> bool:
 def _is_position_alone(layout: Layout, measurement: Measurement) -> bool:
     """Return True if the number in Gray code is the whole position, one unsigned field, with ``turns: 1``."""
     names = layout.names_in(layout.gray_of)
-    if len(names) != 1 or names != layout.names_in(measurement.of) or measurement.turns != Expression(1):
+    is_position = names == layout.names_in(measurement.of)
+    if len(names) != 1 or not is_position or measurement.turns != Expression(1):
         return False
     kind = layout.field(names[0]).kind
     return isinstance(kind, Number) and not kind.signed and not kind.zero_means

@@ -175,6 +175,7 @@ def _check_gray(layout: Layout, site: Site) -> None:
     if not switch_values <= {0, 1}:
         message = f"'{layout.gray_when}' can be {max(switch_values)}; it must be 1 for Gray code, or 0 for binary"
         site.report("gray-of", message, "gray", "when")
+    # Without such a parameter, the number is always in Gray code.
     sets_with_gray_code = [parameters for parameters in site.sets if parameters.get(layout.gray_when, 1)]
     for above, below in pairwise(coded_fields):
         if not _are_adjacent(above, below, sets_with_gray_code):
@@ -234,12 +235,10 @@ def check_layout(layout: Layout, site: Site, low_byte_first: bool) -> bool:
         _check_field(layout, field, replace(site, path=(*site.path, "fields", field.name)))
     check_one_crc(layout, site)
     selector = next((field for field in layout.fields if field.name == layout.selector), None)
+    named_numbers = [value.value for value in selector.values] if selector is not None else []
     for selected_value in layout.selects:
-        if (
-            selector is not None
-            and selector.values
-            and selected_value not in [value.value for value in selector.values]
-        ):
+        # A selector without named values can have any number.
+        if named_numbers and selected_value not in named_numbers:
             site.report("undefined-reference", f"'{layout.selector}' has no value {selected_value}", "when")
     if layout.unused and "unused" in layout.member_names:
         message = "decoded frames use the name 'unused' for all unused bits; rename the field"
@@ -351,10 +350,12 @@ def _check_fixed(field: Field, fixed: Constant | Unused, site: Site) -> None:
     If an order code lacks the field, a constant must be 0.
     """
     widths = [field.width.value(parameters) for parameters in site.sets]
+    # An order code with width 0 lacks the field.
     narrowest = min((width for width in widths if width), default=field.widest)
     if not field.width.is_constant and fixed.value >> narrowest:
         key = "unused" if isinstance(fixed, Unused) else "constant"
-        message = f"'{key}' is {fixed.value:#x}, which does not fit into {narrowest} bit{'s' * (narrowest > 1)}"
+        noun = "bits" if narrowest > 1 else "bit"
+        message = f"'{key}' is {fixed.value:#x}, which does not fit into {narrowest} {noun}"
         site.report("value-too-wide", message)
     if isinstance(fixed, Constant) and fixed.value:
         _check_absent(field, f"'constant' is {fixed.value:#x}; use 0, or a constant width", site)

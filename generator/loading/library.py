@@ -74,7 +74,8 @@ def _have_common_name(first: Device, second: Device) -> bool:
     if first.base or second.base:  # These share order codes with their base family and are distinguished by name.
         return first.name == second.name
     codes = {variant.code for variant in first.variants}
-    return first.name == second.name or any(variant.code in codes for variant in second.variants)
+    has_common_code = any(variant.code in codes for variant in second.variants)
+    return first.name == second.name or has_common_code
 
 
 def load_families(
@@ -133,7 +134,8 @@ def _packaged_specs_for(overlays: Sequence[Document]) -> list[Path]:
     """Return the packaged specs that overlays change, or all of them if an overlay names no packaged family."""
     specs_by_family = {spec.stem: spec for spec in spec_files(packaged_families())}
     overlaid_names = sorted({str(overlay.data.get("of")) for overlay in overlays})
-    if not set(overlaid_names) <= specs_by_family.keys():
+    are_all_packaged = set(overlaid_names) <= specs_by_family.keys()
+    if not are_all_packaged:
         return packaged_families()
     return [specs_by_family[name] for name in overlaid_names]
 
@@ -178,7 +180,8 @@ def contents(paths: Sequence[Path]) -> dict[str, list[bytes | str]]:
 
     The content of a family is the list of the names and bytes of its files, which is its key in the cache.
     """
-    return {str(path): content_of(family_files(path)) for path in spec_files(paths) if path.is_file()}
+    existing_specs = (path for path in spec_files(paths) if path.is_file())
+    return {str(path): content_of(family_files(path)) for path in existing_specs}
 
 
 def families_of(
@@ -336,10 +339,15 @@ def _missing_manufacturers(documents: Sequence[Document], report: Report) -> lis
     """Return the manufacturer files next to device files that are not among the documents."""
     read_paths = {Path(document.file).resolve() for document in documents}
     folders = sorted({Path(document.file).parent for document in documents if "device" in document.data})
-    paths = [folder / "manufacturer.yaml" for folder in folders]
-    missing_paths = [path for path in paths if path.resolve() not in read_paths and path.is_file()]
-    read_documents = (read_document(path, report) for path in missing_paths)
-    return [document for document in read_documents if document is not None]
+    missing_documents: list[Document] = []
+    for folder in folders:
+        path = folder / "manufacturer.yaml"
+        if path.resolve() in read_paths or not path.is_file():
+            continue
+        document = read_document(path, report)  # None if nothing in the file can be used.
+        if document is not None:
+            missing_documents.append(document)
+    return missing_documents
 
 
 def _compare_with_others(device: Device, other_devices: Sequence[Device], document: Document, report: Report) -> None:

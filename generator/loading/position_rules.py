@@ -118,6 +118,7 @@ def _measurement_problem(device: Device, measurement: Measurement, case: _Case) 
         return problem
     position_range = case.layout.position_range
     never_wraps = position_range is not None and not position_range.wraps
+    # The width is 0 if a frame lacks the position.
     if key not in values or not case.width or never_wraps:
         return None
     fixed_values = {name: value for name, value in values.items() if not _at_run_time(device, expressions[name])}
@@ -262,8 +263,10 @@ def _order_problem(
     count_turns = [case.layout.field(name).unit in _REVOLUTIONS for name in names]
     if not any(count_turns) and len(names) == 2:
         # Without units, the widths tell: the counts of a turn fit the upper field, and the turns the lower one.
-        (_, upper), (_, lower) = case.fields
-        count_turns[1] = upper != lower and values[counts_key] == 1 << upper and values.get("turns") == 1 << lower
+        (_, upper_width), (_, lower_width) = case.fields
+        counts_fit_upper = values[counts_key] == 1 << upper_width
+        turns_fit_lower = values.get("turns") == 1 << lower_width
+        count_turns[1] = upper_width != lower_width and counts_fit_upper and turns_fit_lower
     for (above_name, above_counts_turns), (name, counts_turns) in pairwise(zip(names, count_turns, strict=True)):
         if counts_turns and not above_counts_turns:
             message = f"'{measurement.of}' has '{name}', which counts revolutions, below '{above_name}'"
@@ -277,7 +280,8 @@ def _revolution_problem(case: _Case, counts_key: str, values: Mapping[str, int])
         return None
     counts = values[counts_key]
     for index, (name, width) in enumerate(case.fields[:-1]):
-        bits_below = sum(width_below for _, width_below in case.fields[index + 1 :])
+        fields_below = case.fields[index + 1 :]
+        bits_below = sum(width_below for _, width_below in fields_below)
         # Without a unit, the upper of two fields counts turns if they fit into it, and the counts into the other.
         has_turns_that_fit = 1 < values.get("turns", 1) <= 1 << width
         fits_turns = len(case.fields) == 2 and counts < 1 << bits_below and has_turns_that_fit
@@ -287,7 +291,8 @@ def _revolution_problem(case: _Case, counts_key: str, values: Mapping[str, int])
                 f"'{name}' counts revolutions, and {bits_below} bits follow it for {case.variant.code}, so"
                 f" a turn must have {1 << bits_below} counts, not {counts}"
             )
-            remedy = f"; measure '{case.fields[1][0]}' alone, with 'turns: 1'" if fits_turns else ""
+            name_below, _ = fields_below[0]
+            remedy = f"; measure '{name_below}' alone, with 'turns: 1'" if fits_turns else ""
             return KeyProblem(counts_key, message + remedy)
     return None
 
@@ -345,17 +350,21 @@ def _check_width(device: Device, interface: Interface, layout: Layout, field: Fi
     measurement = device.measurement_of(interface.name)
     assert measurement is not None
     width = field.width.constant
-    needed_bits = {variant.code: _needed_bits(measurement, variant) for variant in device.variants_over(interface.name)}
-    fewer_bits_by_code = {code: bits for code, bits in needed_bits.items() if bits is not None and bits < width}
-    if not fewer_bits_by_code or any(bits is None or bits > width for bits in needed_bits.values()):
+    bits_by_code = {
+        variant.code: _needed_bits(measurement, variant) for variant in device.variants_over(interface.name)
+    }
+    fewer_bits_by_code = {code: bits for code, bits in bits_by_code.items() if bits is not None and bits < width}
+    needed_widths = set(bits_by_code.values())
+    if not fewer_bits_by_code or any(bits is None or bits > width for bits in needed_widths):
         return
     code, bits = next(iter(fewer_bits_by_code.items()))
-    fills_width = width in needed_bits.values()
-    if not fills_width and (width % 8 == 0 or len(set(needed_bits.values())) > 1):
+    fills_width = width in needed_widths
+    is_whole_bytes = width % 8 == 0
+    if not fills_width and (is_whole_bytes or len(needed_widths) > 1):
         return
-    owner_path: Path = (
-        ("field_groups", field.group) if field.group else ("interfaces", interface.name, "layouts", layout.name)
-    )
+    owner_path: Path = ("interfaces", interface.name, "layouts", layout.name)
+    if field.group:
+        owner_path = ("field_groups", field.group)
     message = f"'{field.name}' always has {width} bits, but the counts of {code} need {bits}"
     correct_width = _corrected_width(measurement, fills_width, bits)
     report.add(

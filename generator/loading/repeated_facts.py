@@ -341,24 +341,23 @@ def _check_bits_named(raw_spec: Raw, device: Device, report: DocumentReport) -> 
     built_interfaces = {interface.name for interface in device.interfaces}
     for index, part in enumerate(raw_spec["order_code"]["parts"]):
         for text_of_value, value in part["values"].items():
-            named_bits = [int(number) for number in _BITS.findall(_compared_meaning(value or {}))]
+            numbers_in_meaning = [int(number) for number in _BITS.findall(_compared_meaning(value or {}))]
             set_values = (value or {}).get("sets", {})
             bits_by_parameter = {name: set_values[name] for name in set_values if units.get(name) in ("bit", "bits")}
-            if (
-                len(named_bits) != 1
-                or not bits_by_parameter
-                or named_bits[0] in (*bits_by_parameter.values(), sum(bits_by_parameter.values()))
-            ):
+            if len(numbers_in_meaning) != 1 or not bits_by_parameter:
+                continue
+            (named_bits,) = numbers_in_meaning
+            if named_bits in (*bits_by_parameter.values(), sum(bits_by_parameter.values())):
                 continue
             variants = [variant for variant in device.variants if variant.parts.get(part["name"]) == text_of_value]
             # An interface with errors has no frames here, so that any number could be right.
             if not built_interfaces.issuperset(variant.interface for variant in variants):
                 continue
-            if any(named_bits[0] in _frame_and_position_widths(device, variant) for variant in variants):
+            if any(named_bits in _frame_and_position_widths(device, variant) for variant in variants):
                 continue
             name = next(iter(bits_by_parameter))
             message = (
-                f"the meaning of '{text_of_value}' says {named_bits[0]} bits, but '{name}' is"
+                f"the meaning of '{text_of_value}' says {named_bits} bits, but '{name}' is"
                 f" {bits_by_parameter[name]}{MEANING_DIFFERS}"
             )
             report.add(

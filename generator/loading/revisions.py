@@ -81,7 +81,9 @@ def revision_in(text: str) -> RevisionPath | None:
     """
     revision, colon, path = text.partition(":")
     is_path = os.path.lexists(text) or _ON_A_DRIVE.match(text)
-    return RevisionPath(revision, path) if colon and not is_path else None
+    if not colon or is_path:
+        return None
+    return RevisionPath(revision, path)
 
 
 def write_revision(revision_path: RevisionPath, folder: Path) -> RevisionFiles:

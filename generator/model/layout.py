@@ -120,7 +120,8 @@ class Layout:
         position in the byte. For words, or if the order code moves fields, the fields are adjacent.
         """
         unused_fields = [field for field in self.fields if isinstance(field.kind, Unused)]
-        if self.in_bytes and all(field.low.is_constant and field.width.is_constant for field in unused_fields):
+        are_fixed = all(field.low.is_constant and field.width.is_constant for field in unused_fields)
+        if self.in_bytes and are_fixed:
             return _packed_by_byte(unused_fields)
         # In a word, the field sent last is the lowest. In bytes with the low byte first, it is the field sent first.
         lowest_first = unused_fields if self.byte_order == "low_byte_first" else unused_fields[::-1]
@@ -346,8 +347,9 @@ class PlacedLayout:
         The field listed last in a join has its lowest bit.
         """
         placed_fields = self.find_fields(self.layout.names_in(name))
-        width = sum(part.width for part in placed_fields)
-        return (placed_fields[-1].low, width) if placed_fields else (0, 0)
+        if not placed_fields:
+            return (0, 0)
+        return placed_fields[-1].low, sum(part.width for part in placed_fields)
 
 
 def _is_flag_with_verdict(field_kind: Kind) -> bool:
@@ -381,8 +383,7 @@ def _sign_of_value(field: Field, value: Value) -> Sign | None:
     flag = Flag(when_active=meaning, makes_position=value.makes_position)
     source = value.source or field.source
     flag_field = _flag_of_sign(f"{field.name}_{value.name}", flag, value.printed_name, source=source)
-    condition = (field.name, value.value)
-    return Sign(flag_field, (condition,))
+    return Sign(flag_field, conditions=((field.name, value.value),))
 
 
 def _sign_of_combination(layout: Layout, combination: Combination) -> Sign:

@@ -254,8 +254,10 @@ def _names_gray(code_value: WrittenCodeValue) -> bool:
 
     If the value selects no interface, "Gray" alone may be a colour.
     """
-    gray = _GRAY if code_value.interface else _GRAY_CODE
-    return gray.search(code_value.meaning) is not None and _BINARY.search(code_value.meaning) is None
+    gray_pattern = _GRAY if code_value.interface else _GRAY_CODE
+    says_gray = gray_pattern.search(code_value.meaning) is not None
+    says_binary = _BINARY.search(code_value.meaning) is not None
+    return says_gray and not says_binary
 
 
 def _with_position(spec: WrittenSpec, as_read: WrittenSpec, interface_name: str) -> list[FieldList]:

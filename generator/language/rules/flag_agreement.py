@@ -163,13 +163,16 @@ def _report_unsummed(
     omission.
     """
     flags = [field for field in group.fields if field.active]
-    unsummed = [flag for flag in flags if flag.name not in summed_by]
-    if len(unsummed) == 1 and len(flags) >= _FLAGS_OF_GROUP and not _mentions_word(unsummed[0].meaning, "combine"):
+    unsummed_flags = [flag for flag in flags if flag.name not in summed_by]
+    if len(unsummed_flags) != 1 or len(flags) < _FLAGS_OF_GROUP:
+        return
+    (unsummed_flag,) = unsummed_flags
+    if not _mentions_word(unsummed_flag.meaning, "combine"):
         message = (
-            f"no flag of {quoted(fields.name)} combines {quoted(unsummed[0].name)}, unlike the other flags of"
+            f"no flag of {quoted(fields.name)} combines {quoted(unsummed_flag.name)}, unlike the other flags of"
             f" {quoted(group.name)}; add it to 'sums_up' of one, or say in its 'meaning' that none combines it"
         )
-        report.add("not-summed", unsummed[0].place_of("name"), message)
+        report.add("not-summed", unsummed_flag.place_of("name"), message)
 
 
 def _mentions_word(text: str, word: str) -> bool:
@@ -221,7 +224,9 @@ def check_read_only_registers(spec: WrittenSpec, as_read: WrittenSpec, report: D
     """
     if is_second(report.document.file):  # It has no notes.
         return
-    written_names = {step.register for procedure in spec.procedures for step in procedure.steps if step.do == "write"}
+    written_names: set[str] = set()
+    for procedure in spec.procedures:
+        written_names.update(step.register for step in procedure.steps if step.do == "write")
     flag_registers = {alarm.part.register for alarm in spec.alarms} | set(_explaining_registers(spec))
     for register in spec.registers:
         if register.access != "read_write":

@@ -17,7 +17,6 @@ from .parts import FieldList, Groups, Has, by_name, has_erratum_at, layouts, wit
 
 #: Interfaces over which a master sends only a clock, or control data, which are not a layout.
 _WITHOUT_REQUESTS = frozenset((Biss.name, Ssi.name))
-_SENDERS = ("master", "encoder")
 #: Purposes of requests that carry an address.
 _OF_MEMORY = frozenset(("read", "write"))
 
@@ -118,9 +117,11 @@ def check_layouts_by_data_id(spec: WrittenSpec, as_read: WrittenSpec, report: Do
     rs485 = spec.interfaces.rs485
     if rs485 is None or not rs485.data_ids:
         return
-    layouts_by_sender = {sender: [layout for layout in rs485.layouts if layout.from_ == sender] for sender in _SENDERS}
-    requested_ids, replied_ids = (set(_selected_ids(layouts_by_sender[sender])) for sender in _SENDERS)
-    if requested_ids and replied_ids and all(layout.has("when") for layout in rs485.layouts):
+    requests = [layout for layout in rs485.layouts if layout.from_ == "master"]
+    replies = [layout for layout in rs485.layouts if layout.from_ == "encoder"]
+    requested_ids, replied_ids = set(_selected_ids(requests)), set(_selected_ids(replies))
+    all_give_data_ids = all(layout.has("when") for layout in rs485.layouts)
+    if requested_ids and replied_ids and all_give_data_ids:
         for data_id in rs485.data_ids:
             _report_missing_frame(data_id, requested_ids, replied_ids, report)
 

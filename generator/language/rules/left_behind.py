@@ -65,8 +65,8 @@ def _shows_default(example: WrittenExample) -> bool:
 
     It also has bytes, and no erratum, which would explain a difference.
     """
-    is_named_so = not _AS_DELIVERED.isdisjoint(example.name.split("_"))
-    return example.kind == "register" and bool(example.bytes) and is_named_so and not example.erratum
+    is_called_default = not _AS_DELIVERED.isdisjoint(example.name.split("_"))
+    return example.kind == "register" and bool(example.bytes) and is_called_default and not example.erratum
 
 
 def _check_shown_default(example: WrittenExample, register: WrittenRegister, report: DocumentReport) -> None:
@@ -209,10 +209,11 @@ def _is_text(path: Path) -> bool:
 
     In tables, these are the cells and the prose. Documents, editions and evidence may name other order codes.
     """
-    if path[0] == "tables":
-        return "rows" in path or path[-1] in _TEXTS
-    is_value = (path[0], path[-1]) == ("characteristics", "value")
-    return path[0] not in _ELSEWHERE and (is_value or path[-1] in _TEXTS)
+    section, key = path[0], path[-1]
+    if section == "tables":
+        return "rows" in path or key in _TEXTS
+    is_value_of_characteristic = (section, key) == ("characteristics", "value")
+    return section not in _ELSEWHERE and (is_value_of_characteristic or key in _TEXTS)
 
 
 def _split_pattern(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[str] | None]]:

@@ -188,8 +188,9 @@ def check_equal_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
 def _own_texts(spec: WrittenSpec, report: DocumentReport) -> Iterator[tuple[Path, str]]:
     """Yield the texts of a spec in its own words, which do not quote the manual, with their places."""
     for path, text in leaves_of(spec.data, report):
-        is_prose = path[-1] in PROSE or (path[0], path[-1]) == ("characteristics", "value")
-        if isinstance(text, str) and is_prose and path[-1] not in _QUOTED and path[0] not in _ELSEWHERE:
+        section, key = path[0], path[-1]
+        is_prose = key in PROSE or (section, key) == ("characteristics", "value")
+        if isinstance(text, str) and is_prose and key not in _QUOTED and section not in _ELSEWHERE:
             yield path, text
 
 

@@ -289,6 +289,7 @@ def constant_width(field: WrittenField) -> int | None:
     A flag has one bit, and so has a field at the number of a bit.
     """
     if field.has("bits"):
+        # A width that is a text is an expression over parameters.
         return field.bits if isinstance(field.bits, int) and field.bits > 0 else None
     bit_range = _RANGE.fullmatch(str(field.at))
     if bit_range is not None:

@@ -149,11 +149,13 @@ def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], nee
     waits_ms = [wait.at_least_ms for wait in waits if wait.at_least_ms is not None]
     is_polled = any(step.do == "poll" for step in until_write)
     is_last_write = len(until_write) == len(later_steps)
-    if is_polled or sum(waits_ms) >= needed_ms or (is_last_write and not waits_ms):
+    total_ms = sum(waits_ms)
+    ends_without_wait = is_last_write and not waits_ms
+    if is_polled or total_ms >= needed_ms or ends_without_wait:
         return None
     if not waits_ms:
         return write.path, "there is no wait here"
-    return waits[0].place_of("at_least_ms"), f"the wait here is {sum(waits_ms)} ms"
+    return waits[0].place_of("at_least_ms"), f"the wait here is {total_ms} ms"
 
 
 def check_opening_steps(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:

@@ -169,10 +169,9 @@ def _compare_supply(
 ) -> None:
     """Report a supply that is not one of ``ranges`` in millivolts, if there are any."""
     if ranges and supply_range not in ranges:
+        low_mv, high_mv = supply_range
         ranges_text = listed([f"{low} to {high} mV" for low, high in ranges], "or")
-        message = (
-            f"this is {supply_range[0]} to {supply_range[1]} mV, but 'supply' is {ranges_text}; one of the two is wrong"
-        )
+        message = f"this is {low_mv} to {high_mv} mV, but 'supply' is {ranges_text}; one of the two is wrong"
         report.add("quantity-repeated", path, message)
 
 

@@ -34,10 +34,11 @@ def check_description_file(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
     if biss is None or file_name is None or register is None or interface_of(register) != Biss.name:
         return
     id_texts = [field.equals for field in register.fields if isinstance(field.equals, str) and field.equals.isascii()]
-    manufacturer_id = "".join(id_texts).encode("ascii").hex()
-    if len(manufacturer_id) == 4 and manufacturer_id != file_name[1].casefold():
+    manufacturer_id = "".join(id_texts).encode("ascii").hex()  # 4c41 for LA.
+    id_of_file = file_name[1]
+    if len(manufacturer_id) == 4 and manufacturer_id != id_of_file.casefold():
         message = (
-            f"the file is for the manufacturer ID {file_name[1].upper()}h, but the register 'manufacturer_id' has"
+            f"the file is for the manufacturer ID {id_of_file.upper()}h, but the register 'manufacturer_id' has"
             f" {manufacturer_id.upper()}h; correct one of the two"
         )
         report.add("description-file", biss.place_of("description_file"), message)
@@ -49,8 +50,9 @@ def check_alignment(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
     texts = [section.title for section in spec.manual.contents.values()]
     for part in spec.order_code.parts:
         texts += [value.meaning for value in part.values.values()]
-    sides_by_text = [_ALIGNED.findall(title) for title in texts]
-    named_alignments = {_ALIGNMENTS[side.casefold()] for sides in sides_by_text for side in sides}
+    named_alignments: set[str] = set()
+    for text in texts:
+        named_alignments.update(_ALIGNMENTS[side.casefold()] for side in _ALIGNED.findall(text))
     if ssi is None or len(named_alignments) != 1 or has_erratum_at(report.document, "interfaces", "ssi", "alignment"):
         return
     named_alignment = named_alignments.pop()

@@ -232,9 +232,8 @@ def _check_accesses(
     groups = by_name(as_read.field_groups)
     layouts = by_name(raw_interface.layouts)
     spi_registers = [register for register in as_read.registers if interface_of(register) == Spi.name]
-    for purpose, needed in _NEEDED.items():
+    for purpose, (needed_in_request, needed_in_reply) in _NEEDED.items():
         accesses = [exchange for exchange in interface.exchanges if exchange.purpose == purpose]
-        needed_in_request, needed_in_reply = needed
         _check_fields(accesses, "request", needed_in_request, layouts, groups, report)
         _check_fields(accesses, "reply", needed_in_reply, layouts, groups, report)
         if purpose == "read" and len(accesses) > 1:

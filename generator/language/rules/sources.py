@@ -252,7 +252,8 @@ def _yield_missing_support(stated: Evidence) -> Iterator[str]:
         yield "needs two sources that share no code: list them under 'implementations'"
     if grade in _WITH_FRAME and not stated.vectors:
         yield f"needs an example from real hardware: list it under 'vectors', {_OR}"
-    if grade == _CORROBORATED[1] and stated.vectors:
+    _, grade_without_frame = _CORROBORATED
+    if grade == grade_without_frame and stated.vectors:
         yield "has no vectors: remove them, or write 'corroborated'"
 
 

@@ -237,7 +237,8 @@ def check_alarm_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         if not isinstance(text, str) or path[0] in _ELSEWHERE or path[-1] not in checked_keys:
             continue
         for match in _NAMED_ERROR.finditer(text):
-            if match[1] not in known_words:
+            word_in_capitals = match[1]
+            if word_in_capitals not in known_words:
                 message = (
                     f"no alarm here is called {quoted(match[0])}{suggestion(match[0], sorted(names))}; correct the text"
                 )
@@ -256,8 +257,10 @@ def check_led_states(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
 
     A spec without LEDs is not checked.
     """
-    states = [str(state.get("state", "")).casefold() for led in spec.data.get("leds", ()) for state in led["states"]]
-    words_of_states = {word for state in states for word in re.findall(r"\w+", state)}
+    states: list[str] = []
+    for led in spec.data.get("leds", ()):
+        states += [str(state.get("state", "")).casefold() for state in led["states"]]
+    words_of_states = set(re.findall(r"\w+", " ".join(states)))
     if not states or report.document.family or report.document.other_files:
         return
     for path, text in leaves_of(spec.data, report):

@@ -197,8 +197,8 @@ def check_polled_levels(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
             stated_level = _LEVEL_OF_STEP.match(step.meaning)
             if step.do != "poll" or stated_level is None or step.until not in (0, 1):
                 continue
-            level = int(stated_level[1])
-            expected_level = level if stated_level[2] == "when" else 1 - level
+            level, conjunction = int(stated_level[1]), stated_level[2]
+            expected_level = level if conjunction == "when" else 1 - level
             if step.until != expected_level:
                 message = (
                     f"the meaning says {quoted(stated_level[0])}, but 'until' is {step.until}; one of the two is wrong"

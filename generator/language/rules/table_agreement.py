@@ -54,7 +54,8 @@ def _frequency_column(table: Table, word: str) -> int | None:
         if unit in _FREQUENCIES and re.search(rf"\b{word}\b", heading, re.IGNORECASE):
             columns.append(index)
     frequency_units = {unit for unit in table.units if unit in _FREQUENCIES}
-    return columns[0] if len(columns) == 1 and len(frequency_units) == 1 else None
+    is_unambiguous = len(columns) == 1 and len(frequency_units) == 1
+    return columns[0] if is_unambiguous else None
 
 
 def _number_in_cell(row: tuple[str, ...], column: int) -> Decimal | None:
@@ -76,8 +77,12 @@ def check_order_codes_in_rows(spec: WrittenSpec, as_read: WrittenSpec, report: D
             for index, heading in enumerate(table.part.columns):
                 if part.meaning and heading.casefold().startswith(part.meaning.casefold()):
                     columns.append(index)
-            if len(columns) == 1 and columns[0] < len(table.part.units):
-                _compare_rows(table, columns[0], meanings, report)
+            if len(columns) != 1:
+                continue
+            (column,) = columns
+            has_unit = column < len(table.part.units)
+            if has_unit:
+                _compare_rows(table, column, meanings, report)
 
 
 def _compare_rows(table: Located[Table], column: int, meanings: dict[str, str], report: DocumentReport) -> None:
@@ -138,7 +143,9 @@ def check_reserved_addresses(spec: WrittenSpec, as_read: WrittenSpec, report: Do
     """Check that no register is in a range of addresses that a table calls reserved."""
     for table in spec.tables:
         headings = [heading.casefold() for heading in table.part.columns]
-        if "reserved" not in table.part.title.casefold() or not {"first address", "last address"} <= {*headings}:
+        is_about_reserved = "reserved" in table.part.title.casefold()
+        has_ranges = "first address" in headings and "last address" in headings
+        if not is_about_reserved or not has_ranges:
             continue
         for index, row in enumerate(table.part.rows):
             if len(row) < len(headings):
