@@ -191,10 +191,11 @@ def value_hint(key: str, wrong_value: Any, schema: Mapping[str, Any]) -> str:
         return f"; write {_YES_OR_NO[text]}" if text in _YES_OR_NO else ""
     if required_type != "object" or len(required_keys) != 1 or isinstance(wrong_value, dict | list | type(None)):
         return ""
+    (required_key,) = required_keys
     if isinstance(wrong_value, bool):
-        form = _FORMS.get(key, f"{{{required_keys[0]}: NAME}}")
+        form = _FORMS.get(key, f"{{{required_key}: NAME}}")
     else:
-        form = f"{{{required_keys[0]}: {wrong_value}}}"
+        form = f"{{{required_key}: {wrong_value}}}"
     return f"; write '{key}: {form}'"
 
 
@@ -226,7 +227,8 @@ def foreign_key_hint(
         return f"; leave it out, because '{our_key}' says the same"
     if our_key == "active":
         # Both 'active_low: true' and 'active_high: false' mean low.
-        is_low = (unknown_key.lower() == "active_low") == (value_of_key is not False)
+        names_low = unknown_key.lower() == "active_low"
+        is_low = names_low if value_of_key is not False else not names_low
         return "; write 'active: low'" if is_low else "; write 'active: high'"
     if our_key in _VALUES:
         word = _VALUES[our_key].get(str(value_of_key).lower().replace("-", "_"), "")
@@ -234,8 +236,9 @@ def foreign_key_hint(
     # A type such as uint16_t gives the length or the number of bits.
     type_bits = _TYPE_BITS.fullmatch(str(value_of_key).lower())
     if type_bits is not None:
-        bits = int(type_bits[1] or type_bits[2])
-        return f"; write '{our_key}: {bits // 8 if our_key == 'length' else bits}'"
+        bits = int(type_bits[1] or type_bits[2])  # One of the groups, for uint16_t and for u16, is empty.
+        number = bits // 8 if our_key == "length" else bits
+        return f"; write '{our_key}: {number}'"
     return f"; it is called '{our_key}' here"
 
 

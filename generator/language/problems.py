@@ -311,9 +311,9 @@ def nearest_choice(word: str, choices: Sequence[str]) -> str:
     if len(word) > LONGEST_QUOTE:
         return ""
     for is_alike in (_is_spelling, is_typo, _is_abbreviation):
-        matching = [choice for choice in choices if is_alike(word, choice)]
-        if matching:
-            return matching[0] if len(matching) == 1 else ""
+        similar_choices = [choice for choice in choices if is_alike(word, choice)]
+        if similar_choices:
+            return similar_choices[0] if len(similar_choices) == 1 else ""
     return ""
 
 

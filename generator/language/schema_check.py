@@ -235,7 +235,8 @@ def _kind_of(file_data: dict[str, Any]) -> FileKind | None:
         return FileKind.MASTER
     if "overlay" in file_data or "changes" in file_data:
         return FileKind.OVERLAY
-    only_in_devices = load_schema("device")["properties"].keys() - load_schema("manufacturer")["properties"].keys()
+    keys_of_devices, keys_of_manufacturers = (load_schema(name)["properties"] for name in ("device", "manufacturer"))
+    only_in_devices = keys_of_devices.keys() - keys_of_manufacturers.keys()
     if "device" in file_data or not only_in_devices.isdisjoint(file_data):
         return FileKind.DEVICE
     return FileKind.MANUFACTURER if "manufacturer" in file_data else None

@@ -77,6 +77,7 @@ def _verdict_while_active(raw_field: Raw, interface: str) -> Verdict | None:
 
     It is the one in the spec, or otherwise the one that the interface defines for flags of this name.
     """
+    # Such as the verdict of nE over BiSS, whose name in specs is error.
     verdict_of_interface = INTERFACES[interface].flags.get(raw_field["name"], "")
     verdict_text = raw_field.get("makes_position", "") or verdict_of_interface
     return Verdict(verdict_text) if verdict_text else None

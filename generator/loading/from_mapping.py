@@ -293,8 +293,9 @@ def _build_send_step(raw_step: Raw, source: Sources, device: Device) -> Step:
     interface = device.find_interface(Rs485)
     data_ids = interface.data_ids if interface is not None else ()
     controls = [data_id.control for data_id in data_ids if data_id.name == raw_step.get("data_id")]
+    request = bytes(controls[:1])  # Empty if there is no such data ID.
     pause_us = raw_step.get("every_at_least_us", 0)
-    return record(SendStep, raw_step, source=source, request=bytes(controls[:1]), microseconds=pause_us)
+    return record(SendStep, raw_step, source=source, request=request, microseconds=pause_us)
 
 
 _STEPS = {

@@ -93,6 +93,7 @@ def check_all_bits_covered(fields: Sequence[Field], bits: Expression, gaps: str,
     if gaps:
         return True
     for parameters in site.sets:
+        # Without the fields that this order code lacks.
         present_fields = [field for field in fields if field.width.value(parameters)]
         present_fields.sort(key=lambda field: field.low.value(parameters))
         starts = [*(field.low for field in present_fields), bits]

@@ -83,11 +83,12 @@ def _reason_against_excess(
     if measurement.highest is not None or layout.position_range is not None:
         problem = "'excess' is only for positions from 0 to 'counts_per_turn' - 1"
         return KeyProblem("excess", f"{problem}; leave 'highest' and 'position_range' out, or leave 'excess' out")
-    counts = measurement.counts_per_turn
-    names = [*layout.gray_excess.parameters, *(counts.parameters if counts is not None else ())]
-    at_run_time = sorted({name for name in names if name in switched})
-    if at_run_time:
-        problem = f"'{at_run_time[0]}' depends on a register, but the excess of an order code is fixed"
+    names = set(layout.gray_excess.parameters)
+    if measurement.counts_per_turn is not None:
+        names.update(measurement.counts_per_turn.parameters)
+    names_at_run_time = sorted(names.intersection(switched))
+    if names_at_run_time:
+        problem = f"'{names_at_run_time[0]}' depends on a register, but the excess of an order code is fixed"
         return KeyProblem(
             "excess", f"{problem}; leave 'gray' and 'measurement' out, and convert the position in your program"
         )

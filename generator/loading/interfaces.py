@@ -117,10 +117,10 @@ def _checked_word_bits(raw: Raw, site: Site, *below: str | int) -> Expression | 
 
     Return None for an invalid expression. ``below`` is the path of the exchange in the interface.
     """
-    bits = site.context.expression(raw.get("word_bits", _WORD[0]))
+    low, high = _WORD
+    bits = site.context.expression(raw.get("word_bits", low))
     if bits is None:
         return None
-    low, high = _WORD
     numbers_of_bits = sorted({bits.value(parameters) for parameters in site.sets})
     impossible_numbers = [length for length in numbers_of_bits if not low <= length <= high]
     if impossible_numbers:

@@ -169,7 +169,9 @@ def _register_and_field(raw_spec: Raw, definition: Raw) -> tuple[Raw | None, Raw
     register_name, _, field_name = definition["read_from"].partition(".")
     registers = raw_spec.get("registers", ())
     register = next((candidate for candidate in registers if candidate["name"] == register_name), None)
-    return register, _find_raw_field(register, field_name) if register is not None else None
+    if register is None:
+        return None, None
+    return register, _find_raw_field(register, field_name)
 
 
 def _default_of_parameter(

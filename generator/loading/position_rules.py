@@ -224,7 +224,7 @@ def _range_problem(measurement: Measurement, case: _Case, counts_key: str) -> Ke
         message = _message_of_signed_range(case, field_text, total) if is_signed else ""
         return KeyProblem(counts_key, message) if message else None
     highest = measurement.highest.value(case.variant.parameters)
-    lowest = highest - total + 1
+    lowest = highest - total + 1  # There are as many positions as counts.
     # In two's complement, half of the numbers are negative.
     lowest_possible = -(1 << (width - 1)) if is_signed else 0
     highest_possible = lowest_possible + (1 << width) - 1

@@ -387,14 +387,16 @@ def _frame_and_position_widths(device: Device, variant: Variant) -> set[int]:
 
 def _numbers_of_code(device: Device, variant: Variant) -> set[int]:
     """Return the numbers of an order code: its parameters, their powers of two, and those of its measurement."""
-    measurement = device.measurement_of(variant.interface)
-    expressions = (
-        (measurement.counts_per_turn, measurement.turns, measurement.modulus) if measurement is not None else ()
-    )
-    quantities = {expression.value(variant.parameters) for expression in expressions if expression is not None}
-    quantities.update(variant.parameters.values())
+    numbers = set(variant.parameters.values())
     # A parameter up to 64 can be a number of bits.
-    return quantities | {1 << number for number in variant.parameters.values() if 0 <= number <= 64}
+    numbers |= {1 << number for number in variant.parameters.values() if 0 <= number <= 64}
+    measurement = device.measurement_of(variant.interface)
+    if measurement is None:
+        return numbers
+    for expression in (measurement.counts_per_turn, measurement.turns, measurement.modulus):
+        if expression is not None:
+            numbers.add(expression.value(variant.parameters))
+    return numbers
 
 
 def _check_selectors(device: Device, report: DocumentReport) -> None:

@@ -60,9 +60,9 @@ class ChannelFrame:
     def place(self, parameters: Mapping[str, int]) -> PlacedChannels:
         """Return the frame for one order code."""
         channels = tuple(layout.place(parameters) for layout in self.layouts)
-        fields = {compared.layout.name: compared.name for compared in self.compared}
+        compared_fields = {compared.layout.name: compared.name for compared in self.compared}
         bits = self.compared_bits.value(parameters)
-        return PlacedChannels(channels=channels, compared=fields, compared_bits=bits, tolerance=self.tolerance)
+        return PlacedChannels(channels=channels, compared=compared_fields, compared_bits=bits, tolerance=self.tolerance)
 
 
 @dataclass(frozen=True, slots=True)

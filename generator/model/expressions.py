@@ -143,9 +143,9 @@ class Expression:
             if definition is None or term.is_product or term.is_power or definition.has_product:
                 total += Expression(0, (term,))
             else:
-                definition = definition.substitute(definitions)
+                full_definition = definition.substitute(definitions)
                 # A term of a spec, which is not a product, has the multiple 1 or -1.
-                total = total + definition if term.multiple > 0 else total - definition
+                total = total + full_definition if term.multiple > 0 else total - full_definition
         return total
 
     def __add__(self, other: Expression) -> Expression:
@@ -188,6 +188,7 @@ class Expression:
         if not text_of_terms:
             return f"{self.constant}{suffix}"
         if text_of_terms.startswith("-") and self.constant > 0:
+            # ``8 - bits`` instead of ``-bits + 8``.
             return f"{self.constant}{suffix} - {text_of_terms[1:]}"
         if self.constant > 0:
             return f"{text_of_terms} + {self.constant}{suffix}"

@@ -217,7 +217,7 @@ def _code_patterns(only: str) -> tuple[re.Pattern[str], ...]:
 
 
 def _pattern_of_code(order_code: str) -> re.Pattern[str]:
-    """Return the regular expression of an abbreviated order code."""
+    """Return the regular expression of an abbreviated order code, such as ``X-24x...``."""
     # As for file names, where several "..." do not try every way to share the text between them.
     wildcards = {"...": "*", "…": "*", "x": "?"}
     parts = [wildcards.get(part) or escape(part) for part in _PARTS.findall(order_code)]

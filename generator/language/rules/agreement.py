@@ -216,7 +216,7 @@ def check_unused_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         if field_list.kind is not Has.REGISTER or not unused_in_note:
             continue
         for field in field_list.fields:
-            bits_of_field = _bits_at(field.at)
+            bits_of_field = _bits_at(field.at)  # Empty without ``at``.
             used_bits = [bit for bit in unused_in_note if bit in bits_of_field]
             is_without_content = field.constant is not None or field.unused is not None or field.equals == 0
             if used_bits and not is_without_content:

@@ -133,8 +133,8 @@ def check_biss_frame(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
 
     A frame without either is not checked. An erratum explains what the manual prints differently.
     """
-    groups = by_name(as_read.field_groups)
-    crcs = by_part_name(as_read.crcs)
+    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
+    crcs = by_part_name(as_read.crcs)  # Also invalid ones, which ``spec`` lacks.
     for frame in layouts(spec):
         layout = frame.layout
         if layout is None or frame.interface != Biss.name or not frame.is_from_encoder:
@@ -187,7 +187,8 @@ def _field_faults(sent_fields: SentFields, crcs: Mapping[str, Located[Crc]], fra
 def _order_faults(sent_fields: SentFields, frame_name: Path, frame_path: str) -> Iterator[_Fault]:
     """Yield the errors of a frame with nW before nE, or without a CRC. ``frame_name`` is the place of its name."""
     names = [field.name for _, field in sent_fields]
-    if "error" in names and "warning" in names and names.index("error") > names.index("warning"):
+    has_both = "error" in names and "warning" in names
+    if has_both and names.index("error") > names.index("warning"):
         path, _ = sent_fields[names.index("warning")]
         problem = "'warning' is before 'error', but BiSS sends nE before nW; swap the two"
         yield _Fault(path, f"{frame_path}.warning", problem)
@@ -255,7 +256,7 @@ def check_biss_control(spec: WrittenSpec, as_read: WrittenSpec, report: Document
 
     Every master relies on them, so a spec has these numbers even if an erratum records others that the manual prints.
     """
-    crcs = by_part_name(as_read.crcs)
+    crcs = by_part_name(as_read.crcs)  # Also invalid ones, which ``spec`` lacks.
     interface = spec.interfaces.biss
     control_data = interface.control_data if interface is not None else None
     for field in control_data.fields if control_data is not None else ():

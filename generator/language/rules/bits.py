@@ -35,7 +35,7 @@ def check_missing_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
 
     The flags that an interface itself defines have a known verdict.
     """
-    groups = by_name(as_read.field_groups)
+    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
     positions = {interface: position_names(spec, interface) for interface, _ in interfaces(spec)}
     for frame in layouts(spec):
         has_position = not positions[frame.interface].isdisjoint(field_names(frame, groups))

@@ -114,6 +114,7 @@ def _codes_named(spec: WrittenSpec, code_value: WrittenCodeValue) -> dict[str, i
         return {}
     deciding_parameters = set()
     for frame in layouts(spec):
+        # A value that selects no interface applies to all of them.
         is_of_value = code_value.interface is None or frame.interface == code_value.interface
         if is_of_value and frame.layout is not None and frame.layout.gray is not None:
             deciding_parameters.add(frame.layout.gray.when)

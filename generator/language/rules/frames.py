@@ -100,7 +100,8 @@ def check_slaves(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport
     if network is None or not network.is_valid("topology") or not network.is_valid("multiple_slaves"):
         return
     is_bus = network.part.topology == "bus"
-    if is_bus != network.part.multiple_slaves and not has_erratum_at(report.document, *map(str, network.path)):
+    fits = is_bus == network.part.multiple_slaves
+    if not fits and not has_erratum_at(report.document, *map(str, network.path)):
         slaves_text = "several slaves" if network.part.multiple_slaves else "one slave"
         message = (
             f"{quoted(network.part.topology)} does not fit {slaves_text}; correct one of the two. If this is what the"
@@ -153,7 +154,7 @@ def check_purposes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
     rs485 = spec.interfaces.rs485
     if rs485 is None:
         return
-    groups = by_name(as_read.field_groups)
+    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
     for data_id in rs485.data_ids:
         request = _request_with(data_id, rs485)
         if request is None or data_id.part.purpose not in _OF_MEMORY:

@@ -49,7 +49,7 @@ def check_position_range_shape(spec: WrittenSpec, as_read: WrittenSpec, report: 
 
     The layout must carry the position that the measurement of its interface, or else of the device, names.
     """
-    groups = by_name(as_read.field_groups)
+    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
     own_measurements = {name: interface.measurement for name, interface in interfaces(as_read)}
     raw_frames = {frame.owner.path: frame for frame in layouts(as_read)}
     for frame in layouts(spec):

@@ -21,8 +21,8 @@ def check_order_code_references(spec: WrittenSpec, as_read: WrittenSpec, report:
 
     ``as_read`` is the spec before its invalid parts were removed, so names that only these define are known too.
     """
-    resolver = NameResolver(as_read, report)  # Also knows names in invalid parts, which ``spec`` lacks.
-    parts = by_name(as_read.order_code.parts)
+    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
+    parts = by_name(as_read.order_code.parts)  # Also invalid ones, which ``spec`` lacks.
     for part in spec.order_code.parts:
         # A part cannot be combined with itself.
         other_parts = [name for name in parts if name != part.name]

@@ -107,7 +107,8 @@ def parameter_uses(spec: WrittenSpec, as_read: WrittenSpec | None = None) -> Ite
 
     A field of a group is yielded for each layout or register that uses the group.
     """
-    groups = by_name((as_read if as_read is not None else spec).field_groups)
+    spec_of_groups = as_read if as_read is not None else spec  # ``as_read`` also has the invalid groups.
+    groups = by_name(spec_of_groups.field_groups)
     field_owners = list(layouts(spec))
     field_owners += [FieldList(Has.REGISTER, register, interface_of(register)) for register in spec.registers]
     for field_list in field_owners:
@@ -213,11 +214,12 @@ def check_long_sums(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
 
 def _count_of_terms(parameter_name: str, parameters: Mapping[str, WrittenParameter], counts: dict[str, int]) -> int:
     """Return the number of terms of a parameter with all definitions inserted, which ``counts`` keeps by name."""
-    if parameter_name not in counts:
-        counts[parameter_name] = 1  # This ends a cycle, which another rule reports.
-        factors = _list_factors(parameters[parameter_name].equals) if parameter_name in parameters else []
-        if factors:
-            counts[parameter_name] = sum(_count_of_terms(factor.parameter, parameters, counts) for factor in factors)
+    if parameter_name in counts:
+        return counts[parameter_name]
+    counts[parameter_name] = 1  # This ends a cycle, which another rule reports.
+    factors = _list_factors(parameters[parameter_name].equals) if parameter_name in parameters else []
+    if factors:
+        counts[parameter_name] = sum(_count_of_terms(factor.parameter, parameters, counts) for factor in factors)
     return counts[parameter_name]
 
 
@@ -247,8 +249,8 @@ def check_alternative_references(spec: WrittenSpec, as_read: WrittenSpec, report
 
     Parameters and examples must name alternatives that exist, and examples their answers.
     """
-    resolver = NameResolver(as_read, report)  # Also knows names in invalid parts, which ``spec`` lacks.
-    alternatives = by_name(as_read.alternatives)
+    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
+    alternatives = by_name(as_read.alternatives)  # Also invalid ones, which ``spec`` lacks.
     for alternative in spec.alternatives:
         parameters_as_read = as_read.parameters.items()
         own_parameters = [name for name, parameter in parameters_as_read if parameter.alternative == alternative.name]
@@ -303,7 +305,7 @@ def check_alternative_use(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 
     Those with a default affect only verdicts, which do not need a choice. So their parameters are in no expression.
     """
-    alternatives = by_name(as_read.alternatives)
+    alternatives = by_name(as_read.alternatives)  # Also invalid ones, which ``spec`` lacks.
     set_by_alternative = {name: parameter for name, parameter in as_read.parameters.items() if parameter.alternative}
     used_texts = list(expressions(spec))
     # The parameter under 'when', which turns Gray code on, is not an expression.

@@ -38,7 +38,7 @@ def check_value_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
 
     A group is in such a frame if one of them uses it. An error is a value whose name says so.
     """
-    groups = by_name(as_read.field_groups)
+    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
     position_frames = [field_list for field_list in layouts(spec) if _has_position(spec, field_list, groups)]
     position_paths = {field_list.owner.path for field_list in position_frames}
     used_groups = {field.use for field_list in position_frames for field in field_list.fields}
@@ -106,7 +106,7 @@ def check_combinations(spec: WrittenSpec, as_read: WrittenSpec, report: Document
     A combination gives the verdict while several fields have certain values. It never decides if one of its conditions,
     or a combination with some of them, already gives the same verdict or a worse one.
     """
-    groups = by_name(as_read.field_groups)
+    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
     for frame in layouts(spec):
         listed_combinations = frame.layout.combinations if frame.layout is not None else ()
         if listed_combinations and not _has_position(spec, frame, groups):
@@ -129,7 +129,7 @@ def check_combinations(spec: WrittenSpec, as_read: WrittenSpec, report: Document
 
 def check_report_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the reports of values with a verdict and of combinations have names that are unique in the frame."""
-    groups = by_name(as_read.field_groups)
+    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
     for frame in layouts(spec):
         used_names = set(readable_names(frame, groups))
         for path, name in _report_names(frame, groups):

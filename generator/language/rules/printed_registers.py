@@ -68,7 +68,8 @@ def _check_row(row: WrittenPrintedDefault, register: WrittenRegister, report: Do
 
     Only the first error of a row is reported.
     """
-    faults = list(_byte_faults(row, register) if row.bytes else _bit_faults(row, register))
+    faults_of_row = _byte_faults(row, register) if row.bytes else _bit_faults(row, register)
+    faults = list(faults_of_row)
     if faults and not row.erratum:
         key, message = faults[0]
         report.add("default-mismatch", row.place_of(key), message)
@@ -197,7 +198,7 @@ def _compare_writes(
 
 
 def _printed_write(write_text: str) -> _Write:
-    """Return the write that a text of ``printed_writes`` describes."""
+    """Return the write that a text of ``printed_writes`` describes, such as ``0x49 bit 2 = 0`` or ``0x50-0x54``."""
     match = _WRITE.fullmatch(write_text)
     assert match is not None  # The schema has the same pattern.
     first, last, bit, value = match.group("first", "last", "bit", "value")

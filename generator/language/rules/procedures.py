@@ -68,8 +68,8 @@ def check_step_access(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 
     To write one field of a register with other bits, a step reads the register first.
     """
-    registers = by_name(as_read.registers)
-    groups = by_name(as_read.field_groups)
+    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
+    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
     for procedure in spec.procedures:
         for step in procedure.steps:
             register = _register_of(step, registers)
@@ -196,7 +196,7 @@ def _writes_opening_value(step: WrittenStep, opener: WrittenOpenedBy) -> bool:
 
 def check_written_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that some step of a procedure writes each of its arguments."""
-    procedures = by_name(as_read.procedures)
+    procedures = by_name(as_read.procedures)  # Also invalid ones, which ``spec`` lacks.
     for procedure in spec.procedures:
         # A step rejected by the schema may be the one that writes it.
         raw_procedure = procedures.get(procedure.name, procedure)
@@ -212,8 +212,8 @@ def check_written_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
 
 def check_procedure_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure with the name of a value of a register writes this value if it writes named ones there."""
-    registers = by_name(as_read.registers)
-    groups = by_name(as_read.field_groups)
+    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
+    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
     for procedure in spec.procedures:
         name = procedure.name
         writes_by_register: dict[str, list[WrittenStep]] = {}
@@ -241,7 +241,7 @@ def check_saves_before_writes(spec: WrittenSpec, as_read: WrittenSpec, report: D
     """
     if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
         return
-    registers = by_name(as_read.registers)
+    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
     for procedure in spec.procedures:
         if procedure.note:
             continue
@@ -298,7 +298,7 @@ def check_named_bank(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
 
 def check_selected_bank(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure selects the bank before it accesses a register in it. An argument may select any bank."""
-    registers = by_name(as_read.registers)
+    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
     select = bank_select(as_read)
     if not select:
         return

@@ -73,8 +73,9 @@ def _check_layouts(exchanges: Exchanges, layouts: Layouts, report: DocumentRepor
 
 def report_unused(layout: WrittenLayout, exchanges: Exchanges, rule: str, report: DocumentReport) -> None:
     """Report a frame that no exchange contains: one of the master as request, one of the encoder as reply."""
-    key = KEYS.get(layout.from_, "")
-    if key and layout.name not in [_frame_name(exchange, key) for exchange in exchanges]:
+    key = KEYS.get(layout.from_, "")  # 'request' or 'reply'
+    names_in_exchanges = [_frame_name(exchange, key) for exchange in exchanges] if key else []
+    if key and layout.name not in names_in_exchanges:
         message = f"no exchange has {quoted(layout.name)} as its {key}; add one under 'exchanges'"
         report.add(rule, layout.path, message)
 
@@ -160,7 +161,7 @@ def _check_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
             if field.equals is not None:
                 message = "an encoder cannot be identified by its registers over SPI; use 'constant' or 'meaning'"
                 report.add("spi-exchange", field.place_of("equals"), message, at_key=True)
-    registers = by_name(as_read.registers)
+    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
     for name, parameter in spec.parameters.items():
         register_name, _, _ = parameter.read_from.partition(".")  # ``register`` or ``register.field``
         if interface_of(registers.get(register_name)) == Spi.name:
@@ -229,7 +230,7 @@ def _check_accesses(
 
     Only one exchange may read registers.
     """
-    groups = by_name(as_read.field_groups)
+    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
     layouts = by_name(raw_interface.layouts)
     spi_registers = [register for register in as_read.registers if interface_of(register) == Spi.name]
     for purpose, (needed_in_request, needed_in_reply) in _NEEDED.items():
@@ -301,7 +302,7 @@ def check_requests_that_write(spec: WrittenSpec, as_read: WrittenSpec, report: D
     # A second reading repeats printed facts, without the notes that may explain them.
     if interface is None or is_second(report.document.file):
         return
-    groups = by_name(as_read.field_groups)
+    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
     layouts = by_name(interface.layouts)
     bits_by_layout = {name: _constant_bits(layout, groups) for name, layout in layouts.items()}
     write_requests = [exchange.request for exchange in interface.exchanges if exchange.purpose == "write"]

@@ -213,7 +213,7 @@ def _check_width(field: WrittenField, report: DocumentReport) -> None:
 
 
 def _is_nothing(bits: int | str) -> bool:
-    """Return True if a width is a number, without parameters, and not positive."""
+    """Return True if a width is a number, without parameters, and not positive: ``0`` or ``4 - 4``."""
     try:
         width = Expression.parse(bits)
     except ExpressionError:  # Reported by the rule on expressions.
@@ -354,7 +354,7 @@ def _check_frame(example: WrittenExample, report: DocumentReport) -> None:
 
 def check_example_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an example of a procedure has a value for each argument of the procedure."""
-    procedures = by_name(as_read.procedures)
+    procedures = by_name(as_read.procedures)  # Also invalid ones, which ``spec`` lacks.
     for example in spec.examples:
         procedure = procedures.get(example.procedure)
         if example.kind != "procedure" or procedure is None:

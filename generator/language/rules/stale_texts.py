@@ -122,7 +122,9 @@ def _check_wait(timing: Located[Timing], registers: Mapping[str, WrittenRegister
     The meaning of such a timing says ``write to the … register``.
     """
     match = re.search(r"\bwrite to the (.+?) register\b", timing.part.meaning)
-    register = registers.get(match[1].strip('"')) if match is not None else None
+    if match is None:
+        return
+    register = registers.get(match[1].strip('"'))
     wait_us = timing.part.at_least_us
     if register is None or register.wait_at_least_ms is None or wait_us is None:
         return

@@ -38,7 +38,7 @@ def check_interface_of_steps(spec: WrittenSpec, as_read: WrittenSpec, report: Do
 
 def check_register_of_argument(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the register whose limits apply to an argument is one of those to which steps write the argument."""
-    registers = by_name(as_read.registers)
+    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
     for procedure in spec.procedures:
         for argument in procedure.arguments:
             writes = [step for step in procedure.steps if step.do == "write" and step.value == argument.name]
@@ -54,7 +54,7 @@ def check_register_of_argument(spec: WrittenSpec, as_read: WrittenSpec, report: 
 def check_polled_values(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a poll waits for a value that its field can have."""
     registers = by_name(spec.registers)
-    groups = by_name(as_read.field_groups)
+    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
     for procedure in spec.procedures:
         for step in procedure.steps:
             register = registers.get(step.register)
@@ -165,12 +165,11 @@ def check_counted_requests(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
         repeated_steps = [step for step in procedure.steps if step.times is not None]
         if len(repeated_steps) != 1 or len(procedure.steps) == 1:  # Another rule checks a procedure of one step.
             continue
+        (repeated_step,) = repeated_steps
         for path, number in _counts_in_texts(procedure.data):
-            if number != repeated_steps[0].times:
-                message = (
-                    f"the text says {number} requests, but 'times' is {repeated_steps[0].times}; one of the two is"
-                    " wrong"
-                )
+            if number != repeated_step.times:
+                message = f"the text says {number} requests, but 'times' is {repeated_step.times}"
+                message += "; one of the two is wrong"
                 report.add("quantity-repeated", (*procedure.path, *path), message)
 
 

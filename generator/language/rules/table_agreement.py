@@ -131,6 +131,7 @@ def _wrong_code(code: str, start: str, spec: WrittenSpec) -> str:
     if not code.startswith(start):
         return f"{quoted(code)} does not begin with {quoted(start)}, as order codes do"
     for word in code.removeprefix(start).split("-"):
+        # An open part also accepts labels that match its expression.
         is_label = any(
             word in part.values or (part.open and re.fullmatch(part.open, word)) for part in spec.order_code.parts
         )

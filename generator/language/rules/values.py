@@ -410,9 +410,12 @@ def check_number_base(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 def check_typographic_quotes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no text begins and ends with typographic quotes, which YAML treats as part of the text."""
     for path, value in leaves_of(spec.data, report):
-        if isinstance(value, str) and len(value) > 1 and (value[0], value[-1]) in _TYPOGRAPHIC:
+        if not isinstance(value, str) or len(value) < 2:
+            continue
+        first_character, last_character = value[0], value[-1]
+        if (first_character, last_character) in _TYPOGRAPHIC:
             message = (
-                f"the quotes {value[0]} and {value[-1]} are part of this text; "
+                f"the quotes {first_character} and {last_character} are part of this text; "
                 f'write "{value[1:-1]}" with straight quotes'
             )
             report.add("typographic-quotes", path, message)

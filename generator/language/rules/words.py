@@ -153,8 +153,8 @@ def _belong_together(first: str, second: str) -> bool:
     """
     if _VOLTAGES.search(first) and _VOLTAGES.search(second):
         return True
-    plain_first, plain_second = (re.sub(r"[^a-z0-9]", "", signal.casefold()) for signal in (first, second))
-    return plain_first == plain_second
+    letters_and_digits = re.sub(r"[^a-z0-9]", "", first.casefold())
+    return letters_and_digits == re.sub(r"[^a-z0-9]", "", second.casefold())
 
 
 def _all_texts(spec: WrittenSpec) -> Iterator[tuple[Path, str]]:

@@ -110,9 +110,10 @@ class Part:
         self.about = about
         self.members = members
         self.is_sourced = is_sourced
-        camel = "".join(word.capitalize() for word in name.split("_"))
-        self.classes = tuple((camel if of is None else of).split())
-        #: The members by their names in the model.
+        name_in_camel_case = "".join(word.capitalize() for word in name.split("_"))
+        class_names = name_in_camel_case if of is None else of  # Separated by blanks.
+        self.classes = tuple(class_names.split())
+        #: The members by their names in the model. Of several with one name, the first counts.
         self.by_attribute = {member.attribute: member for member in reversed(members)}
 
 
