@@ -258,7 +258,8 @@ def _our_key(unknown_key: str, value_of_key: Any, allowed_keys: Collection[str])
 
 def _bytes_hint(listed_bytes: bytes) -> str:
     """Return the hint for several bytes instead of a number, which they are in one of two orders."""
-    big_endian, little_endian = (int.from_bytes(listed_bytes, order) for order in ("big", "little"))
+    big_endian = int.from_bytes(listed_bytes, "big")
+    little_endian = int.from_bytes(listed_bytes, "little")
     if big_endian == little_endian:
         return f"; write one number: {big_endian:#x}"
     return (

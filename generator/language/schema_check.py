@@ -278,7 +278,7 @@ def _remove_broken_items(validator: Any, document: Document, cut: set[Path], fil
                 stand_ins[path] = _stand_ins(error)
             elif is_missing_key and _can_be_incomplete(path):
                 is_complete = False
-            elif path:
+            elif path:  # The file as a whole cannot be removed.
                 places_to_cut.add(path)
         has_changed = not places_to_cut <= cut or len(stand_ins) > stand_ins_before
         if not has_changed:

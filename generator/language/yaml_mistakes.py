@@ -279,7 +279,7 @@ class CorrectedEvents:
 
     def _key_after_next(self) -> str | None:
         """Return the key after the next value, or None if the map ends there or the value is too long."""
-        depth = 0
+        depth = 0  # The level of nesting in the value.
         for index in range(_FURTHEST + 1):
             event = self._peek_event(index)
             if isinstance(event, yaml.CollectionStartEvent):

@@ -233,6 +233,7 @@ def _manufacturer_of(
     Report that its file is missing. A file with problems has been reported, and so has a spec without the key.
     """
     name = device_data["manufacturer"]
+    # A file with problems is not in ``makers``.
     has_file = any(str(file.data.get("manufacturer")) == name for file in manufacturer_files)
     if name not in makers and not has_file and "manufacturer" in document.data:
         hint = f"; known: {listed(sorted(makers))}; use the same name in both files" if makers else ""

@@ -53,7 +53,7 @@ def _used_words(raw_spec: Raw) -> Iterator[str]:
     for path, value in leaves(raw_spec):
         # The definition of a parameter, below ``parameters.NAME``, is not a use of its name.
         keys_of_use = path[2:] if path[0] == "parameters" else path
-        yield from (step for step in keys_of_use if isinstance(step, str))
+        yield from (step for step in keys_of_use if isinstance(step, str))  # Without the indices in lists.
         if isinstance(value, str) and path[-1] not in _PROSE:
             yield from _WORD.findall(value)
 
@@ -251,9 +251,10 @@ def _check_codes(name: str, definition: Raw, width: int, report: DocumentReport)
     """Check that each code fits into the field and is unique. The codes are texts such as ``0x10``."""
     first_text_by_code: dict[int, str] = {}
     for code_text in definition.get("by_code", {}):
-        code = int(code_text, 0)
+        code = int(code_text, 0)  # Base 0 reads 0x10 as hexadecimal.
         path = ("parameters", name, "by_code", code_text)
-        if code >> width:
+        has_too_many_bits = code >> width != 0
+        if has_too_many_bits:
             message = f"the code {code_text} does not fit into the {width} bits of '{definition['read_from']}'"
             report.add("value-too-wide", path, message, at_key=True)
         elif code in first_text_by_code:

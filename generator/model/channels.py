@@ -80,7 +80,10 @@ class PlacedChannels:
         return sum(channel.bits for channel in self.channels)
 
     def split(self, frame: int) -> tuple[int, ...]:
-        """Return the bits of each channel. The first channel has the highest bits of the frame."""
+        """Return the bits of each channel. The first channel has the highest bits of the frame.
+
+        With channels of 4 and 8 bits, the frame 0xABC has the bits 0xA and 0xBC.
+        """
         numbers = []
         low_bit = self.bits
         for channel in self.channels:

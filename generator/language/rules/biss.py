@@ -134,7 +134,7 @@ def check_biss_frame(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
     A frame without either is not checked. An erratum explains what the manual prints differently.
     """
     groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
-    crcs = by_part_name(as_read.crcs)  # Also invalid ones, which ``spec`` lacks.
+    crcs = by_part_name(as_read.crcs)
     for frame in layouts(spec):
         layout = frame.layout
         if layout is None or frame.interface != Biss.name or not frame.is_from_encoder:

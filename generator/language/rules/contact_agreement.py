@@ -106,6 +106,7 @@ def check_wires_of_contacts(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
     A signal that a connector and a cable both have once belongs to a contact and a wire of one line. If another
     connector and cable of the spec have the same titles, these two must have the same signal there too.
     """
+    # A connector and a cable with the same titles occur once for each interface.
     for connections in _connections_by_titles(spec).values():
         for connector, cable in connections[:_MOST_CONNECTIONS]:
             wires = _wires_by_contact(connector.part, cable.part)

@@ -78,6 +78,7 @@ def check_counts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport
                 kind = "counts" if words.startswith("counts") else "turns"
                 formula = formulas.get(kind)
                 number = _evaluate_formula(formula, parameters) if formula is not None else None
+                # Manuals print 4096 or 4,096.
                 if number is not None and number_text not in (str(number), f"{number:,}"):
                     message = (
                         f"the meaning says {number_text} {words}, but the value sets {number}; one of the two is wrong."

@@ -22,7 +22,7 @@ def check_order_code_references(spec: WrittenSpec, as_read: WrittenSpec, report:
     ``as_read`` is the spec before its invalid parts were removed, so names that only these define are known too.
     """
     resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
-    parts = by_name(as_read.order_code.parts)  # Also invalid ones, which ``spec`` lacks.
+    parts = by_name(as_read.order_code.parts)
     for part in spec.order_code.parts:
         # A part cannot be combined with itself.
         other_parts = [name for name in parts if name != part.name]

@@ -250,7 +250,7 @@ def check_alternative_references(spec: WrittenSpec, as_read: WrittenSpec, report
     Parameters and examples must name alternatives that exist, and examples their answers.
     """
     resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
-    alternatives = by_name(as_read.alternatives)  # Also invalid ones, which ``spec`` lacks.
+    alternatives = by_name(as_read.alternatives)
     for alternative in spec.alternatives:
         parameters_as_read = as_read.parameters.items()
         own_parameters = [name for name, parameter in parameters_as_read if parameter.alternative == alternative.name]

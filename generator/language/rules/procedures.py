@@ -69,7 +69,7 @@ def check_step_access(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
     To write one field of a register with other bits, a step reads the register first.
     """
     registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
-    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
+    groups = by_name(as_read.field_groups)
     for procedure in spec.procedures:
         for step in procedure.steps:
             register = _register_of(step, registers)
@@ -213,7 +213,7 @@ def check_written_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
 def check_procedure_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure with the name of a value of a register writes this value if it writes named ones there."""
     registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
-    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
+    groups = by_name(as_read.field_groups)
     for procedure in spec.procedures:
         name = procedure.name
         writes_by_register: dict[str, list[WrittenStep]] = {}

@@ -171,12 +171,13 @@ def _check_cable_clock(row: Located[CableLength], clock: Clock, report: Document
     place = "interfaces.ssi.clock.max_hz" if is_too_high else "interfaces.ssi.clock.min_hz"
     if has_erratum_at(report.document, place) or not (is_too_low or is_too_high):
         return
-    message = (
-        f"no clock is below {below_hz} Hz for cables shorter than {row.part.shorter_than_m} m: the clock is"
-        f" {lowest_hz} to {highest_hz} Hz"
-    )
     if is_too_high:
         message = f"{below_hz} Hz is above 'max_hz: {highest_hz}'"
+    else:
+        message = (
+            f"no clock is below {below_hz} Hz for cables shorter than {row.part.shorter_than_m} m: the clock is"
+            f" {lowest_hz} to {highest_hz} Hz"
+        )
     remedy = "correct one of the two. If this is what the manual says, add an erratum that affects"
     report.add("clock-range", (*row.path, "below_hz"), f"{message}; {remedy} {place}")
 

@@ -78,7 +78,8 @@ def check_serial_port(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
     }
     # Only if the note counts the start bit, its number of bits is that of the whole character.
     if "start bit" in rs485.note:
-        words_by_key["data_bits"] = (_CHARACTER, str(1 + port.data_bits + parity_bits + port.stop_bits))
+        bits_of_character = 1 + port.data_bits + parity_bits + port.stop_bits
+        words_by_key["data_bits"] = (_CHARACTER, str(bits_of_character))
     _compare_with_port(rs485.note, words_by_key, rs485, report)
 
 
