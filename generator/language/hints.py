@@ -169,7 +169,8 @@ def product_hint(expression_text: str) -> str:
     number = _FACTOR.search(expression_text)
     if number is None:
         return ""
-    corrected = f"{expression_text[: number.start()]}factor{expression_text[number.end() :]}"
+    text_before, text_after = expression_text[: number.start()], expression_text[number.end() :]
+    corrected = f"{text_before}factor{text_after}"
     try:
         Expression.parse(corrected)
     except ExpressionError:

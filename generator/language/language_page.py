@@ -117,6 +117,7 @@ def spec_pages() -> dict[str, str]:
     for page, (title, _) in _PAGES.items():
         pages[page] = [f"# {title}", _UP, *_describe_definitions(page, names, device["$defs"])]
     pages[_OTHER_FILES] = _other_files()
+    # The parts of a page are separated by empty lines.
     return {page: "\n\n".join([_MADE_FROM, *parts]).rstrip() + "\n" for page, parts in pages.items()}
 
 
@@ -127,9 +128,8 @@ def _list_of_pages(names: Iterable[str]) -> str:
         keys = ", ".join(link(code(name), f"{page}#{name}") for name in names if name in own_names)
         list_items.append(f"- {link(title, page)}: {keys}")
     list_items.append(f"- {link(_OTHER_FILES_TITLE, _OTHER_FILES)}")
-    return "\n".join(
-        ["This page describes the device file as a whole, its manual and its order codes. The others:", "", *list_items]
-    )
+    introduction = "This page describes the device file as a whole, its manual and its order codes. The others:"
+    return "\n".join([introduction, "", *list_items])
 
 
 def _describe_definitions(page: str, names: Iterable[str], definitions: Shape) -> Iterator[str]:

@@ -170,6 +170,7 @@ class LayeredSpec:
         for key, cited_document in overlay.data.get("documents", {}).items():
             documents = self._data.get("documents")
             if not documents:
+                # An empty map first, to which the document is added below.
                 documents_mark = replace(mark_at(overlay.marks, ("documents",)), children={}, file=overlay.file)
                 self._data, self._marks = with_value(self._data, self._marks, ("documents",), {}, documents_mark)
             elif key in documents and documents[key] != cited_document:

@@ -321,7 +321,7 @@ def place_to_remove(path: Path) -> Path:
         return path
     if "fields" in path[:-1]:
         return path[: path.index("fields")]
-    for length in range(len(path), 0, -1):
+    for length in range(len(path), 0, -1):  # From the innermost place outwards.
         is_list_item = isinstance(path[length - 1], int)
         if is_list_item:
             return path[:length]

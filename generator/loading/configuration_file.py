@@ -95,7 +95,8 @@ class _PlaceFinder:
             name = self._next_token()
             if name != ".":
                 place = self._place_of_token()
-                bare_name = name[1:-1] if name[0] in "\"'" else name
+                is_quoted = name[0] in "\"'"
+                bare_name = name[1:-1] if is_quoted else name
                 mark = mark.children.setdefault(bare_name, Mark(*place, *place))
             self._index += 1
         return mark

@@ -85,9 +85,8 @@ def read_history(spec: Path, report: Report) -> tuple[Release, ...]:
     if not file.is_file():
         return ()
     try:
-        releases = tuple(
-            _build_release(release) for release in json.loads(file.read_text(encoding="utf-8"))["releases"]
-        )
+        history_data = json.loads(file.read_text(encoding="utf-8"))
+        releases = tuple(_build_release(release) for release in history_data["releases"])
         if all(_has_only_texts(release) for release in releases):
             return releases
     except (OSError, ValueError, TypeError, KeyError):

@@ -337,7 +337,8 @@ def _check_choice(field: Field, choice: Choice, site: Site) -> None:
     # If the width is constant, the rules on the text have already checked it.
     if not field.width.is_constant:
         for value in choice.values:
-            if value.value >> field.widest:
+            has_too_many_bits = value.value >> field.widest != 0
+            if has_too_many_bits:
                 message = f"the value '{value.name}' = {value.value:#x} does not fit into {field.widest} bits"
                 site.report("value-too-wide", message)
     has_zero = any(value.value == 0 for value in choice.values)

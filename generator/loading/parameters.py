@@ -218,7 +218,8 @@ def extreme_states(raw_spec: Raw) -> Sequence[Sequence[State]]:
             values_by_code = {coded.code: coded.value for coded in coded_values(definition)}
             codes_by_field.setdefault(field, {})[name] = values_by_code
         elif field is not None:
-            states_of_limits.append([{name: definition[key]} for key in ("min", "max") if key in definition])
+            limits = [definition[key] for key in ("min", "max") if key in definition]
+            states_of_limits.append([{name: limit} for limit in limits])
     return [*states_of_limits, *map(coded_states, codes_by_field.values())]
 
 

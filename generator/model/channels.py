@@ -130,13 +130,14 @@ def channel_frame(interface: Interface) -> ChannelFrame | None:
 
 def frame_of_channels(channels: DataChannels, layouts: Sequence[Layout]) -> ChannelFrame:
     """Return the frame with these channels. All names in it must exist."""
-    ordered = tuple(member_named(layouts, name, "layout") for name in channels.order)
-    compared = [
-        ComparedField(layout, channels.compared[layout.name]) for layout in ordered if layout.name in channels.compared
-    ]
+    ordered_layouts = tuple(member_named(layouts, name, "layout") for name in channels.order)
+    compared_fields: list[ComparedField] = []
+    for layout in ordered_layouts:
+        if layout.name in channels.compared:
+            compared_fields.append(ComparedField(layout, channels.compared[layout.name]))
     return ChannelFrame(
-        layouts=ordered,
-        compared=tuple(compared),
+        layouts=ordered_layouts,
+        compared=tuple(compared_fields),
         compared_bits=channels.compared_bits or Expression(0),
         tolerance=channels.tolerance,
     )

@@ -59,6 +59,7 @@ def check_misspelt_name(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
         flag = by_name(owner.fields).get(alarm.part.field) if owner is not None else None
         if flag is None:
             continue
+        # The names by their keys, such as ("names", "it"), so that each is compared with that in its language.
         flag_names = dict(_printed_names(flag))
         for name_path, name in _printed_names(alarm.part):
             flag_name = flag_names.get(name_path, "")
@@ -378,9 +379,10 @@ def _only_difference(table: Table, earlier_table: Table) -> _CellPair | None:
 
 def _number_pairs(table: Table, earlier_table: Table, key_column: str, column: str) -> list[_CellPair]:
     """Return the pairs of cells in a column that are numbers, from the rows with the same cell in the key column."""
-    earlier_cells: dict[str, str] = {}
+    earlier_cells: dict[str, str] = {}  # The cells in the column by those in the key column.
     for row in earlier_table.rows:
-        earlier_cells[_text_of_cell(earlier_table, row, key_column)] = _text_of_cell(earlier_table, row, column)
+        key_cell = _text_of_cell(earlier_table, row, key_column)
+        earlier_cells[key_cell] = _text_of_cell(earlier_table, row, column)
     cell_pairs = []
     for row_number, row in enumerate(table.rows):
         key_cell = _text_of_cell(table, row, key_column)

@@ -160,10 +160,10 @@ def check_order_codes_in_texts(spec: WrittenSpec, as_read: WrittenSpec, report: 
     for path, text in leaves_of(spec.data, report):
         if not isinstance(text, str) or not _is_text(path):
             continue
-        for start, rest in code_in_text.findall(text):
-            unknown_label = _unknown_label(rest.rstrip(".,"), pieces)
+        for start, text_after_start in code_in_text.findall(text):
+            unknown_label = _unknown_label(text_after_start.rstrip(".,"), pieces)
             if unknown_label:
-                names = f"{quoted(start + rest)} names {quoted(unknown_label)}"
+                names = f"{quoted(start + text_after_start)} names {quoted(unknown_label)}"
                 message = f"{names}, which is not in the order code; correct one of the two"
                 report.add("left-behind", path, message)
                 break

@@ -55,8 +55,9 @@ def _named_texts(spec: WrittenSpec) -> Iterator[tuple[str, Path, str]]:
     for part in spec.order_code.parts:
         yield part.name, part.place_of("meaning"), part.meaning
     rs485 = spec.interfaces.rs485
-    for data_id in rs485.data_ids if rs485 is not None else ():
-        yield data_id.part.name, (*data_id.path, "meaning"), data_id.part.meaning
+    if rs485 is not None:
+        for data_id in rs485.data_ids:
+            yield data_id.part.name, (*data_id.path, "meaning"), data_id.part.meaning
     for field_list in field_lists(spec):
         for field in field_list.fields:
             yield field.name, field.place_of("meaning"), field.meaning

@@ -40,10 +40,11 @@ def check_characters(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
             printed = _CHARACTERS.search(field.meaning)
             if printed is None or not isinstance(field.equals, str) or not field.equals.isascii() or not field.text:
                 continue
-            digits = field.equals.encode("ascii").hex(" ").upper()
-            if printed[1] != digits:
+            printed_digits = printed[1]
+            digits = field.equals.encode("ascii").hex(" ").upper()  # 4C 41 for LA.
+            if printed_digits != digits:
                 message = (
-                    f"the meaning says {printed[1]}, but 'equals' is {quoted(field.equals)}, which is {digits} in"
+                    f"the meaning says {printed_digits}, but 'equals' is {quoted(field.equals)}, which is {digits} in"
                     " hexadecimal; one of the two is wrong"
                 )
                 report.add("printed-number", field.place_of("equals"), message)

@@ -131,6 +131,7 @@ def _find_ambiguity(spec: WrittenSpec) -> str:
     # Literals are at even indices, and names of parts at odd ones. Blanks on a label are ignored.
     parts = spec.order_code.parts
     pieces = _BRACES.split(spec.order_code.pattern)
+    names_of_parts = pieces[1::2]
     pieces[::2] = map(_without_blanks, pieces[::2])
     # With parts of fixed length each code splits at fixed places, so it can only be read as it was composed.
     has_fixed_lengths = all(map(_has_fixed_length, parts))
@@ -144,9 +145,9 @@ def _find_ambiguity(spec: WrittenSpec) -> str:
             return f"the code {quoted(code.text)} occurs twice: {occurrences}"
         if has_fixed_lengths:
             continue
-        first_readings = list(itertools.islice(_yield_readings(label, pieces, value_tests), 2))
-        if len(first_readings) == 2:
-            first, second = (_reading_text(pieces[1::2], reading) for reading in first_readings)
+        two_readings = list(itertools.islice(_yield_readings(label, pieces, value_tests), 2))
+        if len(two_readings) == 2:
+            first, second = (_reading_text(names_of_parts, reading) for reading in two_readings)
             return f"the code {quoted(code.text)} can be read as {first}, and as {second}"
     return ""
 
@@ -383,8 +384,7 @@ def _compose_codes(spec: WrittenSpec) -> list[_Code] | None:
     parts = spec.order_code.parts
     if math.prod(len(part.values) for part in parts) > MAX_CODES:
         return None
-    # For each part, its name with each of its labels and values.
-    choices = []
+    choices = []  # For each part, its name with each of its labels and values.
     for part in parts:
         choices.append([(part.name, label, value) for label, value in part.values.items()])
     codes = []
