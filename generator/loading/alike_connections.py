@@ -78,7 +78,8 @@ def compare_connectors(maker_document: Document, documents: Sequence[Document], 
             document = documents_by_device.get(device)
             if document is None:
                 continue
-            place = next((path for path, part in items(document.data, "connectors") if part.get("name") == name), None)
+            connectors = items(document.data, "connectors")
+            place = next((path for path, connector in connectors if connector.get("name") == name), None)
             if place is not None:
                 _compare_connector(contacts_by_line, document, place, report)
                 cables += _cable_at(document, place)
@@ -145,6 +146,7 @@ def _compare_connector(contacts_by_line: dict[_Line, _Contact], document: Docume
             has_erratum_at(either.document, "connectors", either.connector, "contacts", either.name)
             for either in (contact, first_contact)
         )
+        # A contact with several lines is reported once.
         if first_contact.name != contact.name and contact.path not in reported_paths and not is_explained:
             reported_paths.add(contact.path)
             _report_contact(line, contact, first_contact, report)

@@ -66,7 +66,8 @@ def _report_difference(
 ) -> None:
     """Report the first fact in which two devices differ, or nothing if they agree."""
     facts, common_facts = facts_by_file[document.file], facts_by_file[common.file]
-    for path in dict.fromkeys((*common_facts, *facts)):
+    all_paths = dict.fromkeys((*common_facts, *facts))  # Each once, in order.
+    for path in all_paths:
         value, common_value = facts.get(path, _ABSENT), common_facts.get(path, _ABSENT)
         if value == common_value:
             continue

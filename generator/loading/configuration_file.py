@@ -280,7 +280,7 @@ def _parse_toml(file: Path, toml_text: str, report: Report) -> dict[str, Any]:
         toml_data: dict[str, Any] = tomllib.loads(toml_text)
     except tomllib.TOMLDecodeError as error:
         line, column, message = _split_off_place(str(error), toml_text)
-        error_line = "".join(toml_text.splitlines()[line - 1 : line])
+        error_line = "".join(toml_text.splitlines()[line - 1 : line])  # Empty if the text has no such line.
         report.add_at(str(file), line, column, "toml-syntax", f"not valid TOML: {message}", text=error_line)
         return {}
     return toml_data

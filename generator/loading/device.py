@@ -259,7 +259,7 @@ def _build_parameter(name: str, raw_parameter: Raw, context: Context) -> Paramet
     if codes:
         coded_numbers = raw_parameter["by_code"].values()
         raw_parameter = {**raw_parameter, "min": min(coded_numbers), "max": max(coded_numbers)}
-    all_values: list[int] = []
+    all_values: list[int] = []  # 0 where a set lacks the parameter.
     for sets_of_interface in context.parameter_sets.values():
         all_values += [parameters.get(name, 0) for parameters in sets_of_interface]
     equals = context.definitions.get(name)

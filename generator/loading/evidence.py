@@ -110,7 +110,8 @@ def _build_release(release_data: dict[str, object]) -> Release:
     names = release_data.get("names", [])
     if not isinstance(names, list):
         raise TypeError
-    return Release(**{**release_data, "changes": released_changes, "names": tuple(names)})  # type: ignore[arg-type]
+    members = {**release_data, "changes": released_changes, "names": tuple(names)}
+    return Release(**members)  # type: ignore[arg-type]
 
 
 def _has_only_texts(release: Release) -> bool:

@@ -161,7 +161,8 @@ def kind_of(raw_field: Raw, context: Context, interface: str, width: Expression)
         one_or_more_names = raw_field["parity_of"]
         # One field is a text in the spec, several are a list.
         covered_names = (one_or_more_names,) if isinstance(one_or_more_names, str) else tuple(one_or_more_names)
-        return Parity(covered_names, raw_field.get("parity") == "odd", raw_field.get("over", ""))
+        is_odd = raw_field.get("parity") == "odd"
+        return Parity(covered_names, is_odd, raw_field.get("over", ""))
     if "digits" in raw_field:
         return Decimal(_digit_runs(raw_field["digits"]))
     if "text" in raw_field:
@@ -185,6 +186,7 @@ def _build_flag(raw_field: Raw, context: Context, interface: str) -> Flag:
     """
     verdict_parameter = ""
     verdict_if_set = None
+    # There is one entry at most.
     for parameter, verdict in raw_field.get("makes_position_if", {}).items():
         verdict_parameter = parameter
         verdict_if_set = Verdict(verdict)
@@ -256,6 +258,7 @@ def _digit_runs(digits: Sequence[Raw]) -> tuple[Digits, ...]:
     """
     runs = []
     divisor = 1
+    # From the least significant run, so that the divisor grows by the digits of each.
     for run in reversed(digits):
         modulus = 10 ** run["digits"]
         runs.append(record(Digits, run, divisor=divisor, modulus=modulus))

@@ -119,10 +119,10 @@ def _is_affected(field: Field, layout_path: str, erratum: Erratum) -> bool:
     places_with_field = [layout_path]
     if field.group:
         places_with_field.append(f"field_groups.{field.group}")
-    return any(
-        affected_place in erratum.affects or f"{affected_place}.{field.name}" in erratum.affects
-        for affected_place in places_with_field
-    )
+    for place in places_with_field:
+        if place in erratum.affects or f"{place}.{field.name}" in erratum.affects:
+            return True
+    return False
 
 
 def _verdicts_of_field(field: Field) -> Iterator[Verdict]:

@@ -51,8 +51,9 @@ def parse_sources(cited_text: str) -> Sources:
     for source_text in cited_text.split(";"):
         match = _SOURCE.fullmatch(source_text)
         if match is not None:
+            document = match["document"] or ""  # Empty for the manual.
             page = int(match["page"]) if match["page"] else None
-            parsed.append(Source(match["document"] or "", match["section"], page))
+            parsed.append(Source(document, match["section"], page))
     return tuple(parsed)
 
 

@@ -35,7 +35,7 @@ def check_gray_positions(device: Device, report: DocumentReport) -> None:
                 problem = _problem_of_counts(layout, measurement, variants)
             if problem is not None:
                 path: Path = ("interfaces", interface.name, "layouts", layout.name, "gray")
-                # Without a key, 'gray' itself is marked: it lacks 'excess'.
+                # A problem without a key is that 'excess' is missing. Then 'gray' itself is marked.
                 place = (*path, problem.key) if problem.key else path
                 report.add("gray-excess", place, problem.message, at_key=not problem.key)
 

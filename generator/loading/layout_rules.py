@@ -69,10 +69,10 @@ def _check_parts_of_join(join: Join, fields: Mapping[str, Field], site: Site) ->
             site.report("join-order", f"'{join.name}' contains '{name}' twice", "join", join.name, index)
             continue
         reason = _obstacle_to_join(fields[name].kind) if name in fields else ""
-        # A reason may already end with a remedy after a semicolon.
         if reason:
-            has_remedy = ";" in reason
-            remedy = f"{', or' if has_remedy else ';'} leave '{name}' out of '{join.name}'"
+            # A reason may already end with a remedy after a semicolon.
+            separator = ", or" if ";" in reason else ";"
+            remedy = f"{separator} leave '{name}' out of '{join.name}'"
             site.report("join-of", f"'{join.name}' contains '{name}', {reason}{remedy}", "join", join.name, index)
 
 
@@ -88,8 +88,9 @@ def _check_order_of_join(join: Join, fields: Mapping[str, Field], layout: Layout
     for index, (above, below) in enumerate(different_neighbours, 1):
         must_be_lower, must_be_higher = (above, below) if low_first else (below, above)
         if _is_above(fields[must_be_lower], fields[must_be_higher], site):
-            message = f"'{join.name}' has '{above}' above '{below}', but '{layout.name}' sends '{must_be_lower}' first"
-            site.report("join-order", message + _remedy_for_order(low_first, site), "join", join.name, index)
+            problem = f"'{join.name}' has '{above}' above '{below}', but '{layout.name}' sends '{must_be_lower}' first"
+            remedy = _remedy_for_order(low_first, site)
+            site.report("join-order", problem + remedy, "join", join.name, index)
 
 
 def _remedy_for_order(low_first: bool, site: Site) -> str:
@@ -153,6 +154,7 @@ def _obstacle_to_join(kind: Kind) -> str:
         return "which is active low"
     if not isinstance(kind, Number):
         return "which is not a number; define it with 'bits' and no kind"
+    # Only these two make a number differ from its bits.
     return "which is signed; leave 'signed' out" if kind.signed else "which has 'zero_means'; leave 'zero_means' out"
 
 

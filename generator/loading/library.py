@@ -355,9 +355,9 @@ def _compare_with_others(device: Device, other_devices: Sequence[Device], docume
     """Report a name that another family has, and the first order code that another family has."""
     if any(other_device.name == device.name for other_device in other_devices):
         report.add("duplicate-name", document, ("device",), f"there is another spec for '{device.name}'")
-    devices_by_code = {
-        variant.code: other_device for other_device in other_devices for variant in other_device.variants
-    }
+    devices_by_code: dict[str, Device] = {}
+    for other_device in other_devices:
+        devices_by_code.update((variant.code, other_device) for variant in other_device.variants)
     for variant in device.variants:
         if variant.code in devices_by_code:
             message = f"the order code {variant.code} also belongs to '{devices_by_code[variant.code].name}'"

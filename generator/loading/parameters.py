@@ -116,8 +116,9 @@ def _error_of_expression(expression_text: int | str, parameters: Mapping[str, in
         expression = Expression.parse(expression_text)
     except ExpressionError:
         return ""  # Reported by the rule on expressions.
+    are_known = parameters.keys() >= set(expression.parameters)  # An unknown name is reported by the same rule.
     try:
-        if parameters.keys() >= set(expression.parameters):  # Another name is reported by the rule on expressions.
+        if are_known:
             expression.value(parameters)
     except ExpressionError as error:
         return str(error)
@@ -366,7 +367,9 @@ def too_much_work(raw_spec: Raw, context: Context) -> bool:
     number_of_sets = sum(map(len, context.parameter_sets.values()))
     spec = WrittenSpec(dict(raw_spec))
     groups = by_name(spec.field_groups)
-    number_of_fields = sum(1 for fields in field_lists(spec) for _ in with_groups_expanded(fields, groups))
+    number_of_fields = 0
+    for fields in field_lists(spec):
+        number_of_fields += sum(1 for _ in with_groups_expanded(fields, groups))
     if number_of_sets <= MOST_SETS and number_of_sets * number_of_fields <= MOST_PLACES:
         return False
     number_text = f"more than {MOST_SETS}" if number_of_sets > MOST_SETS else str(number_of_sets)

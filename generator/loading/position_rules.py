@@ -147,7 +147,8 @@ def _highest_count_problem(case: _Case, fixed_values: Mapping[str, int]) -> KeyP
     ``fixed_values`` lacks numbers that depend on a register, which may be any.
     """
     for name, value in fixed_values.items():
-        is_highest = name not in _STEPS and value >= _SEVERAL and is_power_of_two(value + 1)
+        is_number_of_counts = name not in _STEPS
+        is_highest = is_number_of_counts and value >= _SEVERAL and is_power_of_two(value + 1)
         if is_highest:
             message = f"'{name}' is {value} for {case.variant.code}, which is the highest count"
             return KeyProblem(name, f"{message}; including 0 there are {value + 1}")
@@ -169,7 +170,8 @@ def _unit_problem(case: _Case, values: Mapping[str, int]) -> KeyProblem | None:
     if unit not in _NANOMETRES:
         return None
     # The step is the length of 'per_counts' counts, and the unit of the field that of one count.
-    if step_nm == _NANOMETRES[unit] * values.get("per_counts", 1):
+    length_by_unit_nm = _NANOMETRES[unit] * values.get("per_counts", 1)
+    if step_nm == length_by_unit_nm:
         return None
     message = f"'{key}' is {values[key]} for {case.variant.code}, but '{position_name}' has 'unit: {unit}'"
     return KeyProblem(key, f"{message}, so a count is 1 {unit}; correct one of the two, or write 'unit: counts'")
@@ -243,7 +245,8 @@ def _message_of_signed_range(case: _Case, field_text: str, total: int) -> str:
     if not is_power_of_two(total):
         message = f"{field_text} is signed, and its range does not follow from {total} counts for {case.variant.code}"
         return f"{message}; add 'highest', from which the lowest position follows: highest - {total} + 1"
-    if total == 1 << case.width:
+    uses_all_numbers = total == 1 << case.width
+    if uses_all_numbers:
         return ""
     message = f"{field_text} is signed and has {case.width} bits, but the position wraps around after {total} counts"
     remedy = "'position_range: {wraps: false}' if it never wraps around, otherwise give 'highest'"

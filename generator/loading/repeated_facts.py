@@ -99,7 +99,9 @@ def _shared_facts(
     for key, form in _COMMON[section].items():
         if key in register_or_crc.data:
             yield (key,), ((key,), _fact_text(form, register_or_crc.data[key]))
-    for index, field in enumerate(register_or_crc.fields if isinstance(register_or_crc, WrittenRegister) else ()):
+    if not isinstance(register_or_crc, WrittenRegister):
+        return  # A CRC has no fields.
+    for index, field in enumerate(register_or_crc.fields):
         if field.name:
             yield from _facts_of_field(field, ("fields", index))
 
@@ -413,6 +415,7 @@ def _check_selectors(device: Device, report: DocumentReport) -> None:
             field = next((candidate for candidate in layout.fields if candidate.name == layout.selector), None)
             if field is None:
                 continue  # Reported by the rule on references.
+            # A field has pieces in bytes only at a fixed place.
             if not field.pieces:
                 report.add(
                     "selector-place",

@@ -155,7 +155,8 @@ def _target_paths(names: Iterable[str], folder: Path) -> dict[str, Path]:
         parent, _, file_name = name.rpartition("/")
         target_folder = folders.setdefault(parent, folder / str(len(folders)))
         keeps_name = _PLAIN_NAME.fullmatch(file_name) and name.lower() not in used_names
-        paths[name] = target_folder / (file_name if keeps_name else f"{number}.yaml")
+        target_name = file_name if keeps_name else f"{number}.yaml"
+        paths[name] = target_folder / target_name
         used_names.add(name.lower())
     return paths
 
@@ -172,8 +173,10 @@ def _find_commit(revision: str) -> str:
     try:
         commit = _run_git(["rev-parse", "--verify", "--quiet", f"{revision}^{{commit}}"])
     except _Refused:
-        reference_names = _run_git(["for-each-ref", "--format=%(refname:short)"]).decode(errors="replace").split("\n")
-        hint = suggestion(revision, [name for name in reference_names if name][:_MOST_FILES])
+        # The names of all branches and tags, one a line.
+        listing = _run_git(["for-each-ref", "--format=%(refname:short)"]).decode(errors="replace")
+        reference_names = [name for name in listing.split("\n") if name]
+        hint = suggestion(revision, reference_names[:_MOST_FILES])
         raise RevisionError(f"there is no revision '{revision_text}' in this repository{visible(hint)}") from None
     return commit.decode().strip()
 
@@ -193,7 +196,7 @@ def _path_in_repository(revision_path: RevisionPath) -> str:
         path = posixpath.join(current_folder, path)
     if path:
         path = posixpath.normpath(path)
-    if path == ".":
+    if path == ".":  # The top of the repository.
         path = ""
     if path.startswith(("/", "../")) or path == ".." or "\0" in path:
         raise RevisionError(f"{visible(str(revision_path))} is outside the repository; paths are relative to its top")
@@ -282,7 +285,8 @@ def _run_git(arguments: Sequence[str], lines: Iterable[str] = (), max_bytes: int
             input_file.seek(0)
             code, printed = _run_command(command, input_file, errors, environment | _QUIET, max_bytes)
             errors.seek(0)
-            error_text = visible(errors.read(4096).decode(errors="replace").strip().split("\n")[0])
+            first_line, *_ = errors.read(4096).decode(errors="replace").strip().split("\n")
+            error_text = visible(first_line)
     except RevisionError:
         raise
     except FileNotFoundError:

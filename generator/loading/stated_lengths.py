@@ -27,9 +27,8 @@ def check_stated_lengths(device: Device, report: DocumentReport) -> None:
         return
     for interface in device.interfaces:
         for layout in interface.layouts:
-            lengths = sorted(
-                {layout.place(variant.parameters).bits for variant in device.variants_over(interface.name)}
-            )
+            variants = device.variants_over(interface.name)
+            lengths = sorted({layout.place(variant.parameters).bits for variant in variants})
             if not lengths:
                 continue
             note_path = ("interfaces", interface.name, "layouts", layout.name, "note")
