@@ -277,7 +277,8 @@ def _describe_limits(shape: Shape) -> str:
         limit_texts.append("not empty")
     max_entries = shape.get("maxItems", shape.get("maxProperties", _MOST_ENTRIES))
     if max_entries != _MOST_ENTRIES:
-        limit_texts.append(f"at most {max_entries} {'entry' if max_entries == 1 else 'entries'}")
+        noun = "entry" if max_entries == 1 else "entries"
+        limit_texts.append(f"at most {max_entries} {noun}")
     return ", ".join(limit_texts)
 
 

@@ -310,7 +310,8 @@ def _text_hint(error: Any) -> str:
         return "; give the number a name, under 'values' of a field of the register, and write the name"
     pattern = error.schema.get("pattern", "")
     # In quotes, true is a name. A number is not, so quotes would not help.
-    return "; put it in quotes" if re.search(pattern, str(error.instance).lower()) else ""
+    is_valid_in_quotes = re.search(pattern, str(error.instance).lower()) is not None
+    return "; put it in quotes" if is_valid_in_quotes else ""
 
 
 def _explain_enum(error: Any, subject: str) -> _RuleMessage:

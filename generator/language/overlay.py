@@ -225,9 +225,8 @@ class LayeredSpec:
             message = f"{quoted(path_text)} already has {quoted(label)}; change it with 'set'"
             self._report_problem("overlay-unused", layer, change_path, message)
         else:
-            self._put_value(
-                layer, change_path, (*path, len(current_value)), f"{_shorten_path(path_text)} without this item"
-            )
+            path_of_new_item = (*path, len(current_value))
+            self._put_value(layer, change_path, path_of_new_item, f"{_shorten_path(path_text)} without this item")
 
     def _add_key(self, layer: Layer, change_path: Path, path_text: str, missing_path: MissingPath) -> None:
         """Add the value of a change at a new key of an existing map. Only that key, the last step, may be missing."""

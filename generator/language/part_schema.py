@@ -95,7 +95,8 @@ def _value_schema(value_type: KeyType, key: Key) -> JsonSchema:
     """
     if value_type.container == "list":
         fewest: JsonSchema = {"minItems": key.least} if key.least else {}
-        return {"type": "array"} | fewest | {"maxItems": key.most, "items": _value_schema(value_type.inner, Key(""))}
+        items = _value_schema(value_type.inner, Key(""))  # A key without a description and limits.
+        return {"type": "array"} | fewest | {"maxItems": key.most, "items": items}
     if value_type.container == "one_or_more":
         return _one_or_more_schema(value_type.inner)
     if value_type.container == "map":

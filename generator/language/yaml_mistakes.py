@@ -143,13 +143,13 @@ def _about_bracket(lines: list[str], opened: Any, stopped: Any) -> str:
     A comment on its line may hide the closing bracket.
     """
     bracket = _character_at(lines, opened)
-    closing = {"{": "}", "[": "]"}.get(bracket, "bracket")
+    closing_bracket = {"{": "}", "[": "]"}.get(bracket, "bracket")
     is_at_end = stopped.line >= len(lines) - 1 and not _character_at(lines, stopped)
     limit = "the end of the file" if is_at_end else f"line {stopped.line + 1}"
     problem = f"the '{bracket}' that opens here is not closed by {limit}"
     if _COMMENT.search(lines[opened.line], opened.column):
         return f"{problem}: a '#' after a space begins a comment; put the text in quotes"
-    return f"{problem}; close it with '{closing}', or add the missing comma"
+    return f"{problem}; close it with '{closing_bracket}', or add the missing comma"
 
 
 def _describe_problem(problem: str, character: str, at_end: bool) -> str:

@@ -236,6 +236,7 @@ def _crc_faults(located_crc: Located[Crc]) -> Iterator[tuple[str, str]]:
     """
     crc = located_crc.part
     is_valid = 0 < crc.width <= 64 and located_crc.is_valid("xorout")
+    # A larger number is reported as too wide.
     if is_valid and crc.xorout < _all_ones(crc.width):
         if crc.xorout in _INVERTED:
             yield "xorout", _inverts_another_width(crc)

@@ -158,7 +158,11 @@ def _compare_signals(
         if signal is None or _plain_signal(signal) == _plain_signal(contact.signal):
             continue
         places = ((connector.part.name, contact.contact), (cable.part.name, wire))
-        if not any(has_erratum_at(report.document, "connectors", name, "contacts", place) for name, place in places):
+        is_explained = any(
+            has_erratum_at(report.document, "connectors", name, "contacts", contact_name)
+            for name, contact_name in places
+        )
+        if not is_explained:
             message = (
                 f"contact {quoted(contact.contact)} and the wire {quoted(wire)} have the same line over another"
                 f" interface, but {quoted(contact.signal)} and {quoted(signal)} here; correct one of the tables"
@@ -180,10 +184,11 @@ def check_order_of_pairs(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
         pairs = list(_yield_pairs(connector.part, contacts_by_name))
         for pair in pairs:
             problem = _wrong_order(pair, pairs)
-            if problem and {pair.plain_index, pair.inverted_index} not in statements:
+            indices = {pair.plain_index, pair.inverted_index}
+            if problem and indices not in statements:
                 statement = f"{pair.first} is on a lower contact than {pair.second}"
                 message = f"{problem}; correct it, or say in a 'note' that {statement}"
-                path = (*connector.path, "contacts", min(pair.plain_index, pair.inverted_index), "signal")
+                path = (*connector.path, "contacts", min(indices), "signal")
                 report.add("pair-order", path, message)
 
 

@@ -139,9 +139,11 @@ def _report_missing_frame(
 ) -> None:
     """Report a data ID with a request but no reply, or with a reply but no request, except those of memory accesses."""
     number = data_id.part.id
-    is_complete = (number in requested_ids) == (number in replied_ids)
+    has_request = number in requested_ids
+    has_reply = number in replied_ids
+    is_complete = has_request == has_reply
     if data_id.is_valid("id") and not is_complete and data_id.part.purpose not in _OF_MEMORY:
-        kind, other_kind = ("request", "reply") if number in requested_ids else ("reply", "request")
+        kind, other_kind = ("request", "reply") if has_request else ("reply", "request")
         message = (
             f"the data ID {number:#x} of {quoted(data_id.part.name)} has a {kind}, but no {other_kind}; add it to"
             f" 'when' of the layout of its {other_kind}"

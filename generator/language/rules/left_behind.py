@@ -76,7 +76,8 @@ def _check_shown_default(example: WrittenExample, register: WrittenRegister, rep
     if not default_digits or shown_digits == default_digits:
         return
     message = f"the example shows the default of {quoted(example.register)}, which is {register.default:#x}"
-    if shown_digits == bytes.fromhex(default_digits)[::-1].hex():
+    digits_in_other_order = bytes.fromhex(default_digits)[::-1].hex()
+    if shown_digits == digits_in_other_order:
         message += ", in the other byte order; correct 'byte_order', 'default' or the bytes"
     else:
         message += "; correct one of the two, or give the example another name"

@@ -154,8 +154,8 @@ def _check_limit(condition: WrittenCondition, report: DocumentReport) -> None:
     if is_word:
         for index, word in enumerate(condition.is_ or ()):
             _check_word(word, name, (*path, "is", index), report)
-    lowest = _Bound("at_least", condition.at_least)
-    _check_bounds(lowest, _Bound("at_most", condition.at_most), path, report)
+    lowest, highest = _Bound("at_least", condition.at_least), _Bound("at_most", condition.at_most)
+    _check_bounds(lowest, highest, path, report)
 
 
 class _Bound(NamedTuple):
@@ -314,7 +314,7 @@ def _check_writing(master: WrittenMaster, report: DocumentReport) -> None:
 
     A condition says with ``after`` which settings are written before those in ``of``.
     """
-    earlier_settings: dict[str, set[str]] = {}
+    earlier_settings: dict[str, set[str]] = {}  # For each setting, those that are written before it.
     for condition in master.writing:
         _check_write_condition(condition, master, report)
         for name in condition.of:

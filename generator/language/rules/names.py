@@ -136,7 +136,7 @@ def check_duplicate_field(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 
 def check_duplicate_selection(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that each value of the selecting field identifies one frame of its sender and interface."""
-    first_names: dict[tuple[str, str, int], str] = {}
+    first_names: dict[tuple[str, str, int], str] = {}  # The first frame with each value.
     for frame in layouts(spec):
         sender = frame.layout.from_ if frame.layout is not None else ""
         for selector, values in frame.selectors.items():
@@ -241,7 +241,7 @@ def _check_unique(named_values: Iterable[Named], word: str, report: DocumentRepo
         value_text = f"{value:#04x}" if isinstance(value, int) else quoted(value)
         line, _ = report.document.position(first_path)
         message = f"there is already {word} {value_text} on line {line}; rename one of them"
-        is_key_of_join = path[-2] == "join"
+        is_key_of_join = path[-2] == "join"  # The name of a join is a key, not a value.
         report.add("duplicate-name", path, message, at_key=is_key_of_join)
 
 

@@ -170,6 +170,7 @@ def check_equal_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
     A text that gives bits and their number, as in ``bits 7:4, which are 4 bits``, must agree as well.
     """
     for path, text in _own_texts(spec, report):
+        # The first expression finds ``16 is 10h``, and the second one ``0x10 = 16``.
         number_pairs = [(decimal, hexadecimal) for decimal, hexadecimal in _EQUAL.findall(text)]
         number_pairs += [(decimal, hexadecimal) for hexadecimal, decimal in _EQUAL_HEX.findall(text)]
         for decimal, hexadecimal in number_pairs:

@@ -335,6 +335,7 @@ def check_units(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport)
     """
     for field_list in field_lists(spec):
         for field in field_list.fields:
+            # None unless ``equals`` is only the name of a parameter.
             equal_parameter = as_read.parameters.get(str(field.equals))
             equal_unit = equal_parameter.unit if equal_parameter is not None else ""
             if field.unit and equal_unit and kind_of_unit(field.unit) != kind_of_unit(equal_unit):
@@ -369,7 +370,7 @@ def check_parameter_cycle(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
     for name, parameter in spec.parameters.items():
         if parameter.equals is not None:
             definitions[name] = _parameters_in(parameter.equals)
-    settled: set[str] = set()
+    settled: set[str] = set()  # Parameters that need no further search.
     for name in definitions:
         cycle = _find_cycle(name, definitions, settled)
         if cycle:

@@ -247,7 +247,8 @@ def _own_verdicts(
     """
     for name, value_name in combination.when.items():
         field = fields_by_name[name]
-        if not field.has("active"):
+        is_flag = field.has("active")
+        if not is_flag:
             value = field.values.get(value_name)
             yield f"{quoted(name)} alone", value.makes_position if value is not None else ""
         elif value_name == "active":
