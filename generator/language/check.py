@@ -119,7 +119,8 @@ def _check_device(checked: SchemaResult, document: Document, report: Report) -> 
         recording_report.noted = []
         rule(spec, as_read, recording_report)
         reported_paths = recording_report.noted
-        if rule in FOUNDATIONS and any(path[0] in _NO_CODES for path in reported_paths):
+        has_fault_in_codes = any(path[0] in _NO_CODES for path in reported_paths)
+        if rule in FOUNDATIONS and has_fault_in_codes:
             are_codes_whole = False
         if rule in SHAPES:
             removed_places.update(place_to_remove(path) for path in reported_paths)
@@ -143,6 +144,7 @@ def _with_stand_ins(checked_data: dict[str, Any], are_codes_whole: bool, documen
     ``are_codes_whole`` is False if order codes and parameters are broken. Then they are empty.
     """
     family = document.family or family_of(document.file)
+    # Later maps take precedence: a stand-in is used only for a key that the data lack.
     completed_data = {"device": family, **_STAND_INS, **checked_data}
     if not are_codes_whole:
         completed_data |= _NO_CODES

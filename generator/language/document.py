@@ -86,7 +86,7 @@ class Document:
         if not marks:
             return 1, 1
         mark = marks[-1]
-        if at_key or len(marks) < len(path):
+        if at_key or len(marks) < len(path):  # With fewer marks than steps, the last one is that of an ancestor.
             return mark.key_line, mark.key_column
         return mark.line, mark.column
 
@@ -257,7 +257,7 @@ def _inner_steps(node: Any) -> dict[str | int, str | int]:
         return {}
     steps: dict[str | int, str | int] = {index: index for index in range(len(node))}
     for index, child in enumerate(node):
-        steps.setdefault(label_of(child) or index, index)
+        steps.setdefault(label_of(child) or index, index)  # Its index is a step already.
     return steps
 
 
@@ -387,7 +387,7 @@ class Affected:
 
     def at(self, affected: str) -> list[Any]:
         """Return every value in the data to which a path such as ``registers.preset`` refers."""
-        nodes = [self._data]
+        nodes = [self._data]  # Everything to which the steps so far refer.
         for step in affected.split("."):
             nodes = [match for node in nodes for match in self._find_named(node, step)]
         return nodes

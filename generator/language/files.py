@@ -115,6 +115,7 @@ class _Search:
             folder = folders.popleft()
             entries = self._list_entries(folder)
             names = {folder_entry.name for folder_entry in entries}
+            # The root is searched even if it is an environment or a repository.
             if folder != root and self._is_left_out(folder, names):
                 continue
             self._names_left -= len(entries)
@@ -207,19 +208,21 @@ def top_keys(path: Path) -> frozenset[str] | None:
             content = file.read(_LOOKED_AT)
     except (OSError, ValueError):
         return None
-    # Specs are not UTF-16, but such a file must be rejected and not skipped. Without its NULs and its mark, the keys
-    # are found.
+    # Specs are not UTF-16, but such a file must be rejected and not skipped. Without its NULs and its byte order mark,
+    # the keys are found.
     text = content.replace(b"\0", b"").lstrip(b"\xef\xbb\xbf\xff\xfe")
     text = re.sub(rb"\r\n?", b"\n", text)
     first_content = _CONTENT.search(text)
     if first_content is None:
         return frozenset()
-    if first_content[0].endswith(b"{"):  # As in JSON. Keys on all levels are found.
+    is_json = first_content[0].endswith(b"{")
+    if is_json:  # Keys on all levels are found.
         pattern = _KEY
     else:
         # Keys at the top level have the same indentation as the first one.
         # A line break is found faster than the beginning of a line.
-        pattern = rb"\n" + re.escape(first_content[1]) + _KEY
+        indentation = first_content[1]
+        pattern = rb"\n" + re.escape(indentation) + _KEY
     keys = re.findall(pattern, b"\n" + text, re.MULTILINE)
     return frozenset(key.decode() for key in keys)
 

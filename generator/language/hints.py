@@ -169,7 +169,8 @@ def product_hint(expression_text: str) -> str:
     number = _FACTOR.search(expression_text)
     if number is None:
         return ""
-    corrected = f"{expression_text[: number.start()]}factor{expression_text[number.end() :]}"
+    text_before, text_after = expression_text[: number.start()], expression_text[number.end() :]
+    corrected = f"{text_before}factor{text_after}"
     try:
         Expression.parse(corrected)
     except ExpressionError:
@@ -191,10 +192,11 @@ def value_hint(key: str, wrong_value: Any, schema: Mapping[str, Any]) -> str:
         return f"; write {_YES_OR_NO[text]}" if text in _YES_OR_NO else ""
     if required_type != "object" or len(required_keys) != 1 or isinstance(wrong_value, dict | list | type(None)):
         return ""
+    (required_key,) = required_keys
     if isinstance(wrong_value, bool):
-        form = _FORMS.get(key, f"{{{required_keys[0]}: NAME}}")
+        form = _FORMS.get(key, f"{{{required_key}: NAME}}")
     else:
-        form = f"{{{required_keys[0]}: {wrong_value}}}"
+        form = f"{{{required_key}: {wrong_value}}}"
     return f"; write '{key}: {form}'"
 
 
@@ -226,7 +228,8 @@ def foreign_key_hint(
         return f"; leave it out, because '{our_key}' says the same"
     if our_key == "active":
         # Both 'active_low: true' and 'active_high: false' mean low.
-        is_low = (unknown_key.lower() == "active_low") == (value_of_key is not False)
+        names_low = unknown_key.lower() == "active_low"
+        is_low = names_low if value_of_key is not False else not names_low
         return "; write 'active: low'" if is_low else "; write 'active: high'"
     if our_key in _VALUES:
         word = _VALUES[our_key].get(str(value_of_key).lower().replace("-", "_"), "")
@@ -234,8 +237,9 @@ def foreign_key_hint(
     # A type such as uint16_t gives the length or the number of bits.
     type_bits = _TYPE_BITS.fullmatch(str(value_of_key).lower())
     if type_bits is not None:
-        bits = int(type_bits[1] or type_bits[2])
-        return f"; write '{our_key}: {bits // 8 if our_key == 'length' else bits}'"
+        bits = int(type_bits[1] or type_bits[2])  # One of the groups, for uint16_t and for u16, is empty.
+        number = bits // 8 if our_key == "length" else bits
+        return f"; write '{our_key}: {number}'"
     return f"; it is called '{our_key}' here"
 
 
@@ -247,14 +251,16 @@ def _our_key(unknown_key: str, value_of_key: Any, allowed_keys: Collection[str])
     """
     candidates = [our_key for our_key in _ELSEWHERE.get(unknown_key.lower(), ()) if our_key in allowed_keys]
     for our_key in candidates:
-        if word_hint(our_key, value_of_key) or value_of_key in _VALUES.get(our_key, {}).values():
+        our_words = _VALUES.get(our_key, {}).values()
+        if word_hint(our_key, value_of_key) or value_of_key in our_words:
             return our_key
     return candidates[0] if candidates else ""
 
 
 def _bytes_hint(listed_bytes: bytes) -> str:
     """Return the hint for several bytes instead of a number, which they are in one of two orders."""
-    big_endian, little_endian = (int.from_bytes(listed_bytes, order) for order in ("big", "little"))
+    big_endian = int.from_bytes(listed_bytes, "big")
+    little_endian = int.from_bytes(listed_bytes, "little")
     if big_endian == little_endian:
         return f"; write one number: {big_endian:#x}"
     return (
@@ -268,6 +274,7 @@ def _fraction_hint(key: str, fraction: float) -> str:
     A lower bound is rounded up and an upper one down, unless it would be 0. Others are not rounded.
     """
     unit = _unit_of_key(key)
+    # Small frequencies and baud rates are more likely in a larger unit.
     if unit in _LARGER and fraction > 0:
         return _larger_unit_hint(unit, fraction)
     if key == "step_um":
@@ -288,6 +295,7 @@ def _larger_unit_hint(unit: str, fraction: float) -> str:
     ``unit`` is ``hz`` or ``baud``.
     """
     prefix, power = ("k", 3) if fraction >= _LIKELY_KILO else ("M", 6)
+    # From the shortest decimal form: 2.1 means 21/10, not the nearest binary fraction.
     converted = Fraction(str(fraction)) * 10**power
     if converted.denominator != 1:
         return f"; there are no fractions of {_LARGER[unit]}"
@@ -316,13 +324,17 @@ def _polynomial_hint(polynomial_text: str) -> str:
 
 def polynomial_powers(polynomial_text: str) -> set[int]:
     """Return the powers of a polynomial such as ``x^6 + x + 1``."""
-    terms = re.sub(r"\s", "", polynomial_text.lower()).split("+")
+    without_blanks = re.sub(r"\s", "", polynomial_text.lower())
+    terms = without_blanks.split("+")
     return set(map(_parse_power, terms))
 
 
 def _parse_power(term: str) -> int:
-    """Return the power of a term such as ``x^6``, ``x`` or ``1``."""
-    return int(term.partition("^")[2] or 1) if term.startswith("x") else 0
+    """Return the power of a term: 6 for ``x^6``, 1 for ``x`` and 0 for ``1``."""
+    _, _, power_text = term.partition("^")
+    if not term.startswith("x"):
+        return 0
+    return int(power_text) if power_text else 1
 
 
 def key_hint(unknown_key: str, value_of_key: Any, known_keys: Iterable[str]) -> str:
@@ -363,7 +375,9 @@ def _keys_of_same_kind(stem: str, unit: str, known_keys: Iterable[str]) -> list[
             keys_of_kind.append(known_key)
     stems = {_remove_unit(known_key) for known_key in keys_of_kind}
     meant_stem = stem if stem in stems else nearest_choice(stem, list(stems))
-    return [known_key for known_key in keys_of_kind if meant_stem and _remove_unit(known_key) == meant_stem]
+    if not meant_stem:
+        return []
+    return [known_key for known_key in keys_of_kind if _remove_unit(known_key) == meant_stem]
 
 
 def _best_unit(keys: list[str], value_of_key: Any, unit: str) -> str:
@@ -403,7 +417,11 @@ def _name_unit(unit: str) -> str:
 
 def _convert_number(number: Fraction, unit: str, target_unit: str) -> int | None:
     """Return the number in another unit of the same kind, or None if the kind differs or the result is not whole."""
-    if unit not in _UNITS or target_unit not in _UNITS or _UNITS[unit][0] != _UNITS[target_unit][0]:
+    if unit not in _UNITS or target_unit not in _UNITS:
         return None
-    exact = number * Fraction(10) ** (_UNITS[unit][1] - _UNITS[target_unit][1])
-    return int(exact) if exact.denominator == 1 else None
+    base_unit, power = _UNITS[unit]
+    target_base_unit, target_power = _UNITS[target_unit]
+    if base_unit != target_base_unit:
+        return None
+    converted = number * Fraction(10) ** (power - target_power)
+    return int(converted) if converted.denominator == 1 else None

@@ -117,6 +117,7 @@ def spec_pages() -> dict[str, str]:
     for page, (title, _) in _PAGES.items():
         pages[page] = [f"# {title}", _UP, *_describe_definitions(page, names, device["$defs"])]
     pages[_OTHER_FILES] = _other_files()
+    # The parts of a page are separated by empty lines.
     return {page: "\n\n".join([_MADE_FROM, *parts]).rstrip() + "\n" for page, parts in pages.items()}
 
 
@@ -127,9 +128,8 @@ def _list_of_pages(names: Iterable[str]) -> str:
         keys = ", ".join(link(code(name), f"{page}#{name}") for name in names if name in own_names)
         list_items.append(f"- {link(title, page)}: {keys}")
     list_items.append(f"- {link(_OTHER_FILES_TITLE, _OTHER_FILES)}")
-    return "\n".join(
-        ["This page describes the device file as a whole, its manual and its order codes. The others:", "", *list_items]
-    )
+    introduction = "This page describes the device file as a whole, its manual and its order codes. The others:"
+    return "\n".join([introduction, "", *list_items])
 
 
 def _describe_definitions(page: str, names: Iterable[str], definitions: Shape) -> Iterator[str]:
@@ -227,7 +227,8 @@ def _yield_rows(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[
         type_and_limits = f"{_describe_type(inner)}, {limits}" if limits else _describe_type(inner)
         definition = definitions.get(_definition_name(inner), {})
         meaning = inner.get("description") or definition.get("description", "")
-        yield code(prefix + name), "required" if name in required_keys else "", type_and_limits, escape(meaning)
+        required_text = "required" if name in required_keys else ""
+        yield code(prefix + name), required_text, type_and_limits, escape(meaning)
         is_one_or_more = "properties" in inner and "items" in inner
         if not is_one_or_more:  # Otherwise, the section of its items has the keys.
             yield from _yield_rows(inner, definitions, f"{prefix}{name}.")
@@ -276,7 +277,8 @@ def _describe_limits(shape: Shape) -> str:
         limit_texts.append("not empty")
     max_entries = shape.get("maxItems", shape.get("maxProperties", _MOST_ENTRIES))
     if max_entries != _MOST_ENTRIES:
-        limit_texts.append(f"at most {max_entries} {'entry' if max_entries == 1 else 'entries'}")
+        noun = "entry" if max_entries == 1 else "entries"
+        limit_texts.append(f"at most {max_entries} {noun}")
     return ", ".join(limit_texts)
 
 

@@ -310,7 +310,8 @@ def _text_hint(error: Any) -> str:
         return "; give the number a name, under 'values' of a field of the register, and write the name"
     pattern = error.schema.get("pattern", "")
     # In quotes, true is a name. A number is not, so quotes would not help.
-    return "; put it in quotes" if re.search(pattern, str(error.instance).lower()) else ""
+    is_valid_in_quotes = re.search(pattern, str(error.instance).lower()) is not None
+    return "; put it in quotes" if is_valid_in_quotes else ""
 
 
 def _explain_enum(error: Any, subject: str) -> _RuleMessage:
@@ -328,6 +329,7 @@ def _explain_enum(error: Any, subject: str) -> _RuleMessage:
 def _explain_const(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a value that must be another one, such as the version of the language."""
     value, required_value = error.instance, error.validator_value
+    # The key 'codewheel' has the version of the language.
     is_later_version = type(value) is int and subject == "'codewheel'" and value > required_value
     hint = "; a later version of codewheel can read this file" if is_later_version else ""
     return _RuleMessage("not-allowed", f"{subject} must be {quoted(required_value)}, not {quoted(value)}{hint}")

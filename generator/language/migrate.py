@@ -25,8 +25,8 @@ def migrate(document: Document) -> tuple[Edit, ...]:
     """Give the keys of a document, in data and marks, their current names, and return the same edits for its text."""
     edits = []
     for path, new_key in renamed_keys(document):
-        parent_path = path[:-1]
-        old_key = path[-1]
+        *steps_to_parent, old_key = path
+        parent_path = tuple(steps_to_parent)
         mapping = value_at(document.data, parent_path)
         line, column = document.position(path, at_key=True)
         if old_key not in mapping:
@@ -51,6 +51,8 @@ def edited(spec_text: str, edits: Iterable[Edit]) -> str:
     """
     line_starts = [0, *(line_break.end() for line_break in LINE_BREAK.finditer(spec_text))]
     for edit in sorted(edits, key=lambda edit: (edit.line, edit.column), reverse=True):
-        key_start = spec_text.index(edit.old, line_starts[edit.line - 1] + edit.column - 1)
-        spec_text = spec_text[:key_start] + edit.new + spec_text[key_start + len(edit.old) :]
+        edited_place = line_starts[edit.line - 1] + edit.column - 1  # Lines and columns count from 1.
+        key_start = spec_text.index(edit.old, edited_place)
+        key_end = key_start + len(edit.old)
+        spec_text = spec_text[:key_start] + edit.new + spec_text[key_end:]
     return spec_text

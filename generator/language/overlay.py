@@ -127,7 +127,7 @@ class LayeredSpec:
         """
         self._set = {}
         for layer in layers:
-            if layer.document.file != self._base.file:
+            if layer.document.file != self._base.file:  # The layer of an edition is in the spec itself.
                 self._other_files[layer.document.file] = layer.document.lines
             self._add_documents(layer)
             for number, change in enumerate(layer.changes):
@@ -154,7 +154,8 @@ class LayeredSpec:
         needed_key = _VALUE_OF.get(change_kind)
         for key in _VALUE_OF.values():
             is_needed = key == needed_key
-            if (key in change) != is_needed:
+            is_given = key in change
+            if is_given != is_needed:
                 verb = "needs" if is_needed else "cannot have"
                 message = f"a change with {quoted(change_kind)} {verb} {quoted(key)}"
                 self._report_problem("overlay-change", layer, (change_number,), message)
@@ -169,6 +170,7 @@ class LayeredSpec:
         for key, cited_document in overlay.data.get("documents", {}).items():
             documents = self._data.get("documents")
             if not documents:
+                # An empty map first, to which the document is added below.
                 documents_mark = replace(mark_at(overlay.marks, ("documents",)), children={}, file=overlay.file)
                 self._data, self._marks = with_value(self._data, self._marks, ("documents",), {}, documents_mark)
             elif key in documents and documents[key] != cited_document:
@@ -191,12 +193,14 @@ class LayeredSpec:
                 layer, (change_number, change_kind), was=change[change_kind], now="", affects="", is_known=False
             )
             return
-        places_in_spec = change[change_kind] if isinstance(change[change_kind], list) else [change[change_kind]]
-        for index, text in enumerate(places_in_spec):
+        place_or_places = change[change_kind]
+        is_list = isinstance(place_or_places, list)
+        for index, text in enumerate(place_or_places if is_list else [place_or_places]):
             change_path: Path = (change_number, change_kind)
-            if isinstance(change[change_kind], list):
+            if is_list:
                 change_path = (*change_path, index)
-            if text.partition(".")[0] in _FIXED:
+            first_step, _, _ = text.partition(".")
+            if first_step in _FIXED:
                 message = f"an overlay cannot change {quoted(text)}, only facts about the encoder"
                 self._report_problem("overlay-change", layer, change_path, message)
             elif change_kind == "add":
@@ -221,13 +225,12 @@ class LayeredSpec:
             message = f"{quoted(path_text)} already has {quoted(label)}; change it with 'set'"
             self._report_problem("overlay-unused", layer, change_path, message)
         else:
-            self._put_value(
-                layer, change_path, (*path, len(current_value)), f"{_shorten_path(path_text)} without this item"
-            )
+            path_of_new_item = (*path, len(current_value))
+            self._put_value(layer, change_path, path_of_new_item, f"{_shorten_path(path_text)} without this item")
 
     def _add_key(self, layer: Layer, change_path: Path, path_text: str, missing_path: MissingPath) -> None:
         """Add the value of a change at a new key of an existing map. Only that key, the last step, may be missing."""
-        last_step = path_text.rpartition(".")[2]
+        _, _, last_step = path_text.rpartition(".")
         parent = value_at(self._data, missing_path.existing_path)
         if missing_path.step != last_step or not isinstance(parent, dict):
             self._report_missing_place(layer, change_path, path_text, missing_path)
@@ -274,12 +277,14 @@ class LayeredSpec:
     def _put_value(self, layer: Layer, change_path: Path, path: Path, was: str) -> None:
         """Put the value of a change at a path, and record it. ``was`` is the text for the value before."""
         number = place_number(change_path)
-        key = _VALUE_OF[str(change_path[1])]
+        change_kind = str(change_path[1])
+        key = _VALUE_OF[change_kind]  # 'to' or 'value'
         value = layer.changes[number][key]
         mark = mark_at(layer.document.marks, (*layer.path, number, key))
         overlay_file = "" if layer.document.file == self._base.file else layer.document.file
         self._data, self._marks = with_value(self._data, self._marks, path, value, from_file(mark, overlay_file))
-        now = _value_text(value, layer.document.line(mark.line)[mark.column - 1 :])
+        text_from_value = layer.document.line(mark.line)[mark.column - 1 :]
+        now = _value_text(value, text_from_value)
         self._record_change(layer, change_path, was=was, now=now, affects=as_affected(self._data, path), is_known=True)
 
     def _record_change(
@@ -345,8 +350,8 @@ def _value_text(changed_value: Any, text_from_value: str) -> str:
     """
     if isinstance(changed_value, int) and not isinstance(changed_value, bool):
         words_of_line = text_from_value.split(maxsplit=1)
-        number = words_of_line[0].rstrip(",}]") if words_of_line else ""
-        return number if number.startswith("0x") else str(changed_value)
+        number_as_written = words_of_line[0].rstrip(",}]") if words_of_line else ""
+        return number_as_written if number_as_written.startswith("0x") else str(changed_value)
     text = _format_value(changed_value)
     return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
 

@@ -95,7 +95,8 @@ def _value_schema(value_type: KeyType, key: Key) -> JsonSchema:
     """
     if value_type.container == "list":
         fewest: JsonSchema = {"minItems": key.least} if key.least else {}
-        return {"type": "array"} | fewest | {"maxItems": key.most, "items": _value_schema(value_type.inner, Key(""))}
+        items = _value_schema(value_type.inner, Key(""))  # A key without a description and limits.
+        return {"type": "array"} | fewest | {"maxItems": key.most, "items": items}
     if value_type.container == "one_or_more":
         return _one_or_more_schema(value_type.inner)
     if value_type.container == "map":
@@ -138,7 +139,8 @@ def schema_with_parts(text: str) -> str:
     lines = _with_block(lines, 0, ["properties"], lambda indent: _value_text("properties", spec_keys, indent))
     for name, part_class in described_parts().items():
         definition_path = _PLACES.get(name, name_of_part(name))
-        if definition_path.partition(".")[0] in definitions:
+        definition, _, _ = definition_path.partition(".")
+        if definition in definitions:
             schema = part_schema(part_class)
             definitions_line = lines.index(_DEFINITIONS)
             lines = _with_block(lines, definitions_line, definition_path.split("."), partial(_format_schema, schema))
@@ -158,6 +160,7 @@ def _with_block(lines: Sequence[str], begin: int, keys: Sequence[str], text_of: 
         begin = next(number for number in range(begin + 1, end) if lines[number].strip() == f'"{key}": {{')
         indent = len(lines[begin]) - len(lines[begin].lstrip())
         end = next(number for number in range(begin, end) if lines[number].startswith(" " * indent + "}"))
+    # ``indent`` is now the indentation of the last key.
     comma = "," if lines[end].endswith(",") else ""
     new_block = f'{" " * indent}"{keys[-1]}": ' + text_of(indent) + comma
     return [*lines[:begin], *new_block.splitlines(), *lines[end + 1 :]]
@@ -173,7 +176,8 @@ def _format_schema(schema: JsonSchema, indent: int) -> str:
     lines: list[str] = []
     words_on_line: JsonSchema = {}
     for word, value in schema.items():
-        if word == "description" or isinstance(value, dict):
+        has_own_line = word == "description" or isinstance(value, dict)
+        if has_own_line:
             lines += [*_on_one_line(words_on_line), f"{json.dumps(word)}: {_value_text(word, value, indent + 2)}"]
             words_on_line = {}
         else:
@@ -189,9 +193,8 @@ def _on_one_line(words: JsonSchema) -> list[str]:
 def _value_text(word: str, schema_value: Any, indent: int) -> str:
     """Return the text of a value in a schema. Each of the ``properties`` is on a line of its own."""
     if word == "properties":
-        return _in_braces(
-            [f"{json.dumps(name)}: {_format_schema(inner, indent + 2)}" for name, inner in schema_value.items()], indent
-        )
+        lines = [f"{json.dumps(name)}: {_format_schema(inner, indent + 2)}" for name, inner in schema_value.items()]
+        return _in_braces(lines, indent)
     if isinstance(schema_value, dict):
         return _format_schema(schema_value, indent)
     return json.dumps(schema_value, ensure_ascii=False)

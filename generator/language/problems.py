@@ -68,7 +68,9 @@ class Problem:
             lines.append(f"  in {visible(path)}")
         # The line above a text of several lines has none of its words.
         has_words = _BLOCK.search(self.text) is None
-        return "\n".join([*lines, *(excerpt(self.text, self.column, width) if has_words else ())])
+        if has_words:
+            lines += excerpt(self.text, self.column, width)
+        return "\n".join(lines)
 
     def to_json(self) -> dict[str, str | int]:
         """Return the problem as a flat JSON object with the names of the attributes."""
@@ -189,7 +191,8 @@ def _as_one(problems: Sequence[Problem]) -> Problem:
     Problems on the line of the first one are not mentioned.
     """
     first, *others = problems
-    lines = [str(line) for line in dict.fromkeys(problem.line for problem in others) if line != first.line]
+    other_lines = dict.fromkeys(problem.line for problem in others)  # In order, each once.
+    lines = [str(line) for line in other_lines if line != first.line]
     if not lines:
         return first
     noun = "line" if len(lines) == 1 else "lines"
@@ -308,9 +311,9 @@ def nearest_choice(word: str, choices: Sequence[str]) -> str:
     if len(word) > LONGEST_QUOTE:
         return ""
     for is_alike in (_is_spelling, is_typo, _is_abbreviation):
-        matching = [choice for choice in choices if is_alike(word, choice)]
-        if matching:
-            return matching[0] if len(matching) == 1 else ""
+        similar_choices = [choice for choice in choices if is_alike(word, choice)]
+        if similar_choices:
+            return similar_choices[0] if len(similar_choices) == 1 else ""
     return ""
 
 
@@ -363,7 +366,7 @@ def _has_same_meaning(word: str, known_word: str) -> bool:
     """Return True if two words have the same digits and do not end in two different units, such as hz and khz."""
     if _DIGITS.findall(word) != _DIGITS.findall(known_word):
         return False
-    ending, known_ending = word.rpartition("_")[2], known_word.rpartition("_")[2]
+    ending, known_ending = word.rpartition("_")[2], known_word.rpartition("_")[2]  # ``hz`` of ``min_hz``.
     return ending == known_ending or ending not in UNITS or known_ending not in UNITS
 
 
@@ -405,12 +408,12 @@ def _cut_window(line_text: str, column: int, width: int) -> tuple[str, int]:
     stripped = line_text.strip(" ")
     caret_index = max(0, min(column - 1 - indent, len(stripped)))
     # Each character takes at least one column, so nothing farther away can be shown. A line may have millions.
-    first = max(0, caret_index - width)
-    pieces_before = [_visible_character(character) for character in stripped[first:caret_index]]
+    start = max(0, caret_index - width)
+    pieces_before = [_visible_character(character) for character in stripped[start:caret_index]]
     pieces_after = [_visible_character(character) for character in stripped[caret_index : caret_index + width + 1]]
-    is_too_long = first > 0 or _measure_columns("".join(pieces_before + pieces_after)) > width
+    is_too_long = start > 0 or _measure_columns("".join(pieces_before + pieces_after)) > width
     if is_too_long:
-        pieces_before = _cut_at_start(pieces_before, width * 2 // 3, is_cut_already=first > 0)
+        pieces_before = _cut_at_start(pieces_before, width * 2 // 3, is_cut_already=start > 0)
         pieces_after = _cut_at_end(pieces_after, width - _measure_columns("".join(pieces_before)))
     return "".join(pieces_before + pieces_after), _measure_columns("".join(pieces_before))
 

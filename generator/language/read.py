@@ -384,9 +384,9 @@ def _report_lone_file(file: pathlib.Path, requested_paths: Sequence[pathlib.Path
     """Report a second reading or a sheet of turning words that was given by name, unless its spec was given too."""
     spec = file.with_name(f"{family_of(str(file))}{file.suffix}")
     if spec not in requested_paths:
-        kind, rule = (
-            ("second reading", "second-reading") if is_second(file) else ("sheet of turning words", "word-sheet")
-        )
+        kind, rule = "sheet of turning words", "word-sheet"
+        if is_second(file):
+            kind, rule = "second reading", "second-reading"
         report.add_at(str(file), 1, 1, rule, f"this is a {kind}; give {spec.name}, the spec that it belongs to")
 
 

@@ -74,17 +74,17 @@ def _has_properties(checked_value: Any, expected: Mapping[str, Any], _: object) 
 
 
 def _has_additional(checked_value: Any, expected: Any, schema: Mapping[str, Any]) -> bool:
-    """Return True if the keys without a schema of their own are allowed. ``expected`` is False or their schema."""
+    """Return True if keys not in ``properties`` are allowed. ``expected`` is False, or the schema of their values."""
     if not isinstance(checked_value, dict):
         return True
     values_of_other_keys = [inner for key, inner in checked_value.items() if key not in schema.get("properties", ())]
-    if not values_of_other_keys:
-        return True
-    return isinstance(expected, dict) and all(follows_schema(inner, expected) for inner in values_of_other_keys)
+    if not isinstance(expected, dict):
+        return not values_of_other_keys
+    return all(follows_schema(inner, expected) for inner in values_of_other_keys)
 
 
 def _only_for_type(type_name: str, test: Callable[[Any, Any], bool]) -> Callable[[Any, Any, object], bool]:
-    """Return a test that values of other types pass."""
+    """Return a test that values of other types pass: in JSON Schema, a text has no ``minItems`` to violate."""
     return lambda value, expected, _: type(value) not in _TYPES[type_name] or test(value, expected)
 
 
@@ -235,7 +235,8 @@ def _kind_of(file_data: dict[str, Any]) -> FileKind | None:
         return FileKind.MASTER
     if "overlay" in file_data or "changes" in file_data:
         return FileKind.OVERLAY
-    only_in_devices = load_schema("device")["properties"].keys() - load_schema("manufacturer")["properties"].keys()
+    keys_of_devices, keys_of_manufacturers = (load_schema(name)["properties"] for name in ("device", "manufacturer"))
+    only_in_devices = keys_of_devices.keys() - keys_of_manufacturers.keys()
     if "device" in file_data or not only_in_devices.isdisjoint(file_data):
         return FileKind.DEVICE
     return FileKind.MANUFACTURER if "manufacturer" in file_data else None
@@ -277,7 +278,7 @@ def _remove_broken_items(validator: Any, document: Document, cut: set[Path], fil
                 stand_ins[path] = _stand_ins(error)
             elif is_missing_key and _can_be_incomplete(path):
                 is_complete = False
-            elif path:
+            elif path:  # The file as a whole cannot be removed.
                 places_to_cut.add(path)
         has_changed = not places_to_cut <= cut or len(stand_ins) > stand_ins_before
         if not has_changed:
@@ -320,7 +321,7 @@ def place_to_remove(path: Path) -> Path:
         return path
     if "fields" in path[:-1]:
         return path[: path.index("fields")]
-    for length in range(len(path), 0, -1):
+    for length in range(len(path), 0, -1):  # From the innermost place outwards.
         is_list_item = isinstance(path[length - 1], int)
         if is_list_item:
             return path[:length]

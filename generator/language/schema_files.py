@@ -131,7 +131,8 @@ def with_stand_ins(file_data: Any, schema: Mapping[str, Any]) -> Any:
         other_shape = {}
     completed = {}
     for key, value in file_data.items():
-        completed[key] = with_stand_ins(value, shapes_by_key.get(key) or other_shape)
+        shape = shapes_by_key.get(key) or other_shape
+        completed[key] = with_stand_ins(value, shape)
     for key in schema.get("required", ()):
         if key not in completed and key in PROSE:
             completed[key] = _SOME_SOURCE if key == "source" else "?"

@@ -68,9 +68,10 @@ class WrittenPart:
         for name, notation in inspect.get_annotations(cls).items():
             member = cls.__dict__.get(name)
             if isinstance(member, Field):
-                # A key can be a reserved word of Python, such as "from".
-                described_keys.append(described_key(name.rstrip("_"), notation, member))
-                setattr(cls, name, _Attribute(name, described_keys[-1], cls.__module__))
+                # A key can be a reserved word of Python. The attribute "from_" is for the key "from".
+                described = described_key(name.rstrip("_"), notation, member)
+                described_keys.append(described)
+                setattr(cls, name, _Attribute(name, described, cls.__module__))
         cls.described_keys = tuple(described_keys)
 
     @property
@@ -109,7 +110,7 @@ class _Attribute:
         if part is None:
             return self
         value = self._read_value(part)
-        part.__dict__[self.attribute_name] = value
+        part.__dict__[self.attribute_name] = value  # From now on, Python finds it there and does not call this.
         return value
 
     def _read_value(self, part: WrittenPart) -> Any:
@@ -295,7 +296,8 @@ def located(model_class: type[T], part_data: Mapping[str, Any], path: Path) -> L
             continue
         value = None
         if described.name in part_data:
-            value = _find_reader(value_type, model_class.__module__)(part_data[described.name], (*path, described.name))
+            read = _find_reader(value_type, model_class.__module__)
+            value = read(part_data[described.name], (*path, described.name))
             value = value.part if isinstance(value, Located) else value
         if value is None and described.default is MISSING:
             value = _empty_value(value_type, model_class.__module__, path)
@@ -315,7 +317,8 @@ def _empty_value(value_type: KeyType, module: str, path: Path) -> Any:
     if value_type.part:
         written_class = _class_of(value_type, module)
         return written_class(NOTHING, path)
-    return {"bool": False, "float": 0.0}.get(value_type.word, 0 if _READERS.get(value_type.word) is _number else "")
+    is_whole_number = _READERS.get(value_type.word) is _number
+    return {"bool": False, "float": 0.0}.get(value_type.word, 0 if is_whole_number else "")
 
 
 def _class_of(value_type: KeyType, module: str) -> Any:

@@ -71,7 +71,8 @@ def _odd_space(lines: list[str], positions: list[int]) -> YamlMistake | None:
     """Return the error for an unusual space in one of these lines, counted from 0, or in the one before, or None."""
     for position in positions:
         for line in (position, position - 1):
-            if not 0 <= line < len(lines):
+            is_in_file = 0 <= line < len(lines)
+            if not is_in_file:
                 continue
             odd_space = _ODD_SPACE.search(lines[line])
             if odd_space is not None:
@@ -112,7 +113,8 @@ def _last_quoted(yaml_text: str, stopped: Any) -> Any:
     last = None
     try:
         for token in yaml.scan(yaml_text, Loader=_LOADER):
-            if stopped is None or (token.start_mark.line, token.start_mark.column) >= (stopped.line, stopped.column):
+            token_start = (token.start_mark.line, token.start_mark.column)
+            if stopped is None or token_start >= (stopped.line, stopped.column):
                 break
             is_quoted = isinstance(token, yaml.ScalarToken) and token.style in ("'", '"')
             if is_quoted and token.end_mark.line == stopped.line:
@@ -141,20 +143,21 @@ def _about_bracket(lines: list[str], opened: Any, stopped: Any) -> str:
     A comment on its line may hide the closing bracket.
     """
     bracket = _character_at(lines, opened)
-    closing = {"{": "}", "[": "]"}.get(bracket, "bracket")
+    closing_bracket = {"{": "}", "[": "]"}.get(bracket, "bracket")
     is_at_end = stopped.line >= len(lines) - 1 and not _character_at(lines, stopped)
     limit = "the end of the file" if is_at_end else f"line {stopped.line + 1}"
     problem = f"the '{bracket}' that opens here is not closed by {limit}"
     if _COMMENT.search(lines[opened.line], opened.column):
         return f"{problem}: a '#' after a space begins a comment; put the text in quotes"
-    return f"{problem}; close it with '{closing}', or add the missing comma"
+    return f"{problem}; close it with '{closing_bracket}', or add the missing comma"
 
 
 def _describe_problem(problem: str, character: str, at_end: bool) -> str:
     """Return the message for another problem of the parser, which stopped at ``character`` or at the file's end."""
     if character == "\t":
         return "tabs cannot be used for indentation; use spaces"
-    if (character and character in "@`") or (character == "%" and "token" in problem):
+    is_reserved_character = (character and character in "@`") or (character == "%" and "token" in problem)
+    if is_reserved_character:
         return f"an unquoted string cannot begin with '{character}'; put it in quotes"
     if "mapping values are not allowed" in problem:
         return "an unquoted string contains a colon and a space; put the string in quotes, or check the indentation"
@@ -276,7 +279,7 @@ class CorrectedEvents:
 
     def _key_after_next(self) -> str | None:
         """Return the key after the next value, or None if the map ends there or the value is too long."""
-        depth = 0
+        depth = 0  # The level of nesting in the value.
         for index in range(_FURTHEST + 1):
             event = self._peek_event(index)
             if isinstance(event, yaml.CollectionStartEvent):

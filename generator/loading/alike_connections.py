@@ -26,16 +26,18 @@ def compare_ports(interface_names: Sequence[str], documents: Sequence[Document],
     """Report each serial port with a setting that differs from that of the first device with the same interface."""
     for name in interface_names:
         path: Path = ("interfaces", name, "port")
-        with_port = [document for document in documents if mapping(document.data, *map(str, path))]
-        for document in with_port[1:]:
+        documents_with_port = [document for document in documents if mapping(document.data, *map(str, path))]
+        for document in documents_with_port[1:]:
             for key in _PORT_KEYS:
-                _compare_setting(with_port[0], document, (*path, key), report)
+                _compare_setting(documents_with_port[0], document, (*path, key), report)
 
 
 def _compare_setting(first: Document, document: Document, path: Path, report: Report) -> None:
     """Report a setting of a port that differs from that of the first device, unless an erratum affects it."""
     place = [str(step) for step in path]
-    first_setting, setting = (mapping(either.data, *place[:-1]).get(place[-1]) for either in (first, document))
+    *path_of_port, key = place
+    first_setting = mapping(first.data, *path_of_port).get(key)
+    setting = mapping(document.data, *path_of_port).get(key)
     if first_setting is None or setting is None or first_setting == setting:
         return
     if has_erratum_at(document, *place) or has_erratum_at(first, *place):
@@ -76,7 +78,8 @@ def compare_connectors(maker_document: Document, documents: Sequence[Document], 
             document = documents_by_device.get(device)
             if document is None:
                 continue
-            place = next((path for path, part in items(document.data, "connectors") if part.get("name") == name), None)
+            connectors = items(document.data, "connectors")
+            place = next((path for path, connector in connectors if connector.get("name") == name), None)
             if place is not None:
                 _compare_connector(contacts_by_line, document, place, report)
                 cables += _cable_at(document, place)
@@ -113,7 +116,7 @@ def _compare_wires(cables: Sequence[_Cable], report: Report) -> None:
         return
     first_cable, *other_cables = cables
     for cable in other_cables:
-        different_wires = sorted(cable.wires ^ first_cable.wires)
+        different_wires = sorted(cable.wires ^ first_cable.wires)  # Those that only one of the two has.
         if different_wires and not _has_erratum(first_cable) and not _has_erratum(cable):
             line_number, _ = first_cable.document.position(first_cable.path)
             message = (
@@ -143,6 +146,7 @@ def _compare_connector(contacts_by_line: dict[_Line, _Contact], document: Docume
             has_erratum_at(either.document, "connectors", either.connector, "contacts", either.name)
             for either in (contact, first_contact)
         )
+        # A contact with several lines is reported once.
         if first_contact.name != contact.name and contact.path not in reported_paths and not is_explained:
             reported_paths.add(contact.path)
             _report_contact(line, contact, first_contact, report)
@@ -151,8 +155,9 @@ def _compare_connector(contacts_by_line: dict[_Line, _Contact], document: Docume
 def _report_contact(line: _Line, contact: _Contact, first_contact: _Contact, report: Report) -> None:
     """Report a line that is on another contact here than on the first connector of its group."""
     line_number, _ = first_contact.document.position(first_contact.path)
+    _, line_name = line  # The first member is its interface.
     message = (
-        f"{quoted(line[1])} is on contact {quoted(contact.name)} here, but on {quoted(first_contact.name)} in"
+        f"{quoted(line_name)} is on contact {quoted(contact.name)} here, but on {quoted(first_contact.name)} in"
         f" {PurePath(first_contact.document.file).name}:{line_number}; according to the manufacturer's file, the two"
         f" connectors are alike. If they are not, add an erratum that affects"
         f" connectors.{contact.connector}.contacts.{contact.name}"
@@ -162,7 +167,7 @@ def _report_contact(line: _Line, contact: _Contact, first_contact: _Contact, rep
 
 def _contacts_by_line(connector: Any, path: Path, document: Document) -> dict[_Line, _Contact]:
     """Return the contact of each line of a connector. Lines with several contacts are left out."""
-    interfaces = connector.get("interfaces") or [""]
+    interfaces = connector.get("interfaces") or [""]  # Without a list, it is for all of them.
     contacts: list[tuple[_Line, _Contact]] = []
     for contact_path, contact in items(connector, "contacts"):
         place = _Contact(str(contact["contact"]), str(connector["name"]), document, (*path, *contact_path))

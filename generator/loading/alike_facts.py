@@ -35,7 +35,8 @@ def compare_facts(places: Sequence[str], documents: Sequence[Document], report: 
         facts_by_file = {document.file: _facts_at(document, steps) for document in with_interface}
         counts = Counter(frozenset(facts.items()) for facts in facts_by_file.values())
         if len(counts) < 2:
-            continue
+            continue  # All devices have the same facts, or there are none.
+        # Of several devices with the highest count, max returns the first one.
         common = max(with_interface, key=lambda document: counts[frozenset(facts_by_file[document.file].items())])
         for document in with_interface:
             # Errata of both devices are about the text that their manuals have in common.
@@ -65,7 +66,8 @@ def _report_difference(
 ) -> None:
     """Report the first fact in which two devices differ, or nothing if they agree."""
     facts, common_facts = facts_by_file[document.file], facts_by_file[common.file]
-    for path in dict.fromkeys((*common_facts, *facts)):
+    all_paths = dict.fromkeys((*common_facts, *facts))  # Each once, in order.
+    for path in all_paths:
         value, common_value = facts.get(path, _ABSENT), common_facts.get(path, _ABSENT)
         if value == common_value:
             continue

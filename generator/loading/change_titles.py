@@ -65,7 +65,7 @@ def _place_name(place: str) -> str:
     if path is None:
         return place
     steps = [_LIST_POSITION.sub("", step) for step in path[1].split(".") if step not in _PASSED_STEPS]
-    section, *names = steps
+    section, *names = steps  # For registers.preset.max, the section is registers.
     if section == "order_code" and names:
         part_name = "other spellings" if names[0] == "also_written" else _in_words(names[0])
         return f"order code ({part_name})"

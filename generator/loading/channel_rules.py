@@ -92,7 +92,9 @@ def _position_problems(device: Device, layouts: Sequence[Layout]) -> Iterator[_P
 
 def _comparison_problems(device: Device, channels: DataChannels, layouts: Mapping[str, Layout]) -> Iterator[_Problem]:
     """Yield fields that cannot be compared, and a number of bits that they do not have."""
-    if bool(channels.compared) != (channels.compared_bits is not None):
+    has_fields = bool(channels.compared)
+    has_bits = channels.compared_bits is not None
+    if has_fields != has_bits:
         yield (), "'compared' and 'compared_bits' need each other; give both or none"
     if len(channels.compared) == 1:
         yield ("compared",), "one field cannot be compared; list the field of each channel"
@@ -117,12 +119,14 @@ def _width_problems(device: Device, channels: DataChannels, layout: Layout, fiel
     for variant in device.variants_over(Biss.name):
         bits = channels.compared_bits.value(variant.parameters)
         condition = values_text(variant.parameters, width, channels.compared_bits)
-        if not 1 <= bits <= width.value(variant.parameters):
-            field_bits = width.value(variant.parameters)
+        field_bits = width.value(variant.parameters)
+        if not 1 <= bits <= field_bits:
             message = f"{bits} bits cannot be compared, since {quoted(field_name)} has {field_bits}{condition}"
             yield ("compared_bits",), message
             return
-        if 2 * channels.tolerance >= (1 << bits) - 1:
+        # Numbers wrap around, so no two of them differ by more than half of their count.
+        all_numbers_agree = 2 * channels.tolerance >= (1 << bits) - 1
+        if all_numbers_agree:
             message = f"with a tolerance of {channels.tolerance}, any two numbers of {bits} bits agree{condition}"
             yield ("tolerance",), message
             return

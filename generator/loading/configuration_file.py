@@ -95,7 +95,8 @@ class _PlaceFinder:
             name = self._next_token()
             if name != ".":
                 place = self._place_of_token()
-                bare_name = name[1:-1] if name[0] in "\"'" else name
+                is_quoted = name[0] in "\"'"
+                bare_name = name[1:-1] if is_quoted else name
                 mark = mark.children.setdefault(bare_name, Mark(*place, *place))
             self._index += 1
         return mark
@@ -258,12 +259,13 @@ def _read_pyproject_table(file: Path, report: Report, has_places: bool) -> Docum
     if section is None:
         return None
     toml_lines = tuple(toml_text.split("\n"))
+    start_of_file = Mark(line=1, column=1, key_line=1, key_column=1)
     if not isinstance(section, dict):
-        return Document(str(file), toml_lines, {"codewheel": section}, Mark(line=1, column=1, key_line=1, key_column=1))
-    marks = places_in(toml_text) if has_places else Mark(line=1, column=1, key_line=1, key_column=1)
+        return Document(str(file), toml_lines, {"codewheel": section}, start_of_file)
+    marks = places_in(toml_text) if has_places else start_of_file
     # The marks of the section are below those of its two names.
     for name in ("tool", "codewheel"):
-        marks = marks.children.get(name, Mark(line=1, column=1, key_line=1, key_column=1))
+        marks = marks.children.get(name, start_of_file)
     return Document(str(file), toml_lines, section, marks)
 
 
@@ -278,7 +280,7 @@ def _parse_toml(file: Path, toml_text: str, report: Report) -> dict[str, Any]:
         toml_data: dict[str, Any] = tomllib.loads(toml_text)
     except tomllib.TOMLDecodeError as error:
         line, column, message = _split_off_place(str(error), toml_text)
-        error_line = "".join(toml_text.splitlines()[line - 1 : line])
+        error_line = "".join(toml_text.splitlines()[line - 1 : line])  # Empty if the text has no such line.
         report.add_at(str(file), line, column, "toml-syntax", f"not valid TOML: {message}", text=error_line)
         return {}
     return toml_data

@@ -54,20 +54,24 @@ def check_crc(layout: Layout, field: Field, crc_value: CrcValue, site: Site) -> 
         return
     _check_width(field, crc, site)
     place_of_crc = layout.fields.index(field)
-    if any(not isinstance(later_field.kind, CrcValue) for later_field in layout.fields[place_of_crc:]):
+    # The first of these is the CRC itself.
+    fields_from_crc = layout.fields[place_of_crc:]
+    if any(not isinstance(later_field.kind, CrcValue) for later_field in fields_from_crc):
         problem = f"'{field.name}' covers everything sent before it, so it must be the last field of '{layout.name}'"
         if crc_value.of:
             problem = f"'{field.name}' must be the last field of '{layout.name}', even with 'crc_of'"
         site.report("crc-not-last", problem)
-    problem = next(
-        chain(_yield_gap_in_fields(layout, crc_value, site), _yield_fields_left_out(layout, field, crc_value)), ""
+    problems_of_fields = chain(
+        _yield_gap_in_fields(layout, crc_value, site), _yield_fields_left_out(layout, field, crc_value)
     )
+    problem = next(problems_of_fields, "")
     if problem:
         site.report("crc-of", problem, "crc_of")
     is_sent_as_bits = INTERFACES[site.interface].carried_as == "bits" and layout.byte_order == "high_byte_first"
+    has_zeros_before = layout.bits != layout.sent_bits
     if layout.in_bytes and crc.width % 8 and not is_sent_as_bits:
         site.report("width-mismatch", f"a frame of whole bytes cannot end with a CRC of {crc.width} bits")
-    elif layout.in_bytes and (not layout.crc_covers_bytes or layout.bits != layout.sent_bits) and not _is_plain(crc):
+    elif layout.in_bytes and (not layout.crc_covers_bytes or has_zeros_before) and not _is_plain(crc):
         problem = f"'{field.name}' or the bits before it are not whole bytes, so the CRC must start at 0"
         site.report("width-mismatch", f"{problem}, without 'refin' and 'refout'")
 

@@ -77,10 +77,11 @@ def build_device(raw_spec: Raw, manufacturer: Manufacturer, report: DocumentRepo
     definitions = _derived_expressions(raw_spec)
     order_code = code_grammar(raw_spec["order_code"])
     alternatives = tuple(_build_alternative(raw_alternative) for raw_alternative in raw_spec.get("alternatives", ()))
-    default_answers = {
-        name: value for alternative in alternatives for name, value in alternative.answers[0].sets.items()
-    }
-    variants = _list_variants(order_code, definitions, {**held_in_registers(raw_spec, report), **default_answers})
+    default_answers: dict[str, int] = {}
+    for alternative in alternatives:
+        default_answers |= alternative.answers[0].sets  # The first answer applies unless another one is chosen.
+    default_values = {**held_in_registers(raw_spec, report), **default_answers}
+    variants = _list_variants(order_code, definitions, default_values)
     context = _build_context(raw_spec, report, definitions, variants, alternatives)
     if too_much_work(raw_spec, context) or (variants and not check_reach(raw_spec, context, variants)):
         return None
@@ -258,7 +259,7 @@ def _build_parameter(name: str, raw_parameter: Raw, context: Context) -> Paramet
     if codes:
         coded_numbers = raw_parameter["by_code"].values()
         raw_parameter = {**raw_parameter, "min": min(coded_numbers), "max": max(coded_numbers)}
-    all_values: list[int] = []
+    all_values: list[int] = []  # 0 where a set lacks the parameter.
     for sets_of_interface in context.parameter_sets.values():
         all_values += [parameters.get(name, 0) for parameters in sets_of_interface]
     equals = context.definitions.get(name)
@@ -277,11 +278,11 @@ def _build_register(raw_register: Raw, path: Path, context: Context) -> Register
     interface = raw_register.get("interface", Biss.name)
     register_bits = 8 * raw_register["length"]
     only_field = {"name": raw_register["name"], "bits": register_bits}
-    raw_with_fields = {"fields": [only_field], **raw_register}
+    raw_with_fields = {"fields": [only_field], **raw_register}  # Fields of the register take precedence.
     layout = build_layout(raw_with_fields, Site(path, context, interface), register_bits)
     if layout is None:
         return None
-    opener = raw_register.get("opened_by", {})
+    opener = raw_register.get("opened_by", {})  # The register that must have a value before this one is written.
     register = record(
         Register,
         raw_register,
@@ -316,7 +317,8 @@ def _check_limits(register: Register, path: Path, context: Context) -> None:
     depends_on_order_code = any(expression is not None and not expression.is_constant for expression in expressions)
     sets = context.parameter_sets.get(register.interface, ())
     # Without such a dependency, the first order code stands for all.
-    for parameters in sets if depends_on_order_code else sets[:1]:
+    compared_sets = sets if depends_on_order_code else sets[:1]
+    for parameters in compared_sets:
         placed = register.layout.place(parameters)
         problem = _problem_of_limits(register, placed, parameters) or _problem_of_default(register, placed, parameters)
         if problem is not None:
@@ -392,7 +394,8 @@ def _number_within_limits(register: Register, placed: PlacedLayout, default: int
     else:
         bounded_field = placed.find_field(bounded_name)
         low_bit = bounded_field.low if bounded_field is not None else 0
-        number_without_sign = (default >> low_bit) & ((1 << width) - 1)
+        mask = (1 << width) - 1
+        number_without_sign = (default >> low_bit) & mask
     _, highest = numbers_that_fit(register, placed)
     # Only a signed field holds bits that read as more than its highest number.
     is_negative = number_without_sign > highest

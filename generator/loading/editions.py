@@ -43,7 +43,8 @@ def editions(raw_spec: Raw) -> tuple[ManualEdition, ...]:
     # In the order of the history, then the transcribed revision, then the later ones.
     dates_by_revision = {release["revision"]: release.get("date", "") for release in manual.get("history", ())}
     own_revision = manual["revision"]
-    dates_by_revision[own_revision] = manual.get("date", dates_by_revision.get(own_revision, ""))
+    date_in_history = dates_by_revision.get(own_revision, "")
+    dates_by_revision[own_revision] = manual.get("date", date_in_history)
     for revision, edition in editions_by_revision.items():
         dates_by_revision.setdefault(revision, edition.get("date", ""))
     return tuple(
@@ -71,6 +72,7 @@ def revision_for(device: Device, wanted: str) -> str:
     if not dated_editions or not _DATE.fullmatch(wanted):
         message = f"the spec of {device.name} has no edition {quoted(wanted)}; use {listed(revisions, 'or')}"
         raise UnknownEdition(f"{message}, or a date such as 2020-03-31" if dated_editions else message)
+    # Dates such as 2020-03-31 are in order as texts. The editions are oldest first, so the last one was the latest.
     editions_so_far = [edition for edition in dated_editions if edition.date <= wanted]
     if not editions_so_far:
         first_edition = dated_editions[0]
@@ -106,7 +108,7 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
         _report_in_edition(inner_report, revision, report)
     if device is None:
         return None
-    # All order codes stay. What none of them uses goes, such as values and examples that this edition does not have.
+    # All order codes stay. What none of them uses is removed, such as values and examples that this edition lacks.
     device = for_codes(device, {variant.code for variant in device.variants})
     date = next((edition.date for edition in family.device.editions if edition.revision == revision), "")
     device = replace(
@@ -139,25 +141,28 @@ def _change_lists(family: Family, revision: str) -> Iterator[tuple[int, str, str
     Each is the index of an edition in the spec, the key of the list, and the name for outputs: ``(2, "before", "before
     1.4")`` on the way back to an older revision, or ``(3, "then", "1.6")`` to a newer one.
     """
-    revisions = [edition.revision for edition in family.device.editions]
-    own_index = revisions.index(family.device.manual.revision)
-    wanted_index = revisions.index(revision)
-    if wanted_index < own_index:
-        # Back from the transcribed revision: each step undoes what came with a revision.
-        # Newest first, without the wanted revision.
+    oldest_first = [edition.revision for edition in family.device.editions]
+    # The revision that the spec transcribes, from which the changes lead to the wanted one.
+    own_position = oldest_first.index(family.device.manual.revision)
+    wanted_position = oldest_first.index(revision)
+    if wanted_position < own_position:
+        # Back from the transcribed revision, newest first: each step undoes what came with a revision.
+        # With 1.2, 1.3 and 1.4, the way from 1.4 to 1.2 undoes 1.4 and 1.3.
         key = "before"
-        passed_revisions = revisions[own_index:wanted_index:-1]
+        passed_revisions = list(reversed(oldest_first[wanted_position + 1 : own_position + 1]))
     else:
         key = "then"
-        passed_revisions = revisions[own_index + 1 : wanted_index + 1]
+        passed_revisions = oldest_first[own_position + 1 : wanted_position + 1]
+    # The spec lists only editions with changes, in any order.
     raw_editions = family.document.data.get("editions", ())
-    indices = {edition["revision"]: index for index, edition in enumerate(raw_editions)}
+    indices_in_spec = {edition["revision"]: index for index, edition in enumerate(raw_editions)}
     for passed_revision in passed_revisions:
-        if passed_revision not in indices:
+        if passed_revision not in indices_in_spec:
             continue
-        index = indices[passed_revision]
+        index = indices_in_spec[passed_revision]
         if key in raw_editions[index]:
-            yield index, key, f"before {passed_revision}" if key == "before" else passed_revision
+            name = f"before {passed_revision}" if key == "before" else passed_revision
+            yield index, key, name
 
 
 def errata_of_other_editions(raw_spec: Raw) -> Iterator[Erratum]:
@@ -182,7 +187,8 @@ def _edition_erratum(raw_spec: Raw, change: Raw, revision: str, change_number: i
         change_number: The place of the change in its list, from 1.
         kind_of_change: The kind of the change, such as ``set``.
     """
-    affected_texts = change[kind_of_change] if isinstance(change[kind_of_change], list) else [change[kind_of_change]]
+    text_or_texts = change[kind_of_change]
+    affected_texts = text_or_texts if isinstance(text_or_texts, list) else [text_or_texts]
     # The text of 'also' is a sentence. Those of other kinds are paths.
     affected_paths = (
         [] if kind_of_change == "also" else [_affected_path(raw_spec, path_text) for path_text in affected_texts]
@@ -237,9 +243,10 @@ def _affected_path(raw_spec: Raw, path_in_change: str) -> str:
 def check_editions(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
     """Report too many editions, editions in the wrong place, and labels, registers and runs that do not exist."""
     count = len(device.editions)
-    values = len(leaves(raw_spec))
-    if count * values > MOST_VALUES:
-        message = f"each of {count} editions is checked with {values} values; the product must be at most {MOST_VALUES}"
+    value_count = len(leaves(raw_spec))
+    if count * value_count > MOST_VALUES:
+        work = f"each of {count} editions is checked with {value_count} values"
+        message = f"{work}; the product must be at most {MOST_VALUES}"
         report.add("too-large", ("editions",), f"{message}; leave out early editions", at_key=True)
     known_labels = {spelling.pattern for spelling in device.order_code.also_written}
     for index, edition in enumerate(raw_spec.get("editions", ())):
@@ -264,6 +271,7 @@ def _check_order(raw_spec: Raw, edition: Raw, path: Path, report: DocumentReport
     """
     history = [release["revision"] for release in raw_spec["manual"].get("history", ())]
     own_revision = raw_spec["manual"]["revision"]
+    # The history is oldest first. The first revision has no earlier one, so it cannot have 'before'.
     up_to_own = history[: history.index(own_revision) + 1] if own_revision in history else [own_revision]
     name = edition["revision"]
     # A revision that is not in the history is reported elsewhere.

@@ -28,9 +28,10 @@ def read_counts(spec: Path, report: Report) -> TimesRead | None:
     expected_keys = [member.name for member in fields(TimesRead)]
     try:
         counts = json.loads(file.read_text(encoding="utf-8"))
-        if set(counts) == set(expected_keys) and all(type(counts[name]) is int for name in expected_keys):
+        has_expected_keys = set(counts) == set(expected_keys)
+        if has_expected_keys and all(type(counts[name]) is int for name in expected_keys):
             return TimesRead(**counts)
-    except (OSError, ValueError, TypeError):
+    except (OSError, ValueError, TypeError):  # TypeError: the content is not a map.
         pass
     message = "the file was edited; write it again: codewheel check --coverage --write"
     report.add_at(str(file), 1, 1, RULE, message)
@@ -84,9 +85,8 @@ def read_history(spec: Path, report: Report) -> tuple[Release, ...]:
     if not file.is_file():
         return ()
     try:
-        releases = tuple(
-            _build_release(release) for release in json.loads(file.read_text(encoding="utf-8"))["releases"]
-        )
+        history_data = json.loads(file.read_text(encoding="utf-8"))
+        releases = tuple(_build_release(release) for release in history_data["releases"])
         if all(_has_only_texts(release) for release in releases):
             return releases
     except (OSError, ValueError, TypeError, KeyError):
@@ -110,7 +110,8 @@ def _build_release(release_data: dict[str, object]) -> Release:
     names = release_data.get("names", [])
     if not isinstance(names, list):
         raise TypeError
-    return Release(**{**release_data, "changes": released_changes, "names": tuple(names)})  # type: ignore[arg-type]
+    members = {**release_data, "changes": released_changes, "names": tuple(names)}
+    return Release(**members)  # type: ignore[arg-type]
 
 
 def _has_only_texts(release: Release) -> bool:

@@ -215,8 +215,9 @@ def _check_frame(device: Device, example: FrameExample) -> Iterator[Wrong]:
 def _check_decoded(device: Device, decoded: Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
     """Yield errors of the decoder, otherwise differences from printed values, otherwise from the re-encoded ones."""
     problems = decoded.problems
+    # Errors after a wrong length or CRC may only follow from it.
     if problems and problems[0].fault in (Fault.LENGTH, Fault.CRC):
-        problems = problems[:1]  # Further errors may only follow from it.
+        problems = problems[:1]
     if problems:
         has_crc_error = decoded.crc is not None and not decoded.crc.ok
         hint = _suggest_start(device, decoded.crc.name) if decoded.crc is not None and has_crc_error else ""
@@ -436,7 +437,7 @@ def _encoded_sample(
     decoded_values |= {join.name: join_value(placed, join, plain_frame) for join in placed.layout.joins}
     refused_frame = None
     if placed.spoiling_flags:
-        # An active flag that makes the position unusable. One is enough.
+        # A frame with this flag active must be refused. One such flag is enough.
         flag = placed.spoiling_flags[0]
         refused_frame = encode(device, placed, {**values, flag.name: True})
     return Sample(

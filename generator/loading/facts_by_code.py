@@ -66,6 +66,7 @@ def _facts_of_interface(
     path = ("interfaces", interface.name)
     if isinstance(interface, Clocked):
         clocks = _with_paths(raw_interface, (*path, "clock"), interface.clocks)
+        # If invalid entries were removed, an order code may only seem to lack a clock.
         is_whole = (*path, "clock") not in report.document.kept_indices
         yield ExclusiveFacts(noun="a clock", facts=clocks, codes=codes, interface=interface.short, is_needed=is_whole)
     if isinstance(interface, Biss):
@@ -90,7 +91,8 @@ def _facts_of_interface(
 def _with_paths(raw: Raw, path: tuple[str, ...], facts: Sequence[Restricted]) -> list[tuple[Path, Restricted]]:
     """Return facts with their paths. A single one may be written without a list."""
     key = path[-1]
-    if isinstance(raw.get(key), Mapping):
+    is_single = isinstance(raw.get(key), Mapping)
+    if is_single:
         return [(path, fact) for fact in facts]
     return [((*path, index), fact) for index, fact in enumerate(facts)]
 

@@ -61,7 +61,7 @@ class Context:
         return None if has_unknown_parameter else expression
 
     def _known_parameters(self) -> frozenset[str]:
-        """Return the names of the parameters, which are the same in all sets."""
+        """Return the names of the parameters. They are the same in all sets, so the first one has them all."""
         for sets in self.parameter_sets.values():
             for parameters in sets:
                 return frozenset(parameters)
@@ -77,6 +77,7 @@ def _verdict_while_active(raw_field: Raw, interface: str) -> Verdict | None:
 
     It is the one in the spec, or otherwise the one that the interface defines for flags of this name.
     """
+    # Such as the verdict of nE over BiSS, whose name in specs is error.
     verdict_of_interface = INTERFACES[interface].flags.get(raw_field["name"], "")
     verdict_text = raw_field.get("makes_position", "") or verdict_of_interface
     return Verdict(verdict_text) if verdict_text else None
@@ -106,12 +107,15 @@ class Site:
 
 def bit_range(bits_text: int | str) -> tuple[int, int] | None:
     """Parse ``7:6`` as (7, 6) and ``5`` as (5, 5). Return None for any other text or a reversed range."""
-    high, _, low = str(bits_text).partition(":")
-    # Longer numbers are typos, and would make huge fields.
-    if not high.isdecimal() or len(high) > 4 or (low and (not low.isdecimal() or len(low) > 4)):
+    high_text, _, low_text = str(bits_text).partition(":")
+    # Numbers of more than four digits are typos, and would give huge fields.
+    is_high_valid = high_text.isdecimal() and len(high_text) <= 4
+    is_low_valid = not low_text or (low_text.isdecimal() and len(low_text) <= 4)
+    if not is_high_valid or not is_low_valid:
         return None
-    bounds = int(high), int(low or high)
-    return bounds if bounds[0] >= bounds[1] else None
+    high = int(high_text)
+    low = int(low_text) if low_text else high
+    return (high, low) if high >= low else None
 
 
 def expected_value(raw_field: Raw, context: Context) -> Expression | int | str | None:
@@ -120,6 +124,7 @@ def expected_value(raw_field: Raw, context: Context) -> Expression | int | str |
     Return None if there is none, or an expression that is not valid.
     """
     expected = raw_field.get("equals")
+    # In a field with 'text', it is the text itself. In others, a string is an expression such as bits + 8.
     if isinstance(expected, str) and "text" not in raw_field:
         return context.expression(expected)
     return expected if isinstance(expected, (int, str)) else None
@@ -156,7 +161,8 @@ def kind_of(raw_field: Raw, context: Context, interface: str, width: Expression)
         one_or_more_names = raw_field["parity_of"]
         # One field is a text in the spec, several are a list.
         covered_names = (one_or_more_names,) if isinstance(one_or_more_names, str) else tuple(one_or_more_names)
-        return Parity(covered_names, raw_field.get("parity") == "odd", raw_field.get("over", ""))
+        is_odd = raw_field.get("parity") == "odd"
+        return Parity(covered_names, is_odd, raw_field.get("over", ""))
     if "digits" in raw_field:
         return Decimal(_digit_runs(raw_field["digits"]))
     if "text" in raw_field:
@@ -180,6 +186,7 @@ def _build_flag(raw_field: Raw, context: Context, interface: str) -> Flag:
     """
     verdict_parameter = ""
     verdict_if_set = None
+    # There is one entry at most.
     for parameter, verdict in raw_field.get("makes_position_if", {}).items():
         verdict_parameter = parameter
         verdict_if_set = Verdict(verdict)
@@ -251,6 +258,7 @@ def _digit_runs(digits: Sequence[Raw]) -> tuple[Digits, ...]:
     """
     runs = []
     divisor = 1
+    # From the least significant run, so that the divisor grows by the digits of each.
     for run in reversed(digits):
         modulus = 10 ** run["digits"]
         runs.append(record(Digits, run, divisor=divisor, modulus=modulus))
@@ -262,17 +270,22 @@ def pieces(field: Field, length: int, low_first: bool) -> tuple[Piece, ...]:
     """Return the parts of a field in each byte of a frame of ``length`` bytes, or none if the order code moves them.
 
     They begin with the lowest bits of the field. Each has the byte, the lowest bit in that byte, a mask of as many ones
-    as it has bits, and the lowest bit in the field.
+    as it has bits, and the lowest bit in the field. In a frame of 3 bytes, 10 bits from bit 4 are 4 bits in the last
+    byte, from its bit 4, and 6 bits in the byte before it. With ``low_first``, byte 0 has the lowest bits of the
+    frame, otherwise its last byte.
     """
     width = field.width.constant if field.width.is_constant else 0
+    # A padded field occupies its container: the bits of the field and zeros above them.
     bits_with_padding = field.container or width
     if not field.low.is_constant or not bits_with_padding:
         return ()
     pieces = []
     bits_done = 0
     while bits_done < bits_with_padding:
+        # Places count from the lowest bit of the frame.
         byte_above_lowest, low_bit_in_byte = divmod(field.low.constant + bits_done, 8)
-        bits_in_byte = min(8 - low_bit_in_byte, bits_with_padding - bits_done)
+        bits_left = bits_with_padding - bits_done
+        bits_in_byte = min(8 - low_bit_in_byte, bits_left)
         byte = byte_above_lowest if low_first else length - 1 - byte_above_lowest
         mask = (1 << bits_in_byte) - 1
         pieces.append(Piece(byte=byte, low_in_byte=low_bit_in_byte, mask=mask, low_in_number=bits_done))

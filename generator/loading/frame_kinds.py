@@ -119,10 +119,10 @@ def _is_affected(field: Field, layout_path: str, erratum: Erratum) -> bool:
     places_with_field = [layout_path]
     if field.group:
         places_with_field.append(f"field_groups.{field.group}")
-    return any(
-        affected_place in erratum.affects or f"{affected_place}.{field.name}" in erratum.affects
-        for affected_place in places_with_field
-    )
+    for place in places_with_field:
+        if place in erratum.affects or f"{place}.{field.name}" in erratum.affects:
+            return True
+    return False
 
 
 def _verdicts_of_field(field: Field) -> Iterator[Verdict]:
@@ -230,7 +230,7 @@ def _constants_by_name(layout: Layout) -> dict[str, int]:
 def _check_replies(interface: Interface, positions: frozenset[str], report: DocumentReport) -> None:
     """Report a number in a reply that is a constant in each of its requests, so that any other reply would decode.
 
-    A request for a position may name its command like the position.
+    A request for a position may name its command like the position, so the names in ``positions`` are not checked.
     """
     if not isinstance(interface, (Rs485, Spi)):
         return
@@ -239,7 +239,7 @@ def _check_replies(interface: Interface, positions: frozenset[str], report: Docu
         request_names = [exchange.request for exchange in interface.exchanges if exchange.reply == reply.name]
         requests = [layouts[name] for name in request_names if name in layouts]
         for field in reply.fields:
-            constant = _common_constant(requests, field.name)
+            constant = _common_constant(requests, field.name)  # None without requests.
             if isinstance(field.kind, Number) and constant is not None and field.name not in positions:
                 message = f"'{field.name}' can be any number, but it is always {constant:#x} in '{requests[0].name}'"
                 where_to_give = " in each layout, instead of in the group" if field.group else ""
@@ -282,11 +282,10 @@ def _ambiguous_numbers(
                 continue
             for placed_field in placed.fields:
                 other_field = other_placed.find_field(placed_field.name)
-                if (
-                    other_field is None
-                    or other_field.low != placed_field.low
-                    or other_field.width != placed_field.width
-                ):
+                if other_field is None:
+                    continue
+                has_same_place = (other_field.low, other_field.width) == (placed_field.low, placed_field.width)
+                if not has_same_place:
                     continue
                 if isinstance(placed_field.field.kind, Number) and isinstance(other_field.field.kind, Constant):
                     yield placed_field.field, other_layout, other_field.field.kind.value

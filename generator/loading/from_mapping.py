@@ -51,8 +51,9 @@ def parse_sources(cited_text: str) -> Sources:
     for source_text in cited_text.split(";"):
         match = _SOURCE.fullmatch(source_text)
         if match is not None:
+            document = match["document"] or ""  # Empty for the manual.
             page = int(match["page"]) if match["page"] else None
-            parsed.append(Source(match["document"] or "", match["section"], page))
+            parsed.append(Source(document, match["section"], page))
     return tuple(parsed)
 
 
@@ -76,7 +77,7 @@ def record(part_class: Callable[..., T], raw: Raw, /, **values: Any) -> T:
             values[name] = _convert_to_type(hint, raw[name])
         elif not has_default:
             container_or_type = get_origin(hint) or hint
-            values[name] = _EMPTY.get(container_or_type)
+            values[name] = _EMPTY.get(container_or_type)  # None if the type is not in the map.
     return part_class(**values)
 
 
@@ -172,8 +173,10 @@ def check_only(raw_spec: Raw, variants: Sequence[Variant], report: DocumentRepor
     for path, owner in _mappings_with_only(raw_spec, ()):
         only = owner["only"]
         unmatched = _unmatched_patterns(only, variants)
-        # Other editions have fewer order codes, and the same lists of patterns.
-        if unmatched if not report.document.family else not any(fits(only, variant.code) for variant in variants):
+        is_faulty = bool(unmatched)
+        if report.document.family:  # Other editions have fewer order codes, and the same lists of patterns.
+            is_faulty = not any(fits(only, variant.code) for variant in variants)
+        if is_faulty:
             example_code = variants[0].code
             message = f"no order code of the family matches {quoted(unmatched[0])}"
             example_pattern = quoted(f"{example_code[: len(example_code) // 2]}...")
@@ -204,10 +207,11 @@ def check_alarms(raw_spec: Raw, report: DocumentReport) -> None:
     spec = WrittenSpec(dict(raw_spec))
     for alarm in spec.alarms:
         owner = owner_of_alarm(spec, alarm)
-        flags = [field for field in owner.fields if field.name == alarm.part.field] if owner is not None else []
-        if not alarm.part.field or not flags or alarm.part.only == flags[0].only:
+        if owner is None or not alarm.part.field:
             continue
-        flag = flags[0]
+        flag = next((field for field in owner.fields if field.name == alarm.part.field), None)
+        if flag is None or alarm.part.only == flag.only:
+            continue
         message = (
             f"the alarm applies to {_codes_in_words(alarm.part.only)}, "
             f"but its flag {quoted(flag.name)} applies to {_codes_in_words(flag.only)}"
@@ -290,8 +294,9 @@ def _build_send_step(raw_step: Raw, source: Sources, device: Device) -> Step:
     interface = device.find_interface(Rs485)
     data_ids = interface.data_ids if interface is not None else ()
     controls = [data_id.control for data_id in data_ids if data_id.name == raw_step.get("data_id")]
+    request = bytes(controls[:1])  # Empty if there is no such data ID.
     pause_us = raw_step.get("every_at_least_us", 0)
-    return record(SendStep, raw_step, source=source, request=bytes(controls[:1]), microseconds=pause_us)
+    return record(SendStep, raw_step, source=source, request=request, microseconds=pause_us)
 
 
 _STEPS = {

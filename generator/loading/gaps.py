@@ -93,6 +93,7 @@ def check_all_bits_covered(fields: Sequence[Field], bits: Expression, gaps: str,
     if gaps:
         return True
     for parameters in site.sets:
+        # Without the fields that this order code lacks.
         present_fields = [field for field in fields if field.width.value(parameters)]
         present_fields.sort(key=lambda field: field.low.value(parameters))
         starts = [*(field.low for field in present_fields), bits]
@@ -114,6 +115,7 @@ def in_whole_bytes(fields: list[Field], bits: Expression) -> tuple[list[Field], 
 
     Fields without a constant width in total are returned as they are.
     """
+    # A remainder in Python is not negative: 3 bits are missing after 13, and none after 16.
     missing_bits = -bits.constant % 8 if bits.is_constant else 0
     if not missing_bits or not fields:
         return fields, bits

@@ -35,7 +35,7 @@ def check_gray_positions(device: Device, report: DocumentReport) -> None:
                 problem = _problem_of_counts(layout, measurement, variants)
             if problem is not None:
                 path: Path = ("interfaces", interface.name, "layouts", layout.name, "gray")
-                # Without a key, 'gray' itself is marked: it lacks 'excess'.
+                # A problem without a key is that 'excess' is missing. Then 'gray' itself is marked.
                 place = (*path, problem.key) if problem.key else path
                 report.add("gray-excess", place, problem.message, at_key=not problem.key)
 
@@ -54,13 +54,15 @@ def _is_in_gray(layout: Layout, measurement: Measurement) -> bool:
         return False
     if not layout.gray_of or measurement.of not in layout.member_names:
         return False
-    return layout.names_in(measurement.of)[-1] in layout.names_in(layout.gray_of)
+    lowest_name = layout.names_in(measurement.of)[-1]  # The most significant field is the first.
+    return lowest_name in layout.names_in(layout.gray_of)
 
 
 def _is_position_alone(layout: Layout, measurement: Measurement) -> bool:
     """Return True if the number in Gray code is the whole position, one unsigned field, with ``turns: 1``."""
     names = layout.names_in(layout.gray_of)
-    if len(names) != 1 or names != layout.names_in(measurement.of) or measurement.turns != Expression(1):
+    is_position = names == layout.names_in(measurement.of)
+    if len(names) != 1 or not is_position or measurement.turns != Expression(1):
         return False
     kind = layout.field(names[0]).kind
     return isinstance(kind, Number) and not kind.signed and not kind.zero_means
@@ -81,11 +83,12 @@ def _reason_against_excess(
     if measurement.highest is not None or layout.position_range is not None:
         problem = "'excess' is only for positions from 0 to 'counts_per_turn' - 1"
         return KeyProblem("excess", f"{problem}; leave 'highest' and 'position_range' out, or leave 'excess' out")
-    counts = measurement.counts_per_turn
-    names = [*layout.gray_excess.parameters, *(counts.parameters if counts is not None else ())]
-    at_run_time = sorted({name for name in names if name in switched})
-    if at_run_time:
-        problem = f"'{at_run_time[0]}' depends on a register, but the excess of an order code is fixed"
+    names = set(layout.gray_excess.parameters)
+    if measurement.counts_per_turn is not None:
+        names.update(measurement.counts_per_turn.parameters)
+    names_at_run_time = sorted(names.intersection(switched))
+    if names_at_run_time:
+        problem = f"'{names_at_run_time[0]}' depends on a register, but the excess of an order code is fixed"
         return KeyProblem(
             "excess", f"{problem}; leave 'gray' and 'measurement' out, and convert the position in your program"
         )
@@ -99,14 +102,16 @@ def _problem_of_counts(layout: Layout, measurement: Measurement, variants: Seque
     for variant in variants:
         counts = counts_by_code[variant.code]
         bits = (counts - 1).bit_length()
-        # The codes in use are in the middle of all codes, so half of the others come before them.
+        # The codes in use are in the middle of all codes, so half of the others come before them: for 360 counts in
+        # 9 bits, (512 - 360) / 2 = 76.
         excess = ((1 << bits) - counts) // 2
         stated = layout.gray_excess.value(variant.parameters) if layout.gray_excess is not None else 0
+        is_odd = counts & 1 == 1
         # Counts below 1 are reported elsewhere. With an even number and the right excess, nothing is wrong.
-        if counts < 1 or (stated == excess and counts & 1 == 0):
+        if counts < 1 or (stated == excess and not is_odd):
             continue
-        # Not a power of two, so it needs an excess, but it is odd or not alone in its number.
-        if not is_power_of_two(counts) and (counts & 1 or not _is_position_alone(layout, measurement)):
+        needs_excess = not is_power_of_two(counts)
+        if needs_excess and (is_odd or not _is_position_alone(layout, measurement)):
             return KeyProblem("", _no_excess_message(layout, variant, counts))
         formula = f"(2^{bits} - {counts}) / 2 = {excess}"
         if layout.gray_excess is not None:

@@ -91,6 +91,7 @@ def _check_words(raw_interface: Raw, layouts: Sequence[Layout], site: Site) -> N
         return
     for layout in layouts:
         words_of_layout = [word for word in words if layout.name in (word.exchange["request"], word.exchange["reply"])]
+        # A layout without an exchange is compared with the number of the interface.
         _check_word_bits(layout, words_of_layout or [_Word({}, default_bits)], site)
 
 
@@ -116,10 +117,10 @@ def _checked_word_bits(raw: Raw, site: Site, *below: str | int) -> Expression | 
 
     Return None for an invalid expression. ``below`` is the path of the exchange in the interface.
     """
-    bits = site.context.expression(raw.get("word_bits", _WORD[0]))
+    low, high = _WORD
+    bits = site.context.expression(raw.get("word_bits", low))
     if bits is None:
         return None
-    low, high = _WORD
     numbers_of_bits = sorted({bits.value(parameters) for parameters in site.sets})
     impossible_numbers = [length for length in numbers_of_bits if not low <= length <= high]
     if impossible_numbers:
@@ -159,7 +160,8 @@ def _members_of_ssi(raw_interface: Raw, context: Context) -> Mapping[str, Any]:
     source = sources(raw_interface)
     output_code = None
     if raw_interface.get("output_code"):
-        output_code = OutputCode(raw_interface["output_code"], sources(raw_interface, "output_code_source") or source)
+        source_of_code = sources(raw_interface, "output_code_source") or source
+        output_code = OutputCode(raw_interface["output_code"], source_of_code)
     cable_rows = raw_interface.get("cable_lengths", ())
     return {
         "clocks": _build_clocks(raw_interface),
@@ -235,7 +237,8 @@ _INTERFACES = {"ssi": _members_of_ssi, "biss": _members_of_biss, "rs485": _membe
 
 def _build_control_field(raw_field: Raw, parent: Raw, context: Context) -> ControlField:
     """Return a field of the control frame. A CRC has its own width, and other fields one bit unless they give more."""
-    default_bits = context.crcs[raw_field["crc"]].width if raw_field.get("crc") in context.crcs else 1
+    is_known_crc = raw_field.get("crc") in context.crcs
+    default_bits = context.crcs[raw_field["crc"]].width if is_known_crc else 1
     bits = raw_field.get("bits", default_bits)
     if not isinstance(bits, int):  # Reported: the control frame has fixed widths.
         bits = 0
@@ -258,7 +261,7 @@ def check_spi_registers(device: Device, report: DocumentReport) -> None:
     for register in device.registers_over(interface.name):
         frame_names = set(_frames_with_register(interface, register))
         for frame_name, bits in _widths_of_value(device, interface, frame_names):
-            needed_bytes = (bits + 7) // 8
+            needed_bytes = (bits + 7) // 8  # rounded up
             if needed_bytes != register.length:
                 register_text = f"'{register.name}' has {counted(register.length, 'byte')}"
                 message = f"{register_text}, but '{_DATA}' in '{frame_name}' has {counted(bits, 'bit')}"

@@ -69,10 +69,10 @@ def _check_parts_of_join(join: Join, fields: Mapping[str, Field], site: Site) ->
             site.report("join-order", f"'{join.name}' contains '{name}' twice", "join", join.name, index)
             continue
         reason = _obstacle_to_join(fields[name].kind) if name in fields else ""
-        # A reason may already end with a remedy after a semicolon.
         if reason:
-            has_remedy = ";" in reason
-            remedy = f"{', or' if has_remedy else ';'} leave '{name}' out of '{join.name}'"
+            # A reason may already end with a remedy after a semicolon.
+            separator = ", or" if ";" in reason else ";"
+            remedy = f"{separator} leave '{name}' out of '{join.name}'"
             site.report("join-of", f"'{join.name}' contains '{name}', {reason}{remedy}", "join", join.name, index)
 
 
@@ -88,8 +88,9 @@ def _check_order_of_join(join: Join, fields: Mapping[str, Field], layout: Layout
     for index, (above, below) in enumerate(different_neighbours, 1):
         must_be_lower, must_be_higher = (above, below) if low_first else (below, above)
         if _is_above(fields[must_be_lower], fields[must_be_higher], site):
-            message = f"'{join.name}' has '{above}' above '{below}', but '{layout.name}' sends '{must_be_lower}' first"
-            site.report("join-order", message + _remedy_for_order(low_first, site), "join", join.name, index)
+            problem = f"'{join.name}' has '{above}' above '{below}', but '{layout.name}' sends '{must_be_lower}' first"
+            remedy = _remedy_for_order(low_first, site)
+            site.report("join-order", problem + remedy, "join", join.name, index)
 
 
 def _remedy_for_order(low_first: bool, site: Site) -> str:
@@ -104,6 +105,7 @@ def _remedy_for_order(low_first: bool, site: Site) -> str:
 def _check_bytes(layout: Layout, site: Site) -> None:
     """Check that no number in a word has more than 8 bits, because then the low byte of each number comes first."""
     for field in layout.fields:
+        # The order of bytes changes nothing in unused bits and zeros.
         is_number = not isinstance(field.kind, Unused) and not _is_zeros(field.kind)
         if is_number and field.widest > 8:
             message = f"'{field.name}' has {field.widest} bits, but the low byte of each number comes first"
@@ -152,6 +154,7 @@ def _obstacle_to_join(kind: Kind) -> str:
         return "which is active low"
     if not isinstance(kind, Number):
         return "which is not a number; define it with 'bits' and no kind"
+    # Only these two make a number differ from its bits.
     return "which is signed; leave 'signed' out" if kind.signed else "which has 'zero_means'; leave 'zero_means' out"
 
 
@@ -175,6 +178,7 @@ def _check_gray(layout: Layout, site: Site) -> None:
     if not switch_values <= {0, 1}:
         message = f"'{layout.gray_when}' can be {max(switch_values)}; it must be 1 for Gray code, or 0 for binary"
         site.report("gray-of", message, "gray", "when")
+    # Without such a parameter, the number is always in Gray code.
     sets_with_gray_code = [parameters for parameters in site.sets if parameters.get(layout.gray_when, 1)]
     for above, below in pairwise(coded_fields):
         if not _are_adjacent(above, below, sets_with_gray_code):
@@ -234,12 +238,10 @@ def check_layout(layout: Layout, site: Site, low_byte_first: bool) -> bool:
         _check_field(layout, field, replace(site, path=(*site.path, "fields", field.name)))
     check_one_crc(layout, site)
     selector = next((field for field in layout.fields if field.name == layout.selector), None)
+    named_numbers = [value.value for value in selector.values] if selector is not None else []
     for selected_value in layout.selects:
-        if (
-            selector is not None
-            and selector.values
-            and selected_value not in [value.value for value in selector.values]
-        ):
+        # A selector without named values can have any number.
+        if named_numbers and selected_value not in named_numbers:
             site.report("undefined-reference", f"'{layout.selector}' has no value {selected_value}", "when")
     if layout.unused and "unused" in layout.member_names:
         message = "decoded frames use the name 'unused' for all unused bits; rename the field"
@@ -249,7 +251,10 @@ def check_layout(layout: Layout, site: Site, low_byte_first: bool) -> bool:
 
 
 def _remedy_for_long_frames(layout: Layout) -> str:
-    """Return the end of the message about a frame of bits that is too long: how to write it in bytes."""
+    """Return the end of the message about a frame of bits that is too long: how to write it in bytes.
+
+    A longer frame can be carried as bytes instead of one number, but then all order codes must have the same length.
+    """
     if layout.bits.is_constant:
         return f", or {LARGEST_BYTES} with 'carried_as: bytes'"
     condition = "if the frame has the same length for all order codes"
@@ -334,7 +339,8 @@ def _check_choice(field: Field, choice: Choice, site: Site) -> None:
     # If the width is constant, the rules on the text have already checked it.
     if not field.width.is_constant:
         for value in choice.values:
-            if value.value >> field.widest:
+            has_too_many_bits = value.value >> field.widest != 0
+            if has_too_many_bits:
                 message = f"the value '{value.name}' = {value.value:#x} does not fit into {field.widest} bits"
                 site.report("value-too-wide", message)
     has_zero = any(value.value == 0 for value in choice.values)
@@ -348,10 +354,12 @@ def _check_fixed(field: Field, fixed: Constant | Unused, site: Site) -> None:
     If an order code lacks the field, a constant must be 0.
     """
     widths = [field.width.value(parameters) for parameters in site.sets]
+    # An order code with width 0 lacks the field.
     narrowest = min((width for width in widths if width), default=field.widest)
     if not field.width.is_constant and fixed.value >> narrowest:
         key = "unused" if isinstance(fixed, Unused) else "constant"
-        message = f"'{key}' is {fixed.value:#x}, which does not fit into {narrowest} bit{'s' * (narrowest > 1)}"
+        noun = "bits" if narrowest > 1 else "bit"
+        message = f"'{key}' is {fixed.value:#x}, which does not fit into {narrowest} {noun}"
         site.report("value-too-wide", message)
     if isinstance(fixed, Constant) and fixed.value:
         _check_absent(field, f"'constant' is {fixed.value:#x}; use 0, or a constant width", site)

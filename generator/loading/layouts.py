@@ -73,7 +73,8 @@ def build_layout(raw_layout: Raw, site: Site, total: int | None = None) -> Layou
         # A frame of bytes on an interface that sends bits: zeros fill its first byte.
         fields, bits = in_whole_bytes(fields, bits)
     if byte_order:
-        fields = [replace(field, pieces=pieces(field, site.widest(bits) // 8, low_first)) for field in fields]
+        length = site.widest(bits) // 8
+        fields = [replace(field, pieces=pieces(field, length, low_first)) for field in fields]
     fields = _with_joins_covered(raw_layout, fields, site)
     layout = _build_layout(
         raw_layout, site, byte_order, bits, _sort_for_sending(fields, low_first and total is None), gaps
@@ -250,6 +251,7 @@ def _build_items_of_group(group: Raw, path: Path, context: Context, low_first: b
 
     Fields in sending order must have the number of bits that the group gives.
     """
+    # A field without a source has that of the group.
     raw_fields = [{"source": group["source"], **raw} for raw in group["fields"]]
     group_items = _build_items(raw_fields, (*path, "fields"), context, low_first)
     if group_items is None:
@@ -301,7 +303,8 @@ def _lowest_bit_of_field(raw_field: Raw, width: Expression, path: Path, context:
             f"'{raw_field['at']}' is not a position; write a bit number, or a range with the high bit first, as in 7:6",
         )
         return None
-    return Expression(high_and_low[1])
+    _, low = high_and_low
+    return Expression(low)
 
 
 def _place_in_sequence(items: Sequence[Item], low_first: bool) -> tuple[list[Item], Expression]:
@@ -348,22 +351,26 @@ def _check_total_width(bits: Expression, total: int, site: Site) -> bool:
 def _check_items_fit(items: Sequence[Item], bits: Expression, site: Site) -> bool:
     """Return True if every field has a valid width, is inside the layout and overlaps no other field.
 
-    Report the first parameters for which that is not so.
+    Report the problems of the first parameters for which that is not so. ``bits`` is the width of the layout.
     """
     field_items = list(_expand_groups(items))
-    for parameters in site.sets:
+    for parameters in site.sets:  # Those of each order code, such as {"position_bits": 24}.
         total = bits.value(parameters)
         if total > _MOST_BITS:
             message = f"the fields have {total} bits{values_text(parameters, bits)}; the maximum is {_MOST_BITS}"
             site.report("too-long", message)
             return False
+        # _check_fit reports the problems.
         if not _check_fit(field_items, total, parameters, site):
             return False
     return True
 
 
 def _check_fit(flat: Sequence[Item], total: int, parameters: Mapping[str, int], site: Site) -> bool:
-    """Return True if the fields fit into ``total`` bits with these parameters, otherwise report why not."""
+    """Return True if the fields fit into ``total`` bits with these parameters, otherwise report why not.
+
+    Each overlap of two fields is reported, but only the first field with an invalid width or place.
+    """
     has_overlap = False
     occupied: list[tuple[range, Item]] = []
     for field_item in flat:

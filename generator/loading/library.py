@@ -74,7 +74,8 @@ def _have_common_name(first: Device, second: Device) -> bool:
     if first.base or second.base:  # These share order codes with their base family and are distinguished by name.
         return first.name == second.name
     codes = {variant.code for variant in first.variants}
-    return first.name == second.name or any(variant.code in codes for variant in second.variants)
+    has_common_code = any(variant.code in codes for variant in second.variants)
+    return first.name == second.name or has_common_code
 
 
 def load_families(
@@ -99,6 +100,7 @@ def load_families(
     report = Report()
     needs_contents = bool(cache) or others is not None
     contents_before = contents(paths) if needs_contents else {}
+    # The content of its files is the key of a device: with the same content, it would be built in the same way.
     known_devices = {tuple(family.content): family.device for family in others or () if family.content}
     stored_devices: dict[str, Device | None] = {}
     for file, content in contents_before.items():
@@ -132,7 +134,8 @@ def _packaged_specs_for(overlays: Sequence[Document]) -> list[Path]:
     """Return the packaged specs that overlays change, or all of them if an overlay names no packaged family."""
     specs_by_family = {spec.stem: spec for spec in spec_files(packaged_families())}
     overlaid_names = sorted({str(overlay.data.get("of")) for overlay in overlays})
-    if not set(overlaid_names) <= specs_by_family.keys():
+    are_all_packaged = set(overlaid_names) <= specs_by_family.keys()
+    if not are_all_packaged:
         return packaged_families()
     return [specs_by_family[name] for name in overlaid_names]
 
@@ -177,7 +180,8 @@ def contents(paths: Sequence[Path]) -> dict[str, list[bytes | str]]:
 
     The content of a family is the list of the names and bytes of its files, which is its key in the cache.
     """
-    return {str(path): content_of(family_files(path)) for path in spec_files(paths) if path.is_file()}
+    existing_specs = (path for path in spec_files(paths) if path.is_file())
+    return {str(path): content_of(family_files(path)) for path in existing_specs}
 
 
 def families_of(
@@ -229,6 +233,7 @@ def _manufacturer_of(
     Report that its file is missing. A file with problems has been reported, and so has a spec without the key.
     """
     name = device_data["manufacturer"]
+    # A file with problems is not in ``makers``.
     has_file = any(str(file.data.get("manufacturer")) == name for file in manufacturer_files)
     if name not in makers and not has_file and "manufacturer" in document.data:
         hint = f"; known: {listed(sorted(makers))}; use the same name in both files" if makers else ""
@@ -282,7 +287,8 @@ def _manufacturers_by_name(
     for document, data in checked:
         if data is not None and "device" not in data and "manufacturer" in data:
             # Several folders may have the same file, so that each of them can be used alone.
-            if first_data_by_name.setdefault(data["manufacturer"], data) != data:
+            first_data = first_data_by_name.setdefault(data["manufacturer"], data)
+            if first_data != data:
                 message = f"there is a different manufacturer file for '{data['manufacturer']}'"
                 report.add("duplicate-name", document, ("manufacturer",), message)
             maker = build_manufacturer(data)
@@ -305,7 +311,8 @@ def _check_manufacturer(
     """Check that names derived from a manufacturer are unique, and that its package hides no standard module."""
     package = maker.python_package
     path = ("python_package",) if "python_package" in document.data else ("manufacturer",)
-    if package in _OURS or package in sys.stdlib_module_names or keyword.iskeyword(package):
+    is_name_of_python = package in sys.stdlib_module_names or keyword.iskeyword(package)
+    if package in _OURS or is_name_of_python:
         name_user = "codewheel" if package in _OURS else "Python"
         report.add(
             "not-allowed",
@@ -333,19 +340,24 @@ def _missing_manufacturers(documents: Sequence[Document], report: Report) -> lis
     """Return the manufacturer files next to device files that are not among the documents."""
     read_paths = {Path(document.file).resolve() for document in documents}
     folders = sorted({Path(document.file).parent for document in documents if "device" in document.data})
-    paths = [folder / "manufacturer.yaml" for folder in folders]
-    missing_paths = [path for path in paths if path.resolve() not in read_paths and path.is_file()]
-    read_documents = (read_document(path, report) for path in missing_paths)
-    return [document for document in read_documents if document is not None]
+    missing_documents: list[Document] = []
+    for folder in folders:
+        path = folder / "manufacturer.yaml"
+        if path.resolve() in read_paths or not path.is_file():
+            continue
+        document = read_document(path, report)  # None if nothing in the file can be used.
+        if document is not None:
+            missing_documents.append(document)
+    return missing_documents
 
 
 def _compare_with_others(device: Device, other_devices: Sequence[Device], document: Document, report: Report) -> None:
     """Report a name that another family has, and the first order code that another family has."""
     if any(other_device.name == device.name for other_device in other_devices):
         report.add("duplicate-name", document, ("device",), f"there is another spec for '{device.name}'")
-    devices_by_code = {
-        variant.code: other_device for other_device in other_devices for variant in other_device.variants
-    }
+    devices_by_code: dict[str, Device] = {}
+    for other_device in other_devices:
+        devices_by_code.update((variant.code, other_device) for variant in other_device.variants)
     for variant in device.variants:
         if variant.code in devices_by_code:
             message = f"the order code {variant.code} also belongs to '{devices_by_code[variant.code].name}'"
@@ -380,6 +392,7 @@ def narrowed_to(devices: Sequence[Device], only: str) -> tuple[Device, ...]:
     narrowed_devices = []
     for device in devices:
         codes = {variant.code for variant in device.variants if wanted_names & set(_names_of_code(device, variant))}
+        # A device without a wanted order code is left out.
         if codes:
             narrowed_device = for_codes(device, codes)
             # Frames that programs and pages show come from one of the remaining order codes.
@@ -412,9 +425,8 @@ def _unknown_message(devices: Sequence[Device], word: str) -> str:
     """
     families_of_word = [device for device in devices if word.upper().startswith(device.name.upper())]
     codes_of_families = [variant.code for device in families_of_word for variant in device.variants]
-    nearest_name = nearest_choice(
-        word, [*_yield_suggestions(devices), *codes_of_families, *map(str.lower, codes_of_families)]
-    )
+    codes_in_lower_case = [code.lower() for code in codes_of_families]
+    nearest_name = nearest_choice(word, [*_yield_suggestions(devices), *codes_of_families, *codes_in_lower_case])
     first_code = next((variant.code for device in devices for variant in device.variants), "")
     valid_names = codes_of_families or [f"order codes, such as {first_code}", *_yield_suggestions(devices)]
     hint = f"did you mean '{nearest_name}'?" if nearest_name else f"valid are {', '.join(valid_names)}"

@@ -162,7 +162,8 @@ def _apply_overlays(
     layered_spec = LayeredSpec(family.document, report)
     problems_before = len(report)
     layered_spec.apply([_layer_of(overlay) for overlay in overlays])
-    document = layered_spec.document(f"{family.device.name}_{special.lower()}" if special else "")
+    name_of_special = f"{family.device.name}_{special.lower()}" if special else ""  # Such as x_24_s123.
+    document = layered_spec.document(name_of_special)
     inner_report = Report()
     device = build(document, inner_report)
     # After a change that failed, problems of the result would only follow from it.
@@ -170,14 +171,11 @@ def _apply_overlays(
         _report_in_overlay(inner_report, family.document, overlays[-1], report)
     if device is None:
         return None
+    # ``build`` does not add the errata about other editions.
+    errata_of_editions = [erratum for erratum in family.device.errata if erratum.edition]
     device = replace(
         device,
-        errata=(
-            *device.errata,
-            # ``build`` does not add the errata about other editions.
-            *(erratum for erratum in family.device.errata if erratum.edition),
-            *errata_of(layered_spec.applied),
-        ),
+        errata=(*device.errata, *errata_of_editions, *errata_of(layered_spec.applied)),
         overlays=tuple(_build_overlay(overlay) for overlay in overlays),
         title=f"{device.title}, special models /{special}" if special else device.title,
         base=family.device.name if special else "",
@@ -214,6 +212,7 @@ def errata_of(applied_changes: Iterable[AppliedChange]) -> Iterator[Erratum]:
             key: definition[key] for key in ("severity", "why", "source") if key in definition
         }
         new_values = join_shortened([change.now for change in changes if change.now]) or LEFT_OUT
+        former_texts = without_examples([change.was for change in changes])
         affected_paths: list[str] = []
         for change in changes:
             affected_paths += change.affects
@@ -221,8 +220,8 @@ def errata_of(applied_changes: Iterable[AppliedChange]) -> Iterator[Erratum]:
             Erratum,
             stated_facts,  # The schema reports the rest.
             name=f"{_WORD.sub('_', f'{kind}_{name}'.removeprefix('overlay_'))}_{errata_counts[name]}",
-            title=change_title(_layer_words(kind, name), without_examples([change.was for change in changes])),
-            printed=join_shortened(without_examples([change.was for change in changes])),
+            title=change_title(_layer_words(kind, name), former_texts),
+            printed=join_shortened(former_texts),
             used=new_values if first_change.is_known else NOT_KNOWN,
             status="settled" if first_change.is_known else "open",
             affects=tuple(dict.fromkeys(affected_paths)),
@@ -290,9 +289,8 @@ def _report_in_overlay(inner_report: Report, spec: Document, overlay: Document, 
     reported = set(report.problems)
     for problem in inner_report.problems:
         if problem.file == spec.file and problem not in reported:
-            location = (
-                f"{Path(spec.file).name}:{problem.line}, {problem.path}" if problem.path else Path(spec.file).name
-            )
+            spec_name = Path(spec.file).name
+            location = f"{spec_name}:{problem.line}, {problem.path}" if problem.path else spec_name
             _report_problem(problem, overlay, f"with this overlay, {location}: {problem.message}", report)
         elif problem not in reported:
             report.add_at(

@@ -41,7 +41,8 @@ def check_named_widths(raw_spec: Raw, device: Device, report: DocumentReport) ->
         if not is_checked or parameter.name in used_words:
             continue
         frames = ((interface, layout) for interface in device.interfaces for layout in interface.layouts)
-        problem = next(filter(None, (_describe_difference(device, parameter, *frame) for frame in frames)), "")
+        problems = (_describe_difference(device, parameter, interface, layout) for interface, layout in frames)
+        problem = next(filter(None, problems), "")
         if problem:
             remedy = "correct 'equals', or rename the parameter if it is another number"
             report.add("parameter-width", ("parameters", parameter.name, "equals"), f"{problem}; {remedy}")
@@ -52,7 +53,7 @@ def _used_words(raw_spec: Raw) -> Iterator[str]:
     for path, value in leaves(raw_spec):
         # The definition of a parameter, below ``parameters.NAME``, is not a use of its name.
         keys_of_use = path[2:] if path[0] == "parameters" else path
-        yield from (step for step in keys_of_use if isinstance(step, str))
+        yield from (step for step in keys_of_use if isinstance(step, str))  # Without the indices in lists.
         if isinstance(value, str) and path[-1] not in _PROSE:
             yield from _WORD.findall(value)
 
@@ -63,7 +64,9 @@ def _describe_difference(device: Device, parameter: Parameter, interface: Interf
     It is empty if the encoder does not send a number of this name with this layout.
     """
     name = parameter.name.removesuffix(_ENDING)
-    if layout.sender != "encoder" or not {field.name for field in layout.fields}.issuperset(layout.names_in(name)):
+    field_names = {field.name for field in layout.fields}
+    has_number = field_names.issuperset(layout.names_in(name))
+    if layout.sender != "encoder" or not has_number:
         return ""
     for variant in device.variants_over(interface.name):
         placed = layout.place(variant.parameters)
@@ -91,20 +94,16 @@ def check_reach(raw_spec: Raw, context: Context, variants: Sequence[Variant]) ->
         # A number has the same value in each set.
         sets_to_check = sets_of_interface if parameter_names else sets_of_interface[:1]
         sets_and_expressions = product(sets_to_check, (expression_text, *formulas_of_parameters))
-        problem = next(
-            filter(
-                None, (_error_of_expression(expression, parameters) for parameters, expression in sets_and_expressions)
-            ),
-            "",
-        )
-        if problem:
-            context.report.add("bad-expression", path, problem)
+        problems = (_error_of_expression(expression, parameters) for parameters, expression in sets_and_expressions)
+        first_problem = next(filter(None, problems), "")
+        if first_problem:
+            context.report.add("bad-expression", path, first_problem)
     for name, definition in raw_spec["parameters"].items():
         if "equals" not in definition:
             continue
-        problems = [_error_of_expression(definition["equals"], variant.parameters) for variant in variants]
-        if problems and all(problems):
-            context.report.add("bad-expression", ("parameters", name, "equals"), problems[0])
+        problem_of_each_code = [_error_of_expression(definition["equals"], variant.parameters) for variant in variants]
+        if problem_of_each_code and all(problem_of_each_code):
+            context.report.add("bad-expression", ("parameters", name, "equals"), problem_of_each_code[0])
     return len(context.report) == problems_before
 
 
@@ -117,8 +116,9 @@ def _error_of_expression(expression_text: int | str, parameters: Mapping[str, in
         expression = Expression.parse(expression_text)
     except ExpressionError:
         return ""  # Reported by the rule on expressions.
+    are_known = parameters.keys() >= set(expression.parameters)  # An unknown name is reported by the same rule.
     try:
-        if parameters.keys() >= set(expression.parameters):  # Another name is reported by the rule on expressions.
+        if are_known:
             expression.value(parameters)
     except ExpressionError as error:
         return str(error)
@@ -159,7 +159,8 @@ def held_in_registers(raw_spec: Raw, report: DocumentReport) -> Mapping[str, int
             )
             defaults[name] = definition.get("max", 0)
         else:
-            number = (register["default"] >> low_bit) & ((1 << width) - 1)
+            mask = (1 << width) - 1
+            number = (register["default"] >> low_bit) & mask
             defaults[name] = _default_of_parameter(name, definition, number, field.get("zero_means", 0), report)
     return MappingProxyType(defaults)
 
@@ -169,7 +170,9 @@ def _register_and_field(raw_spec: Raw, definition: Raw) -> tuple[Raw | None, Raw
     register_name, _, field_name = definition["read_from"].partition(".")
     registers = raw_spec.get("registers", ())
     register = next((candidate for candidate in registers if candidate["name"] == register_name), None)
-    return register, _find_raw_field(register, field_name) if register is not None else None
+    if register is None:
+        return None, None
+    return register, _find_raw_field(register, field_name)
 
 
 def _default_of_parameter(
@@ -189,7 +192,8 @@ def _default_of_parameter(
             report.add("default-does-not-fit", ("parameters", name), f"{message}, {remedy}")
         return value or 0
     value = stored_number or zero_means
-    if not definition.get("min", 0) <= value <= definition.get("max", value):
+    lowest, highest = definition.get("min", 0), definition.get("max", value)
+    if not lowest <= value <= highest:
         message = f"the default of '{definition['read_from']}' is {value}, not between 'min' and 'max'"
         report.add("default-does-not-fit", ("parameters", name), message)
     return value
@@ -215,7 +219,8 @@ def extreme_states(raw_spec: Raw) -> Sequence[Sequence[State]]:
             values_by_code = {coded.code: coded.value for coded in coded_values(definition)}
             codes_by_field.setdefault(field, {})[name] = values_by_code
         elif field is not None:
-            states_of_limits.append([{name: definition[key]} for key in ("min", "max") if key in definition])
+            limits = [definition[key] for key in ("min", "max") if key in definition]
+            states_of_limits.append([{name: limit} for limit in limits])
     return [*states_of_limits, *map(coded_states, codes_by_field.values())]
 
 
@@ -248,9 +253,10 @@ def _check_codes(name: str, definition: Raw, width: int, report: DocumentReport)
     """Check that each code fits into the field and is unique. The codes are texts such as ``0x10``."""
     first_text_by_code: dict[int, str] = {}
     for code_text in definition.get("by_code", {}):
-        code = int(code_text, 0)
+        code = int(code_text, 0)  # Base 0 reads 0x10 as hexadecimal.
         path = ("parameters", name, "by_code", code_text)
-        if code >> width:
+        has_too_many_bits = code >> width != 0
+        if has_too_many_bits:
             message = f"the code {code_text} does not fit into the {width} bits of '{definition['read_from']}'"
             report.add("value-too-wide", path, message, at_key=True)
         elif code in first_text_by_code:
@@ -270,7 +276,8 @@ def _find_raw_field(register: Raw, field_name: str) -> Raw | None:
     other name may be a field of the group. The result is then empty.
     """
     if "fields" not in register:
-        return {"name": field_name, "at": f"{8 * register['length'] - 1}:0"} if field_name == register["name"] else None
+        highest_bit = 8 * register["length"] - 1
+        return {"name": field_name, "at": f"{highest_bit}:0"} if field_name == register["name"] else None
     own_fields = [field for field in register["fields"] if "use" not in field]
     field_of_group: Raw | None = {} if len(own_fields) < len(register["fields"]) else None
     return next((field for field in own_fields if field.get("name") == field_name), field_of_group)
@@ -316,11 +323,8 @@ def parameter_sets(
     states_by_field = extreme_states(raw_spec)
     # One by one first, so that messages name as few parameters as possible.
     single_states = (register_state for states in states_by_field for register_state in states)
-    register_states: list[State] = [
-        {},
-        *single_states,
-        *(extreme_combinations(states_by_field) if len(states_by_field) > 1 else ()),
-    ]
+    combined_states = extreme_combinations(states_by_field) if len(states_by_field) > 1 else ()
+    register_states: list[State] = [{}, *single_states, *combined_states]
     known_sets: set[tuple[str, tuple[int, ...]]] = set()
     sets_by_codes = _without_definitions(definitions, variants)
     for (kind, set_by_code), register_state, values_of_answer in product(
@@ -363,7 +367,9 @@ def too_much_work(raw_spec: Raw, context: Context) -> bool:
     number_of_sets = sum(map(len, context.parameter_sets.values()))
     spec = WrittenSpec(dict(raw_spec))
     groups = by_name(spec.field_groups)
-    number_of_fields = sum(1 for fields in field_lists(spec) for _ in with_groups_expanded(fields, groups))
+    number_of_fields = 0
+    for fields in field_lists(spec):
+        number_of_fields += sum(1 for _ in with_groups_expanded(fields, groups))
     if number_of_sets <= MOST_SETS and number_of_sets * number_of_fields <= MOST_PLACES:
         return False
     number_text = f"more than {MOST_SETS}" if number_of_sets > MOST_SETS else str(number_of_sets)

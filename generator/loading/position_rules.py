@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from itertools import islice, pairwise
+from itertools import pairwise
 
 from ..language.document import Path
 from ..language.problems import DocumentReport
@@ -26,6 +26,8 @@ _REVOLUTIONS = ("revolution", "revolutions", "turn", "turns")
 
 @dataclass(frozen=True)
 class _Case:
+    """One order code with one layout of its interface, for which the numbers of a measurement are checked."""
+
     variant: Variant
     layout: Layout
     #: The fields of the position that this order code has, most significant first, each with its width.
@@ -38,14 +40,19 @@ class _Case:
 
 def check_measurements(device: Device, report: DocumentReport) -> None:
     """Check scales and Gray code of positions, and report the first contradiction of each measurement."""
-    reported: set[Path] = set()
+    # Interfaces without a measurement of their own share that of the device, which is reported once.
+    reported_paths: set[Path] = set()
     _check_scales(device, report)
     check_gray_positions(device, report)
     for interface in device.interfaces:
-        for path, problem in islice(_problems_of(device, interface), 1):
-            if path not in reported:
-                reported.add(path)
-                report.add("measurement-does-not-fit", (*path, problem.key), problem.message)
+        # Only the first problem: the generator checks no further order codes once it has yielded one.
+        first_problem = next(_problems_of(device, interface), None)
+        if first_problem is None:
+            continue
+        path, problem = first_problem
+        if path not in reported_paths:
+            reported_paths.add(path)
+            report.add("measurement-does-not-fit", (*path, problem.key), problem.message)
 
 
 def _problems_of(device: Device, interface: Interface) -> Iterator[tuple[Path, KeyProblem]]:
@@ -61,7 +68,7 @@ def _problems_of(device: Device, interface: Interface) -> Iterator[tuple[Path, K
         problem = _measurement_problem(device, measurement.within(range_of_layout), case)
         if problem is not None:
             range_path: Path = ("interfaces", interface.name, "layouts", case.layout.name, "position_range")
-            # A number that the range of the layout gives is wrong there, others in the measurement.
+            # A number that the range of the layout gives is reported there, others in the measurement.
             is_of_range = getattr(range_of_layout, problem.key, None) is not None
             yield range_path if is_of_range else measurement_path, problem
 
@@ -75,8 +82,10 @@ def _check_scales(device: Device, report: DocumentReport) -> None:
             continue
         for layout in interface.layouts:
             owner = ("interfaces", interface.name, "layouts", layout.name)
+            # The position is one field, or a join of several ones.
             for field in layout.find_fields(layout.names_in(measurement.of)):
-                path: Path = (*(("field_groups", field.group) if field.group else owner), "fields", field.name, "scale")
+                owner_of_field = ("field_groups", field.group) if field.group else owner
+                path: Path = (*owner_of_field, "fields", field.name, "scale")
                 if field.scale is not None and path not in reported:
                     reported.add(path)
                     message = f"'measurement' already gives the unit of '{field.name}'; leave 'scale' out"
@@ -85,7 +94,8 @@ def _check_scales(device: Device, report: DocumentReport) -> None:
 
 def _yield_cases(device: Device, interface: Interface, measurement: Measurement) -> Iterator[_Case]:
     """Yield each layout that the encoder sends with each order code of the interface."""
-    for layout in (candidate for candidate in interface.layouts if candidate.sender == "encoder"):
+    sent_layouts = [layout for layout in interface.layouts if layout.sender == "encoder"]
+    for layout in sent_layouts:
         names = layout.names_in(measurement.of)
         for variant in device.variants_over(interface.name):
             placed = layout.place(variant.parameters)
@@ -108,6 +118,7 @@ def _measurement_problem(device: Device, measurement: Measurement, case: _Case) 
         return problem
     position_range = case.layout.position_range
     never_wraps = position_range is not None and not position_range.wraps
+    # The width is 0 if a frame lacks the position.
     if key not in values or not case.width or never_wraps:
         return None
     fixed_values = {name: value for name, value in values.items() if not _at_run_time(device, expressions[name])}
@@ -136,7 +147,8 @@ def _highest_count_problem(case: _Case, fixed_values: Mapping[str, int]) -> KeyP
     ``fixed_values`` lacks numbers that depend on a register, which may be any.
     """
     for name, value in fixed_values.items():
-        is_highest = name not in _STEPS and value >= _SEVERAL and is_power_of_two(value + 1)
+        is_number_of_counts = name not in _STEPS
+        is_highest = is_number_of_counts and value >= _SEVERAL and is_power_of_two(value + 1)
         if is_highest:
             message = f"'{name}' is {value} for {case.variant.code}, which is the highest count"
             return KeyProblem(name, f"{message}; including 0 there are {value + 1}")
@@ -158,7 +170,8 @@ def _unit_problem(case: _Case, values: Mapping[str, int]) -> KeyProblem | None:
     if unit not in _NANOMETRES:
         return None
     # The step is the length of 'per_counts' counts, and the unit of the field that of one count.
-    if step_nm == _NANOMETRES[unit] * values.get("per_counts", 1):
+    length_by_unit_nm = _NANOMETRES[unit] * values.get("per_counts", 1)
+    if step_nm == length_by_unit_nm:
         return None
     message = f"'{key}' is {values[key]} for {case.variant.code}, but '{position_name}' has 'unit: {unit}'"
     return KeyProblem(key, f"{message}, so a count is 1 {unit}; correct one of the two, or write 'unit: counts'")
@@ -170,7 +183,8 @@ def _width_problem(
     """Return the key and the message if the position has too few bits, or unused bits where it must use all."""
     turns = values.get("turns", 1)
     counts = values[counts_key] * turns
-    counts_text = f"{values[counts_key]} counts" + (f" × {turns} turns" if turns > 1 else "")
+    turns_text = f" × {turns} turns" if turns > 1 else ""
+    counts_text = f"{values[counts_key]} counts{turns_text}"
     width_text = f"'{measurement.of}' in '{case.layout.name}' has {case.width} bits for {case.variant.code}"
     if counts > 1 << case.width:
         return KeyProblem(counts_key, f"{counts_text} do not fit, because {width_text}")
@@ -181,7 +195,7 @@ def _width_problem(
         highest = measurement.highest.value(case.variant.parameters)
         if highest >= end_of_width:
             return KeyProblem("highest", f"'highest' is {highest}, but {width_text} and ends at {end_of_width - 1}")
-    width_parameters = _parameters_behind(device, *(case.layout.field(name).width for name, _ in case.fields))
+    width_parameters = _parameters_behind(device, *(field.width for field in fields))
     count_parameters = _parameters_behind(
         device, *filter(None, (measurement.counts_per_turn, measurement.turns, measurement.modulus))
     )
@@ -193,8 +207,8 @@ def _width_problem(
     must_fill = uses_all_bits or (
         width_parameters and count_parameters <= width_parameters and not (is_signed and measurement.highest)
     )
-    # One bit less would be enough.
-    if 2 * counts <= 1 << case.width and must_fill:
+    one_bit_less_is_enough = 2 * counts <= 1 << case.width
+    if one_bit_less_is_enough and must_fill:
         message = f"{counts_text} need {(counts - 1).bit_length()} bits, but {width_text}"
         return KeyProblem(counts_key, f"{message}; define zeros above a position as a separate field")
     return None
@@ -212,7 +226,7 @@ def _range_problem(measurement: Measurement, case: _Case, counts_key: str) -> Ke
         message = _message_of_signed_range(case, field_text, total) if is_signed else ""
         return KeyProblem(counts_key, message) if message else None
     highest = measurement.highest.value(case.variant.parameters)
-    lowest = highest - total + 1
+    lowest = highest - total + 1  # There are as many positions as counts.
     # In two's complement, half of the numbers are negative.
     lowest_possible = -(1 << (width - 1)) if is_signed else 0
     highest_possible = lowest_possible + (1 << width) - 1
@@ -231,7 +245,8 @@ def _message_of_signed_range(case: _Case, field_text: str, total: int) -> str:
     if not is_power_of_two(total):
         message = f"{field_text} is signed, and its range does not follow from {total} counts for {case.variant.code}"
         return f"{message}; add 'highest', from which the lowest position follows: highest - {total} + 1"
-    if total == 1 << case.width:
+    uses_all_numbers = total == 1 << case.width
+    if uses_all_numbers:
         return ""
     message = f"{field_text} is signed and has {case.width} bits, but the position wraps around after {total} counts"
     remedy = "'position_range: {wraps: false}' if it never wraps around, otherwise give 'highest'"
@@ -251,8 +266,10 @@ def _order_problem(
     count_turns = [case.layout.field(name).unit in _REVOLUTIONS for name in names]
     if not any(count_turns) and len(names) == 2:
         # Without units, the widths tell: the counts of a turn fit the upper field, and the turns the lower one.
-        (_, upper), (_, lower) = case.fields
-        count_turns[1] = upper != lower and values[counts_key] == 1 << upper and values.get("turns") == 1 << lower
+        (_, upper_width), (_, lower_width) = case.fields
+        counts_fit_upper = values[counts_key] == 1 << upper_width
+        turns_fit_lower = values.get("turns") == 1 << lower_width
+        count_turns[1] = upper_width != lower_width and counts_fit_upper and turns_fit_lower
     for (above_name, above_counts_turns), (name, counts_turns) in pairwise(zip(names, count_turns, strict=True)):
         if counts_turns and not above_counts_turns:
             message = f"'{measurement.of}' has '{name}', which counts revolutions, below '{above_name}'"
@@ -266,7 +283,8 @@ def _revolution_problem(case: _Case, counts_key: str, values: Mapping[str, int])
         return None
     counts = values[counts_key]
     for index, (name, width) in enumerate(case.fields[:-1]):
-        bits_below = sum(width_below for _, width_below in case.fields[index + 1 :])
+        fields_below = case.fields[index + 1 :]
+        bits_below = sum(width_below for _, width_below in fields_below)
         # Without a unit, the upper of two fields counts turns if they fit into it, and the counts into the other.
         has_turns_that_fit = 1 < values.get("turns", 1) <= 1 << width
         fits_turns = len(case.fields) == 2 and counts < 1 << bits_below and has_turns_that_fit
@@ -276,15 +294,16 @@ def _revolution_problem(case: _Case, counts_key: str, values: Mapping[str, int])
                 f"'{name}' counts revolutions, and {bits_below} bits follow it for {case.variant.code}, so"
                 f" a turn must have {1 << bits_below} counts, not {counts}"
             )
-            remedy = f"; measure '{case.fields[1][0]}' alone, with 'turns: 1'" if fits_turns else ""
+            name_below, _ = fields_below[0]
+            remedy = f"; measure '{name_below}' alone, with 'turns: 1'" if fits_turns else ""
             return KeyProblem(counts_key, message + remedy)
     return None
 
 
 def _at_run_time(device: Device, expression: Expression) -> bool:
     """Return True if the expression depends on a register, which may hold any number."""
-    held_names = {parameter.name for parameter in device.run_time_parameters}
-    return not held_names.isdisjoint(device.needed_parameters(expression.parameters))
+    names_from_registers = {parameter.name for parameter in device.run_time_parameters}
+    return not names_from_registers.isdisjoint(device.needed_parameters(expression.parameters))
 
 
 def _parameters_behind(device: Device, *expressions: Expression) -> frozenset[str]:
@@ -312,13 +331,21 @@ def check_position_widths(device: Device, report: DocumentReport) -> None:
 
 
 def _position_field(layout: Layout, measurement: Measurement) -> Field | None:
-    """Return the field that is the whole position if it is unsigned, has a constant width and no note, else None."""
+    """Return the field that is the whole position if its width can be compared with the counts, else None.
+
+    It must be unsigned and without padding, and have a constant width and no note. A joined position is several fields.
+    """
     names = layout.names_in(measurement.of)
-    field = next((field for field in layout.fields if list(names) == [field.name]), None)
+    if len(names) != 1:
+        return None
+    (position_name,) = names
+    field = next((candidate for candidate in layout.fields if candidate.name == position_name), None)
     if field is None:
         return None
     is_plain = field.width.is_constant and not field.note and not field.number.signed
-    return field if is_plain and field.container in (0, field.width.constant) else None
+    # The container is 0 for a field without 'padded_to'.
+    is_unpadded = field.container in (0, field.width.constant)
+    return field if is_plain and is_unpadded else None
 
 
 def _check_width(device: Device, interface: Interface, layout: Layout, field: Field, report: DocumentReport) -> None:
@@ -326,17 +353,21 @@ def _check_width(device: Device, interface: Interface, layout: Layout, field: Fi
     measurement = device.measurement_of(interface.name)
     assert measurement is not None
     width = field.width.constant
-    needed_bits = {variant.code: _needed_bits(measurement, variant) for variant in device.variants_over(interface.name)}
-    fewer_bits_by_code = {code: bits for code, bits in needed_bits.items() if bits is not None and bits < width}
-    if not fewer_bits_by_code or any(bits is None or bits > width for bits in needed_bits.values()):
+    bits_by_code = {
+        variant.code: _needed_bits(measurement, variant) for variant in device.variants_over(interface.name)
+    }
+    fewer_bits_by_code = {code: bits for code, bits in bits_by_code.items() if bits is not None and bits < width}
+    needed_widths = set(bits_by_code.values())
+    if not fewer_bits_by_code or any(bits is None or bits > width for bits in needed_widths):
         return
     code, bits = next(iter(fewer_bits_by_code.items()))
-    fills_width = width in needed_bits.values()
-    if not fills_width and (width % 8 == 0 or len(set(needed_bits.values())) > 1):
+    fills_width = width in needed_widths
+    is_whole_bytes = width % 8 == 0
+    if not fills_width and (is_whole_bytes or len(needed_widths) > 1):
         return
-    owner_path: Path = (
-        ("field_groups", field.group) if field.group else ("interfaces", interface.name, "layouts", layout.name)
-    )
+    owner_path: Path = ("interfaces", interface.name, "layouts", layout.name)
+    if field.group:
+        owner_path = ("field_groups", field.group)
     message = f"'{field.name}' always has {width} bits, but the counts of {code} need {bits}"
     correct_width = _corrected_width(measurement, fills_width, bits)
     report.add(
@@ -347,7 +378,10 @@ def _check_width(device: Device, interface: Interface, layout: Layout, field: Fi
 
 
 def _corrected_width(measurement: Measurement, fills_width: bool, bits: int) -> str:
-    """Return the corrected ``bits``, such as ``bits: 24``. It is a parameter if some order code fills the width."""
+    """Return the corrected ``bits``, such as ``bits: 24``. It is a parameter if some order code fills the width.
+
+    With 2^position_bits counts, the parameter is position_bits.
+    """
     counts = measurement.counts_per_turn
     assert counts is not None
     counts_text = counts.render()
@@ -360,6 +394,7 @@ def _corrected_width(measurement: Measurement, fills_width: bool, bits: int) -> 
 def _needed_bits(measurement: Measurement, variant: Variant) -> int | None:
     """Return the bits that the positions of an order code fill, or None if that is not a whole number."""
     counts = _value_or_one(measurement.counts_per_turn, variant) * _value_or_one(measurement.turns, variant)
+    # 2^12 has 13 bits itself, but 12 bits count from 0 to 2^12 - 1.
     return counts.bit_length() - 1 if is_power_of_two(counts) else None
 
 

@@ -70,15 +70,16 @@ def _report_different_facts(
             facts_by_key.setdefault(key, []).append((document, fact))
     for key, facts in facts_by_key.items():
         affected_place = (section, part_name, *key)
-        (common_text, _), *_ = Counter(text for _, (_, text) in facts).most_common(1)
-        facts_in_common = [fact for fact in facts if fact[1][1] == common_text]
-        common_document, (common_path, _) = facts_in_common[0]
+        texts = [text for _, (_, text) in facts]
+        ((common_text, _),) = Counter(texts).most_common(1)
+        # The first file with the most common text.
+        common_document, (common_path, _) = facts[texts.index(common_text)]
         if has_erratum_at(common_document, *affected_place):
             continue
         for document, (path, text) in facts:
             if text == common_text or has_erratum_at(document, *affected_place):
                 continue
-            line = common_document.position((section, part_name, *common_path))[0]
+            line, _ = common_document.position((section, part_name, *common_path))
             message = (
                 f"this is {text}, but {common_text} in {PurePath(common_document.file).name}:{line}; according to the"
                 f" manufacturer's file, {quoted(part_name)} is the same in all devices. If it is not, add an erratum"
@@ -98,7 +99,9 @@ def _shared_facts(
     for key, form in _COMMON[section].items():
         if key in register_or_crc.data:
             yield (key,), ((key,), _fact_text(form, register_or_crc.data[key]))
-    for index, field in enumerate(register_or_crc.fields if isinstance(register_or_crc, WrittenRegister) else ()):
+    if not isinstance(register_or_crc, WrittenRegister):
+        return  # A CRC has no fields.
+    for index, field in enumerate(register_or_crc.fields):
         if field.name:
             yield from _facts_of_field(field, ("fields", index))
 
@@ -147,9 +150,9 @@ def _check_default(device: Device, register: Register, path: Path, report: Docum
     Report only the first contradiction of the first order code that has one.
     """
     default = register.default
-    # A default with too many bits is reported with the limits.
-    if default is None or default >> (8 * register.length):
-        return
+    has_too_many_bits = default is not None and default >> (8 * register.length) != 0
+    if default is None or has_too_many_bits:
+        return  # Too many bits are reported with the limits.
     for variant in device.variants_over(register.interface):
         placed = register.layout.place(variant.parameters)
         decoded = codec.decode(device, placed, default)
@@ -172,7 +175,9 @@ def _check_preset(device: Device, register: Register, path: Path, report: Docume
     """
     if "preset" not in register.name.split("_") or register.max is None or register.meanings:
         return
-    if {*register.max.parameters} & {parameter.name for parameter in device.run_time_parameters}:
+    names_from_registers = {parameter.name for parameter in device.run_time_parameters}
+    depends_on_register = not names_from_registers.isdisjoint(register.max.parameters)
+    if depends_on_register:
         return
     for variant in device.variants_over(register.interface):
         measurement = device.measurement_of(variant.interface)
@@ -222,10 +227,11 @@ def _check_biss_id(device: Device, report: DocumentReport) -> None:
     if biss_id is None:
         return
     variants = device.variants_over(Biss.name)
-    for register in device.registers_over(Biss.name) if variants else ():
+    for register in device.registers_over(Biss.name):
         # The ID is not in a bank.
-        if register.bank is not None:
+        if register.bank is not None or not variants:
             continue
+        # The ID is the same for all order codes, so the first one is enough.
         number, mask = _documented_bits(register, variants[0])
         bytes_of_register = number_to_bytes(register.layout, number, 8 * register.length)
         masks_of_bytes = number_to_bytes(register.layout, mask, 8 * register.length)
@@ -252,7 +258,8 @@ def _documented_bits(register: Register, variant: Variant) -> tuple[int, int]:
     mask = 0
     for placed_field in register.layout.place(variant.parameters).fields:
         documented = placed_field.field.documented(variant.parameters)
-        if documented is not None and placed_field.low + placed_field.width <= 8 * register.length:
+        is_inside = placed_field.low + placed_field.width <= 8 * register.length
+        if documented is not None and is_inside:
             value = codec.number_of_text(documented) if isinstance(documented, str) else documented
             number |= (value & placed_field.mask) << placed_field.low
             mask |= placed_field.mask << placed_field.low
@@ -261,7 +268,9 @@ def _documented_bits(register: Register, variant: Variant) -> tuple[int, int]:
 
 def _check_read_biss_id(device: Device, identity: int, report: DocumentReport) -> None:
     """Check that examples of 7Eh and 7Fh have the ID. Skip brands of another manufacturer, which keep the examples."""
-    for example in device.examples if not device.base else ():
+    if device.base:
+        return
+    for example in device.examples:
         if not isinstance(example, RegisterExample) or example.erratum:
             continue
         # Other rules report a register that is missing or wrong.
@@ -281,7 +290,7 @@ def _check_read_biss_id(device: Device, identity: int, report: DocumentReport) -
 
 
 def _byte_of_biss_id(biss_id: int, address: int) -> int:
-    """Return the byte of the manufacturer ID at one of its addresses."""
+    """Return the byte of the manufacturer ID at one of its addresses: of 0x4C41, 0x4C at 7Eh and 0x41 at 7Fh."""
     return (biss_id >> _BISS_ID[address]) & 0xFF
 
 
@@ -295,6 +304,7 @@ def _check_meanings(raw_spec: Raw, device: Device, report: DocumentReport) -> No
     variants = [variant for variant in device.variants if variant.interface in interfaces]
     for index, part in enumerate(raw_spec["order_code"]["parts"]):
         for text_of_value, value in part["values"].items():
+            # A value without keys is None.
             meaning = _compared_meaning(value or {})
             count_texts = [meaning] if _ALONE.fullmatch(meaning) else _COUNTED.findall(meaning)
             numbers = [int(count_text.replace(",", "")) for count_text in count_texts]
@@ -333,24 +343,23 @@ def _check_bits_named(raw_spec: Raw, device: Device, report: DocumentReport) -> 
     built_interfaces = {interface.name for interface in device.interfaces}
     for index, part in enumerate(raw_spec["order_code"]["parts"]):
         for text_of_value, value in part["values"].items():
-            named_bits = [int(number) for number in _BITS.findall(_compared_meaning(value or {}))]
+            numbers_in_meaning = [int(number) for number in _BITS.findall(_compared_meaning(value or {}))]
             set_values = (value or {}).get("sets", {})
             bits_by_parameter = {name: set_values[name] for name in set_values if units.get(name) in ("bit", "bits")}
-            if (
-                len(named_bits) != 1
-                or not bits_by_parameter
-                or named_bits[0] in (*bits_by_parameter.values(), sum(bits_by_parameter.values()))
-            ):
+            if len(numbers_in_meaning) != 1 or not bits_by_parameter:
+                continue
+            (named_bits,) = numbers_in_meaning
+            if named_bits in (*bits_by_parameter.values(), sum(bits_by_parameter.values())):
                 continue
             variants = [variant for variant in device.variants if variant.parts.get(part["name"]) == text_of_value]
             # An interface with errors has no frames here, so that any number could be right.
             if not built_interfaces.issuperset(variant.interface for variant in variants):
                 continue
-            if any(named_bits[0] in _frame_and_position_widths(device, variant) for variant in variants):
+            if any(named_bits in _frame_and_position_widths(device, variant) for variant in variants):
                 continue
             name = next(iter(bits_by_parameter))
             message = (
-                f"the meaning of '{text_of_value}' says {named_bits[0]} bits, but '{name}' is"
+                f"the meaning of '{text_of_value}' says {named_bits} bits, but '{name}' is"
                 f" {bits_by_parameter[name]}{MEANING_DIFFERS}"
             )
             report.add(
@@ -361,6 +370,7 @@ def _check_bits_named(raw_spec: Raw, device: Device, report: DocumentReport) -> 
 def _frame_and_position_widths(device: Device, variant: Variant) -> set[int]:
     """Return the widths of the frames that an encoder with this order code sends, and of the positions in them.
 
+    A frame of 32 bits with 24 bits of position gives ``{32, 24}``.
     Frames without the position do not count. Without a measurement, there are no widths.
     """
     measurement = device.measurement_of(variant.interface)
@@ -369,7 +379,9 @@ def _frame_and_position_widths(device: Device, variant: Variant) -> set[int]:
         return widths
     for layout in device.interface(variant.interface).layouts:
         placed = layout.place(variant.parameters)
-        position_fields = placed.find_fields(layout.names_in(measurement.of))
+        # The position is one field, or a join of several ones. There are none if this frame lacks it.
+        position_names = layout.names_in(measurement.of)
+        position_fields = placed.find_fields(position_names)
         if layout.sender == "encoder" and position_fields:
             widths |= {placed.bits, sum(field.width for field in position_fields)}
     return widths
@@ -377,14 +389,16 @@ def _frame_and_position_widths(device: Device, variant: Variant) -> set[int]:
 
 def _numbers_of_code(device: Device, variant: Variant) -> set[int]:
     """Return the numbers of an order code: its parameters, their powers of two, and those of its measurement."""
-    measurement = device.measurement_of(variant.interface)
-    expressions = (
-        (measurement.counts_per_turn, measurement.turns, measurement.modulus) if measurement is not None else ()
-    )
-    quantities = {expression.value(variant.parameters) for expression in expressions if expression is not None}
-    quantities.update(variant.parameters.values())
+    numbers = set(variant.parameters.values())
     # A parameter up to 64 can be a number of bits.
-    return quantities | {1 << number for number in variant.parameters.values() if 0 <= number <= 64}
+    numbers |= {1 << number for number in variant.parameters.values() if 0 <= number <= 64}
+    measurement = device.measurement_of(variant.interface)
+    if measurement is None:
+        return numbers
+    for expression in (measurement.counts_per_turn, measurement.turns, measurement.modulus):
+        if expression is not None:
+            numbers.add(expression.value(variant.parameters))
+    return numbers
 
 
 def _check_selectors(device: Device, report: DocumentReport) -> None:
@@ -401,6 +415,7 @@ def _check_selectors(device: Device, report: DocumentReport) -> None:
             field = next((candidate for candidate in layout.fields if candidate.name == layout.selector), None)
             if field is None:
                 continue  # Reported by the rule on references.
+            # A field has pieces in bytes only at a fixed place.
             if not field.pieces:
                 report.add(
                     "selector-place",

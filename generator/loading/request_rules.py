@@ -33,6 +33,7 @@ def check_control_bytes(device: Device, report: DocumentReport) -> None:
 def _control_byte(device: Device, layout: Layout, data_id: DataId, variant: Variant) -> int | None:
     """Return the first byte of a frame with a data ID, or None if the frame cannot be encoded with zeros."""
     placed = layout.place(variant.parameters)
+    # All fields are 0, apart from the one that identifies the layout.
     values = {field.name: 0 for field in layout.data_fields} | {layout.selector: data_id.id}
     try:
         frame = encode(device, placed, values)
@@ -64,13 +65,14 @@ def _constants_differ(layout: Layout, other_layout: Layout) -> bool:
 
 
 def _constant_bits(layout: Layout) -> dict[tuple[int, int], int]:
-    """Return the constant bits of a layout, by byte and bit."""
+    """Return the constant bits of a layout, by byte and bit: ``{(0, 7): 1, (0, 6): 0}``."""
     constant_bits = {}
     for field in layout.fields:
         if not isinstance(field.kind, Constant):
             continue
         for piece in field.pieces:
             value_in_byte = field.kind.value >> piece.low_in_number
-            for bit in range(piece.mask.bit_length()):
+            width_in_byte = piece.mask.bit_length()
+            for bit in range(width_in_byte):
                 constant_bits[piece.byte, piece.low_in_byte + bit] = (value_in_byte >> bit) & 1
     return constant_bits

@@ -81,7 +81,9 @@ def revision_in(text: str) -> RevisionPath | None:
     """
     revision, colon, path = text.partition(":")
     is_path = os.path.lexists(text) or _ON_A_DRIVE.match(text)
-    return RevisionPath(revision, path) if colon and not is_path else None
+    if not colon or is_path:
+        return None
+    return RevisionPath(revision, path)
 
 
 def write_revision(revision_path: RevisionPath, folder: Path) -> RevisionFiles:
@@ -153,7 +155,8 @@ def _target_paths(names: Iterable[str], folder: Path) -> dict[str, Path]:
         parent, _, file_name = name.rpartition("/")
         target_folder = folders.setdefault(parent, folder / str(len(folders)))
         keeps_name = _PLAIN_NAME.fullmatch(file_name) and name.lower() not in used_names
-        paths[name] = target_folder / (file_name if keeps_name else f"{number}.yaml")
+        target_name = file_name if keeps_name else f"{number}.yaml"
+        paths[name] = target_folder / target_name
         used_names.add(name.lower())
     return paths
 
@@ -170,8 +173,10 @@ def _find_commit(revision: str) -> str:
     try:
         commit = _run_git(["rev-parse", "--verify", "--quiet", f"{revision}^{{commit}}"])
     except _Refused:
-        reference_names = _run_git(["for-each-ref", "--format=%(refname:short)"]).decode(errors="replace").split("\n")
-        hint = suggestion(revision, [name for name in reference_names if name][:_MOST_FILES])
+        # The names of all branches and tags, one a line.
+        listing = _run_git(["for-each-ref", "--format=%(refname:short)"]).decode(errors="replace")
+        reference_names = [name for name in listing.split("\n") if name]
+        hint = suggestion(revision, reference_names[:_MOST_FILES])
         raise RevisionError(f"there is no revision '{revision_text}' in this repository{visible(hint)}") from None
     return commit.decode().strip()
 
@@ -191,7 +196,7 @@ def _path_in_repository(revision_path: RevisionPath) -> str:
         path = posixpath.join(current_folder, path)
     if path:
         path = posixpath.normpath(path)
-    if path == ".":
+    if path == ".":  # The top of the repository.
         path = ""
     if path.startswith(("/", "../")) or path == ".." or "\0" in path:
         raise RevisionError(f"{visible(str(revision_path))} is outside the repository; paths are relative to its top")
@@ -203,14 +208,17 @@ def _list_files(commit: str, path: str) -> dict[str, str]:
 
     An empty path stands for all files. Links and submodules are left out.
     """
-    listing = _run_git(["ls-tree", "-r", "-z", "--full-tree", commit, *(["--", path] if path else [])])
+    limited_to_path = ["--", path] if path else []
+    listing = _run_git(["ls-tree", "-r", "-z", "--full-tree", commit, *limited_to_path])
     blobs_by_path = {}
     # A line is ``MODE TYPE HASH``, a tab and the path.
     for tree_line in filter(None, listing.split(b"\0")):
         mode_and_blob, _, name = tree_line.partition(b"\t")
         mode, _, blob = mode_and_blob.decode().split(" ")
         file_path = os.fsdecode(name)
-        if mode in (_FILE, _EXECUTABLE) and (path in ("", file_path) or file_path.startswith(f"{path}/")):
+        is_regular_file = mode in (_FILE, _EXECUTABLE)
+        is_at_or_below = path in ("", file_path) or file_path.startswith(f"{path}/")
+        if is_regular_file and is_at_or_below:
             blobs_by_path[file_path] = blob
     return blobs_by_path
 
@@ -223,7 +231,11 @@ def _refuse_large_files(revision_path: RevisionPath, specs: Mapping[str, str]) -
     command = ["cat-file", "--batch-check=%(objectname) %(objecttype) %(objectsize)"]
     # A reply is ``HASH blob SIZE``, or ``HASH missing``.
     replies = (line.split(" ") for line in _run_git(command, specs.values()).decode().splitlines())
-    sizes = {reply[0]: int(reply[2]) for reply in replies if len(reply) == 3 and reply[1] == "blob"}
+    sizes: dict[str, int] = {}
+    for reply in replies:
+        if len(reply) == 3 and reply[1] == "blob":
+            blob, _, size = reply
+            sizes[blob] = int(size)
     for name, blob in specs.items():
         file_text = f"{visible(revision_path.revision)}:{visible(name)}"
         if blob not in sizes:
@@ -247,8 +259,10 @@ def _read_contents(blobs: Iterable[str]) -> dict[str, bytes]:
     while start_of_head < len(printed):
         end_of_head = printed.index(b"\n", start_of_head)
         blob, _, size = printed[start_of_head:end_of_head].decode().split(" ")
-        start_of_head = end_of_head + 1 + int(size) + 1
-        content_by_blob[blob] = printed[end_of_head + 1 : start_of_head - 1]
+        start_of_content = end_of_head + 1
+        end_of_content = start_of_content + int(size)
+        content_by_blob[blob] = printed[start_of_content:end_of_content]
+        start_of_head = end_of_content + 1  # After the newline.
     return content_by_blob
 
 
@@ -271,7 +285,8 @@ def _run_git(arguments: Sequence[str], lines: Iterable[str] = (), max_bytes: int
             input_file.seek(0)
             code, printed = _run_command(command, input_file, errors, environment | _QUIET, max_bytes)
             errors.seek(0)
-            error_text = visible(errors.read(4096).decode(errors="replace").strip().split("\n")[0])
+            first_line, *_ = errors.read(4096).decode(errors="replace").strip().split("\n")
+            error_text = visible(first_line)
     except RevisionError:
         raise
     except FileNotFoundError:

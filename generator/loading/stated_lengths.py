@@ -27,9 +27,8 @@ def check_stated_lengths(device: Device, report: DocumentReport) -> None:
         return
     for interface in device.interfaces:
         for layout in interface.layouts:
-            lengths = sorted(
-                {layout.place(variant.parameters).bits for variant in device.variants_over(interface.name)}
-            )
+            variants = device.variants_over(interface.name)
+            lengths = sorted({layout.place(variant.parameters).bits for variant in variants})
             if not lengths:
                 continue
             note_path = ("interfaces", interface.name, "layouts", layout.name, "note")
@@ -50,11 +49,13 @@ def check_stated_bits(device: Device, report: DocumentReport) -> None:
         numbers = {
             variant.parameters[parameter.name] for variant in device.variants if parameter.name in variant.parameters
         }
-        if match is not None and numbers and not parameter.read_from and {*_numbers(match)} != numbers:
+        if match is None or not numbers or parameter.read_from:
+            continue
+        if {*_numbers(match)} != numbers:
             numbers_text = listed(map(str, sorted(numbers)), "or")
-            message = (
-                f"the text says {quoted(match[0][2:])}, but the order codes have {numbers_text}; correct one of the two"
-            )
+            stated_text = match[0].removeprefix(", ")
+            message = f"the text says {quoted(stated_text)}, but the order codes have {numbers_text}"
+            message += "; correct one of the two"
             report.add("left-behind", ("parameters", parameter.name, "meaning"), message)
 
 

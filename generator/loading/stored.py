@@ -173,7 +173,7 @@ def from_data(rows: Any) -> model.Device:
     try:
         for index, *raw_values in rows:
             part_class = _CLASSES[index]
-            values = [_rebuild_value(part, built_objects) for part in raw_values]
+            values = [_rebuild_value(raw_value, built_objects) for raw_value in raw_values]
             if _BY_KEYWORD[index]:
                 built_objects.append(part_class(**dict(zip(_NAMES[index], values, strict=True))))
             else:

@@ -84,7 +84,7 @@ def valid_parts(spec: WrittenSpec, faults: Iterable[Path]) -> ValidParts:
     A place is faulty if something in it is. An item is also faulty if it uses a faulty one, such as a layout with a
     faulty field group.
     """
-    # Each faulty place with its parents.
+    # Each faulty place with its parents: registers, registers[2] and registers[2].address.
     places = frozenset(fault[:end] for fault in faults for end in range(1, len(fault) + 1))
     faulty_items = {item for item, path in _items_with_places(spec) if path in places}
     for fields in field_lists(spec):  # Groups come first, because the others may use them.

@@ -60,9 +60,9 @@ class ChannelFrame:
     def place(self, parameters: Mapping[str, int]) -> PlacedChannels:
         """Return the frame for one order code."""
         channels = tuple(layout.place(parameters) for layout in self.layouts)
-        fields = {compared.layout.name: compared.name for compared in self.compared}
+        compared_fields = {compared.layout.name: compared.name for compared in self.compared}
         bits = self.compared_bits.value(parameters)
-        return PlacedChannels(channels=channels, compared=fields, compared_bits=bits, tolerance=self.tolerance)
+        return PlacedChannels(channels=channels, compared=compared_fields, compared_bits=bits, tolerance=self.tolerance)
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,12 +80,16 @@ class PlacedChannels:
         return sum(channel.bits for channel in self.channels)
 
     def split(self, frame: int) -> tuple[int, ...]:
-        """Return the bits of each channel. The first channel has the highest bits of the frame."""
+        """Return the bits of each channel. The first channel has the highest bits of the frame.
+
+        With channels of 4 and 8 bits, the frame 0xABC has the bits 0xA and 0xBC.
+        """
         numbers = []
         low_bit = self.bits
         for channel in self.channels:
             low_bit -= channel.bits
-            numbers.append((frame >> low_bit) & ((1 << channel.bits) - 1))
+            mask = (1 << channel.bits) - 1
+            numbers.append((frame >> low_bit) & mask)
         return tuple(numbers)
 
     def join(self, numbers: Sequence[int]) -> int:
@@ -102,7 +106,8 @@ class PlacedChannels:
             if name is not None:
                 number = values_of_channel[name]
                 assert isinstance(number, int)
-                yield number >> (channel.field(name).width - self.compared_bits)
+                lower_bits = channel.field(name).width - self.compared_bits
+                yield number >> lower_bits
 
     def agree(self, values: Sequence[Mapping[str, object]]) -> bool:
         """Return whether the compared fields agree. ``values`` has the values of each channel, by field."""
@@ -125,13 +130,14 @@ def channel_frame(interface: Interface) -> ChannelFrame | None:
 
 def frame_of_channels(channels: DataChannels, layouts: Sequence[Layout]) -> ChannelFrame:
     """Return the frame with these channels. All names in it must exist."""
-    ordered = tuple(member_named(layouts, name, "layout") for name in channels.order)
-    compared = [
-        ComparedField(layout, channels.compared[layout.name]) for layout in ordered if layout.name in channels.compared
-    ]
+    ordered_layouts = tuple(member_named(layouts, name, "layout") for name in channels.order)
+    compared_fields: list[ComparedField] = []
+    for layout in ordered_layouts:
+        if layout.name in channels.compared:
+            compared_fields.append(ComparedField(layout, channels.compared[layout.name]))
     return ChannelFrame(
-        layouts=ordered,
-        compared=tuple(compared),
+        layouts=ordered_layouts,
+        compared=tuple(compared_fields),
         compared_bits=channels.compared_bits or Expression(0),
         tolerance=channels.tolerance,
     )

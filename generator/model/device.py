@@ -69,9 +69,11 @@ def narrower_range(
     """
     fields_by_name = {field.name: field for field in layout.fields}
     position_fields = [fields_by_name[name] for name in layout.names_in(measurement.of) if name in fields_by_name]
-    if any(not isinstance(field.kind, Number) for field in position_fields):
+    are_numbers = all(isinstance(field.kind, Number) for field in position_fields)
+    if not are_numbers:
         return None
-    if len(position_fields) == 1 and position_fields[0].number.signed:
+    is_signed = len(position_fields) == 1 and position_fields[0].number.signed
+    if is_signed:
         position_range = _signed_range(measurement, position_fields[0])
     else:
         position_range = _unsigned_range(measurement, position_fields, parameter_sets)
@@ -94,7 +96,8 @@ def _signed_range(measurement: Measurement, field: Field) -> PositionRange | Non
     highest = measurement.highest
     if total is None or highest is None:
         return None
-    return PositionRange(field, highest - total + Expression(1), highest)
+    lowest = highest - total + Expression(1)
+    return PositionRange(field, lowest, highest)
 
 
 def _unsigned_range(
@@ -110,7 +113,8 @@ def _unsigned_range(
     if total is None or any(field.number.signed for field in fields):
         return None
     if len(fields) == 1:
-        return PositionRange(fields[0], Expression(0), measurement.highest or total - Expression(1))
+        highest = measurement.highest or total - Expression(1)
+        return PositionRange(fields[0], lowest=Expression(0), highest=highest)
     if len(fields) != 2 or measurement.highest is not None or counts_per_turn is None or turns is None:
         return None
     # The fields of a position are listed from the most significant one.
@@ -119,7 +123,7 @@ def _unsigned_range(
         if counts_per_turn.value(parameters) != 1 << low_field.width.value(parameters):
             # Both fields are parts of one revolution.
             return None
-    return PositionRange(high_field, Expression(0), turns - Expression(1))
+    return PositionRange(high_field, lowest=Expression(0), highest=turns - Expression(1))
 
 
 _Kind = TypeVar("_Kind", bound=Interface)
@@ -221,11 +225,15 @@ class Device:
     @cached_property
     def set_parameters(self) -> tuple[Parameter, ...]:
         """Independent parameters: those that an order code sets, a register holds, or an answer with a default sets."""
-        # Parameters that no answer sets have an empty ``alternative``.
-        no_question = ""
-        questions = {no_question, *(alternative.name for alternative in self.optional_alternatives)}
-        independent = (parameter for parameter in self.parameters if parameter.equals is None)
-        return tuple(parameter for parameter in independent if parameter.alternative in questions)
+        optional_questions = {alternative.name for alternative in self.optional_alternatives}
+        independent_parameters: list[Parameter] = []
+        for parameter in self.parameters:
+            is_calculated = parameter.equals is not None
+            # Parameters that no answer sets have an empty ``alternative``.
+            needs_answer = parameter.alternative != "" and parameter.alternative not in optional_questions
+            if not is_calculated and not needs_answer:
+                independent_parameters.append(parameter)
+        return tuple(independent_parameters)
 
     @property
     def optional_alternatives(self) -> tuple[Alternative, ...]:
@@ -319,11 +327,16 @@ class Device:
         If values of the order code determine the supply, it is that of the first one which has a supply, and None if
         the order code has none of them, such as with an unlisted value. Otherwise it is that of the device.
         """
-        values_with_part_name = [(part.name, value) for part in self.order_code.parts for value in part.values]
-        if all(value.supply is None for _, value in values_with_part_name):
-            return self.supply
-        values_of_variant = (value for name, value in values_with_part_name if variant.parts.get(name) == value.text)
-        return next((value.supply for value in values_of_variant if value.supply is not None), None)
+        has_supply_by_code = False
+        for part in self.order_code.parts:
+            for value in part.values:
+                if value.supply is None:
+                    continue
+                has_supply_by_code = True
+                is_value_of_variant = variant.parts.get(part.name) == value.text
+                if is_value_of_variant:
+                    return value.supply
+        return None if has_supply_by_code else self.supply
 
     def position_names(self, interface: str) -> frozenset[str]:
         """Return the names of the fields and joins that form the measured position or a part of it.
@@ -422,8 +435,8 @@ class Device:
         layouts = [layout for _, layout in self.layouts()]
         layouts += [register.layout for register in self.registers]
         covers_bytes = [layout.crc_covers_bytes for layout in layouts if crc in self.crcs_of(layout)]
-        # Without a layout that uses the CRC, it is only used for bytes.
-        return crc.refin and (any(covers_bytes) or not covers_bytes)
+        is_in_no_layout = not covers_bytes  # Then it is only used for bytes.
+        return crc.refin and (any(covers_bytes) or is_in_no_layout)
 
     def procedure(self, name: str) -> Procedure:
         return member_named(self.procedures, name, "procedure")

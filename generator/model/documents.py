@@ -34,12 +34,9 @@ class Source:
 
     def __str__(self) -> str:
         """Return the source as specs write it: ``it: 6.4 p.36``."""
-        parts = (
-            f"{self.document}:" if self.document else "",
-            self.section,
-            "" if self.page is None else f"p.{self.page}",
-        )
-        return " ".join(part for part in parts if part)
+        document_text = f"{self.document}:" if self.document else ""
+        page_text = "" if self.page is None else f"p.{self.page}"
+        return " ".join(filter(None, (document_text, self.section, page_text)))
 
 
 Sources = tuple[Source, ...]

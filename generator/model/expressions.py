@@ -94,6 +94,7 @@ class Expression:
                 factors = cls(1)
             if operator is None:
                 return total
+            # A product keeps the sign of its term.
             sign = {"+": 1, "-": -1, "*": sign}[operator[0]]
             position += 1
 
@@ -142,9 +143,9 @@ class Expression:
             if definition is None or term.is_product or term.is_power or definition.has_product:
                 total += Expression(0, (term,))
             else:
-                definition = definition.substitute(definitions)
+                full_definition = definition.substitute(definitions)
                 # A term of a spec, which is not a product, has the multiple 1 or -1.
-                total = total + definition if term.multiple > 0 else total - definition
+                total = total + full_definition if term.multiple > 0 else total - full_definition
         return total
 
     def __add__(self, other: Expression) -> Expression:
@@ -187,6 +188,7 @@ class Expression:
         if not text_of_terms:
             return f"{self.constant}{suffix}"
         if text_of_terms.startswith("-") and self.constant > 0:
+            # ``8 - bits`` instead of ``-bits + 8``.
             return f"{self.constant}{suffix} - {text_of_terms[1:]}"
         if self.constant > 0:
             return f"{text_of_terms} + {self.constant}{suffix}"
@@ -202,7 +204,9 @@ def _simplify(constant: int, terms: tuple[Term, ...]) -> Expression:
             remaining.remove(opposite)
         else:
             remaining.append(term)
-    return Expression(constant, tuple(sorted(remaining, key=lambda term: term.multiple < 0)))
+    # False comes before True, and terms of one sign keep their order.
+    positive_first = sorted(remaining, key=lambda term: term.multiple < 0)
+    return Expression(constant, tuple(positive_first))
 
 
 def _parse_atom(match: re.Match[str]) -> Expression:
@@ -213,7 +217,8 @@ def _parse_atom(match: re.Match[str]) -> Expression:
     """
     is_power = match["power"] is not None
     if match["name"] is not None:
-        return Expression(0, (Term(1, (Factor(match["name"], is_power),)),))
+        factor = Factor(match["name"], is_power)
+        return Expression(0, (Term(1, (factor,)),))
     number = int(match["hex"], 16) if match["hex"] else int(match["number"])
     if is_power and number > LARGEST_EXPONENT:
         raise ExpressionError(f"2^{number} is larger than any field can hold")
@@ -230,7 +235,9 @@ def _multiply(product: Expression, atom: Expression) -> Expression:
         return atom
     if product.is_constant or atom.is_constant:
         raise ExpressionError("a product can contain only parameters and powers of two of parameters, not numbers")
-    return Expression(0, (Term(1, (*product.terms[0].factors, *atom.terms[0].factors)),))
+    # Both have one term, since only atoms are multiplied.
+    factors = (*product.terms[0].factors, *atom.terms[0].factors)
+    return Expression(0, (Term(1, factors),))
 
 
 def _value_of_factor(factor: Factor, parameters: Mapping[str, int]) -> int:

@@ -176,9 +176,12 @@ class Field:
         """
         if not isinstance(self.kind, Flag):
             return self
-        if self.kind.only_while and not parameters.get(self.kind.only_while):
+        # The parameter ``only_while`` is 0 for order codes without the flag.
+        is_absent = self.kind.only_while and not parameters.get(self.kind.only_while)
+        if is_absent:
             return self.unexplained
-        if self.kind.verdict_parameter and parameters.get(self.kind.verdict_parameter):
+        has_other_verdict = self.kind.verdict_parameter and parameters.get(self.kind.verdict_parameter)
+        if has_other_verdict:
             return replace(self, kind=replace(self.kind, makes_position=self.kind.verdict_if_set))
         return self
 

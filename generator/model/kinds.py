@@ -342,21 +342,20 @@ class Scale:
         """Number of decimals: as many as exact decimals need, otherwise enough for a tenth of a count."""
         reduced_denominator = self.denominator // gcd(self.numerator, self.offset, self.denominator)
         # Only denominators of twos and fives have exact decimals, with fewer places than the denominator has bits.
-        exact_places = next(
-            (places for places in range(reduced_denominator.bit_length()) if 10**places % reduced_denominator == 0),
-            None,
-        )
-        if exact_places is not None:
-            return exact_places
+        for places in range(reduced_denominator.bit_length()):
+            is_exact = 10**places % reduced_denominator == 0
+            if is_exact:
+                return places
         # A tenth of a count is ``numerator / denominator / 10``.
         return next(places for places in count() if 10**places * self.numerator >= 10 * self.denominator)
 
     def decimal(self, number: int) -> str:
         """Return the quantity for a number as a decimal. If it is not exact, it is rounded."""
-        size = abs(number * self.numerator + self.offset)
-        # The quantity in units of the last decimal place, rounded: half a unit is added before the division.
-        scaled = (2 * size * 10**self.places + self.denominator) // (2 * self.denominator)
-        sign = "-" if scaled and number * self.numerator + self.offset < 0 else ""
+        # The quantity is this number divided by the denominator.
+        dividend = number * self.numerator + self.offset
+        # Its size in units of the last decimal place, rounded: half a unit is added before the division.
+        scaled = (2 * abs(dividend) * 10**self.places + self.denominator) // (2 * self.denominator)
+        sign = "-" if scaled and dividend < 0 else ""
         # At least one digit before the decimal point.
         digits = f"{scaled:0{self.places + 1}}"
         if not self.places:

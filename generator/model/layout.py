@@ -120,7 +120,8 @@ class Layout:
         position in the byte. For words, or if the order code moves fields, the fields are adjacent.
         """
         unused_fields = [field for field in self.fields if isinstance(field.kind, Unused)]
-        if self.in_bytes and all(field.low.is_constant and field.width.is_constant for field in unused_fields):
+        are_fixed = all(field.low.is_constant and field.width.is_constant for field in unused_fields)
+        if self.in_bytes and are_fixed:
             return _packed_by_byte(unused_fields)
         # In a word, the field sent last is the lowest. In bytes with the low byte first, it is the field sent first.
         lowest_first = unused_fields if self.byte_order == "low_byte_first" else unused_fields[::-1]
@@ -217,7 +218,8 @@ class Layout:
         """
         placed_fields = (field.place(parameters) for field in self.fields)
         fields_by_name = {field.name: field for field in placed_fields if field.width > 0}
-        gray = bool(self.gray_of and (not self.gray_when or parameters.get(self.gray_when)))
+        is_switched_on = not self.gray_when or parameters.get(self.gray_when)
+        gray = bool(self.gray_of and is_switched_on)
         remaining_unused = [(field, place) for field, place in self.unused if field.name in fields_by_name]
         return PlacedLayout(
             layout=self,
@@ -329,8 +331,9 @@ class PlacedLayout:
         covered_fields = self.find_fields(end.field.kind.of)
         if not covered_fields:
             return end.width, self.bits - end.width
-        first, last = covered_fields[0], covered_fields[-1]
-        return last.low, first.high + 1 - last.low
+        # They are listed from the highest bits to the lowest ones.
+        highest_field, lowest_field = covered_fields[0], covered_fields[-1]
+        return lowest_field.low, highest_field.high + 1 - lowest_field.low
 
     @property
     def covers_part(self) -> bool:
@@ -344,8 +347,9 @@ class PlacedLayout:
         The field listed last in a join has its lowest bit.
         """
         placed_fields = self.find_fields(self.layout.names_in(name))
-        width = sum(part.width for part in placed_fields)
-        return (placed_fields[-1].low, width) if placed_fields else (0, 0)
+        if not placed_fields:
+            return (0, 0)
+        return placed_fields[-1].low, sum(part.width for part in placed_fields)
 
 
 def _is_flag_with_verdict(field_kind: Kind) -> bool:
@@ -375,10 +379,11 @@ def _sign_of_value(field: Field, value: Value) -> Sign | None:
     """
     if value.makes_position is None:
         return None
-    name = f"{field.name}_{value.name}"
-    flag = Flag(when_active=value.meaning or f"{field.name} is {value.name}", makes_position=value.makes_position)
+    meaning = value.meaning or f"{field.name} is {value.name}"
+    flag = Flag(when_active=meaning, makes_position=value.makes_position)
     source = value.source or field.source
-    return Sign(_flag_of_sign(name, flag, value.printed_name, source=source), ((field.name, value.value),))
+    flag_field = _flag_of_sign(f"{field.name}_{value.name}", flag, value.printed_name, source=source)
+    return Sign(flag_field, conditions=((field.name, value.value),))
 
 
 def _sign_of_combination(layout: Layout, combination: Combination) -> Sign:
@@ -421,8 +426,9 @@ def have_lengths(layouts: Sequence[Layout], sender: str) -> bool:
     That is so if there are more pairs of channel and length than channels.
     """
     frames = [layout for layout in layouts if layout.sender == sender]
+    channels = {layout.channel for layout in frames}
     channels_and_lengths = {(layout.channel, layout.bits) for layout in frames}
-    return len(channels_and_lengths) > len({layout.channel for layout in frames})
+    return len(channels_and_lengths) > len(channels)
 
 
 def number_from_bytes(layout: Layout, data: bytes) -> int:

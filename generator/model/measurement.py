@@ -176,7 +176,9 @@ class Measurement:
         if self.step_nm is not None:
             counts = self.per_counts.value(parameters) if self.per_counts is not None else 1
             return Fraction(self.step_nm.value(parameters), 1000 * counts)
-        return Fraction(self.step_um.value(parameters)) if self.step_um is not None else None
+        if self.step_um is None:
+            return None
+        return Fraction(self.step_um.value(parameters))
 
     def within(self, layout_range: LayoutRange | None) -> Measurement:
         """Return the measurement with the range of one layout. The units are the same in all layouts.

@@ -61,11 +61,13 @@ class Parameter:
     @property
     def register(self) -> str:
         """Register that holds the parameter at run time, or an empty string."""
-        return self.read_from.partition(".")[0]
+        register_name, _, _ = self.read_from.partition(".")
+        return register_name
 
     @property
     def field(self) -> str:
-        return self.read_from.partition(".")[2]
+        _, _, field_name = self.read_from.partition(".")
+        return field_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +106,10 @@ def choices(alternatives: Sequence[Alternative]) -> Iterator[tuple[tuple[Answer,
     Without alternatives there is one combination, which is empty.
     """
     for answers in product(*(alternative.answers for alternative in alternatives)):
-        yield answers, {name: value for answer in answers for name, value in answer.sets.items()}
+        parameters: dict[str, int] = {}
+        for answer in answers:
+            parameters |= answer.sets
+        yield answers, parameters
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,7 +205,10 @@ def fits(only: str, code: str) -> bool:
     ``...`` stands for any text and ``x`` for any one character. Commas separate several patterns. The hyphen after an
     order code on a label counts as part of it.
     """
-    return not only or any(pattern.match(text) for pattern in _code_patterns(only) for text in (code, f"{code}-"))
+    if not only:
+        return True
+    texts = (code, f"{code}-")
+    return any(pattern.match(text) for pattern in _code_patterns(only) for text in texts)
 
 
 @cache
@@ -209,7 +217,7 @@ def _code_patterns(only: str) -> tuple[re.Pattern[str], ...]:
 
 
 def _pattern_of_code(order_code: str) -> re.Pattern[str]:
-    """Return the regular expression of an abbreviated order code."""
+    """Return the regular expression of an abbreviated order code, such as ``X-24x...``."""
     # As for file names, where several "..." do not try every way to share the text between them.
     wildcards = {"...": "*", "…": "*", "x": "?"}
     parts = [wildcards.get(part) or escape(part) for part in _PARTS.findall(order_code)]

@@ -95,9 +95,14 @@ def _init_of(part_class: type) -> Any:
         elif field.default is not MISSING:
             namespace[f"_{name}"] = field.default
         parameter = f"{name}=_{name}" if f"_{name}" in namespace else name
-        (keyword_parameters if field.kw_only else positional_parameters).append(parameter)
+        if field.kw_only:
+            keyword_parameters.append(parameter)
+        else:
+            positional_parameters.append(parameter)
         statements.append(f"_set(self, {name!r}, {value})")
-    parameters = [*positional_parameters, *(keyword_parameters if len(keyword_parameters) > 1 else ())]
+    # Python allows the asterisk only before a parameter.
+    has_keyword_parameters = len(keyword_parameters) > 1
+    parameters = [*positional_parameters, *(keyword_parameters if has_keyword_parameters else ())]
     exec(f"def __init__({', '.join(parameters)}): {'; '.join(statements)}", namespace)
     return namespace["__init__"]
 

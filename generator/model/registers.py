@@ -113,17 +113,26 @@ def name_with_limits(register: Register) -> str:
     names = register.layout.member_names
     if register.limits_of in names:
         return register.limits_of
-    return next(iter(names)) if len(names) == 1 else ""
+    if len(names) != 1:
+        return ""
+    (only_name,) = names
+    return only_name
 
 
 def bounded_width(register: Register, placed: PlacedLayout) -> int:
     """Return the width of the limited field, join or register."""
-    return placed.place_of(name_with_limits(register))[1] or 8 * register.length
+    _, width_of_field = placed.place_of(name_with_limits(register))
+    # The width is 0 if the limits apply to the whole register.
+    return width_of_field or 8 * register.length
 
 
 def numbers_that_fit(register: Register, placed: PlacedLayout) -> tuple[int, int]:
-    """Return the lowest and highest number that fit in the limited field, join or register."""
+    """Return the lowest and highest number that fit in the limited field, join or register.
+
+    With 8 bits, these are -128 and 127 for a signed field, and 0 and 255 otherwise.
+    """
     width = bounded_width(register, placed)
+    # None for a join or a whole register, which are never signed.
     limited_field = placed.find_field(name_with_limits(register))
     if limited_field is not None and limited_field.field.number.signed:
         return -(1 << (width - 1)), (1 << (width - 1)) - 1
@@ -144,9 +153,9 @@ def bounds(
     limited_field = placed.find_field(name_with_limits(register))
     if limited_field is not None:
         highest = max(highest, limited_field.field.number.zero_means)
-    low, high = limits
-    if low is not None:
-        lowest = low.value(parameters)
-    if high is not None:
-        highest = high.value(parameters)
+    lower_limit, upper_limit = limits
+    if lower_limit is not None:
+        lowest = lower_limit.value(parameters)
+    if upper_limit is not None:
+        highest = upper_limit.value(parameters)
     return lowest, highest

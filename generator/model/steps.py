@@ -124,8 +124,9 @@ _FEWEST = 3
 def steps_of(characteristic_value: str) -> tuple[str, ...]:
     """Return the text before the first step, then each step. Without steps numbered from one, return only the value."""
     numbers = list(_NUMBER.finditer(characteristic_value))
+    counts_from_one = [int(match[1]) for match in numbers] == list(range(1, len(numbers) + 1))
     # Numbers that do not count from 1 are not those of steps.
-    if not numbers or [int(match[1]) for match in numbers] != list(range(1, len(numbers) + 1)):
+    if not numbers or not counts_from_one:
         return (characteristic_value,)
     texts = [characteristic_value[: numbers[0].start()].strip()]
     ends_of_steps = [*(match.start() for match in numbers[1:]), len(characteristic_value)]

@@ -59,6 +59,7 @@ def check_misspelt_name(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
         flag = by_name(owner.fields).get(alarm.part.field) if owner is not None else None
         if flag is None:
             continue
+        # The names by their keys, such as ("names", "it"), so that each is compared with that in its language.
         flag_names = dict(_printed_names(flag))
         for name_path, name in _printed_names(alarm.part):
             flag_name = flag_names.get(name_path, "")
@@ -72,7 +73,7 @@ def _compare_with_contents(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
 
     Only names in the manual's language are compared. Very long contents are not searched.
     """
-    titles: dict[str, str] = {}
+    titles: dict[str, str] = {}  # Titles as printed, by their lower case.
     for section in as_read.manual.contents.values():
         titles |= {title.casefold(): title for title in section.names_in("entries")}
     if len(titles) > _MOST_ENTRIES:
@@ -136,7 +137,7 @@ def _printed_number(printed_name: str, width: int | None) -> int | None:
     Zeros and ones in quotes are a binary number if they have as many digits as the field has bits.
     """
     if _IN_QUOTES.fullmatch(printed_name):
-        digits = printed_name[1:-1]
+        digits = printed_name[1:-1]  # without the quotes
         return int(digits, 2) if len(digits) == width else None
     if _WITH_PREFIX.fullmatch(printed_name):
         return int(printed_name, 0)
@@ -155,6 +156,7 @@ def check_number_in_meaning(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
             if not fixed_numbers or _PLACE.search(field.meaning):
                 continue
             key, fixed_number = fixed_numbers[0]
+            # Of the two groups of the expression, for 0x1F and for 1Fh, one is empty.
             printed_numbers = {int(with_prefix or with_h, 16) for with_prefix, with_h in _HEX.findall(field.meaning)}
             if len(printed_numbers) == 1 and fixed_number not in printed_numbers:
                 message = (
@@ -178,7 +180,8 @@ def check_polynomial_in_note(spec: WrittenSpec, as_read: WrittenSpec, report: Do
     for located_crc in spec.crcs:
         crc = located_crc.part
         printed_polynomials = _printed_polynomials(crc.note, crc.width)
-        polynomial = crc.poly + (1 << crc.width)
+        top_bit = 1 << crc.width
+        polynomial = crc.poly + top_bit
         if printed_polynomials and polynomial not in printed_polynomials.values():
             first_text, *_ = printed_polynomials
             message = (
@@ -197,7 +200,7 @@ def _printed_polynomials(note: str, width: int) -> dict[str, int]:
     top_bit = 1 << width
     if not _PLACE.search(note):
         for match in _HEX.finditer(note):
-            number = int(match[1] or match[2], 16)
+            number = int(match[1] or match[2], 16)  # One of the groups, for 0x1F and for 1Fh, is empty.
             is_odd = number & 1 == 1  # Every polynomial of a CRC ends in + 1.
             if is_odd and top_bit < number < 2 * top_bit:
                 polynomials[match[0]] = number
@@ -215,7 +218,7 @@ def check_unused_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         if field_list.kind is not Has.REGISTER or not unused_in_note:
             continue
         for field in field_list.fields:
-            bits_of_field = _bits_at(field.at)
+            bits_of_field = _bits_at(field.at)  # Empty without ``at``.
             used_bits = [bit for bit in unused_in_note if bit in bits_of_field]
             is_without_content = field.constant is not None or field.unused is not None or field.equals == 0
             if used_bits and not is_without_content:
@@ -228,10 +231,12 @@ def check_unused_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 
 def _bits_at(at: int | str | None) -> range:
     """Return the bits of a place such as ``7:6`` or ``5``, or none if it is not a place."""
-    high, _, low = str(at).partition(":")
-    if not high.isdigit():
+    high_text, _, low_text = str(at).partition(":")
+    if not high_text.isdigit():
         return range(0)
-    return range(int(low or high), int(high) + 1)
+    high = int(high_text)
+    low = int(low_text) if low_text else high
+    return range(low, high + 1)
 
 
 def _unused_bits_in(field_text: str) -> Iterator[int]:
@@ -285,8 +290,10 @@ def check_zero_within_limits(spec: WrittenSpec, as_read: WrittenSpec, report: Do
             zero = field.zero_means
             highest = register.max
             is_limited = register.limits_of in ("", field.name)
+            if not is_limited or not isinstance(zero, int) or not isinstance(highest, int):
+                continue  # Without 'zero_means' or 'max', or with a 'max' that depends on the order code.
             # 0 can stand for the number after the highest one, such as 65536 in 16 bits.
-            if isinstance(zero, int) and isinstance(highest, int) and is_limited and zero > highest + 1:
+            if zero > highest + 1:
                 message = f"zero stands for {zero}, which is above 'max' ({highest}); one of the two is wrong"
                 report.add("limit-does-not-fit", register.place_of("max"), message)
 
@@ -296,7 +303,7 @@ def check_repeated_requests(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
     for procedure in spec.procedures:
         times = procedure.steps[0].times if len(procedure.steps) == 1 else None
         if times is None:
-            continue
+            continue  # With several steps, it is not known about which of them a text speaks.
         for text_path, text in leaves(procedure.data):
             if not isinstance(text, str):
                 continue
@@ -321,7 +328,8 @@ def check_repeated_tables(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
     tables = spec.tables[:_MOST_TABLES]
     for index, located_table in enumerate(tables):
         table = located_table.part
-        for earlier_table in (earlier.part for earlier in tables[:index]):
+        earlier_tables = [earlier.part for earlier in tables[:index]]
+        for earlier_table in earlier_tables:
             pair = _only_difference(table, earlier_table)
             if pair is not None:
                 message = (
@@ -375,9 +383,10 @@ def _only_difference(table: Table, earlier_table: Table) -> _CellPair | None:
 
 def _number_pairs(table: Table, earlier_table: Table, key_column: str, column: str) -> list[_CellPair]:
     """Return the pairs of cells in a column that are numbers, from the rows with the same cell in the key column."""
-    earlier_cells: dict[str, str] = {}
+    earlier_cells: dict[str, str] = {}  # The cells in the column by those in the key column.
     for row in earlier_table.rows:
-        earlier_cells[_text_of_cell(earlier_table, row, key_column)] = _text_of_cell(earlier_table, row, column)
+        key_cell = _text_of_cell(earlier_table, row, key_column)
+        earlier_cells[key_cell] = _text_of_cell(earlier_table, row, column)
     cell_pairs = []
     for row_number, row in enumerate(table.rows):
         key_cell = _text_of_cell(table, row, key_column)

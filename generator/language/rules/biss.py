@@ -53,7 +53,7 @@ def check_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         is_in_bank = register.bank is not None
         if fixed_place is None or interface_of(register) != Biss.name or (is_in_bank and not selects_banks):
             continue
-        address, length, place_text = fixed_place
+        address, length, place_text = fixed_place  # Such as 0x40, 1 and "at 40h".
         if register.address != address or is_in_bank:
             problem = f"{quoted(name)} is at {register.address:02X}h, but BiSS has"
             if selects_banks:
@@ -82,10 +82,12 @@ def check_taken_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
         fixed_name = _taken_place(register)
         if fixed_name is None or has_erratum_at(report.document, "registers", name, "address"):
             continue
-        first = register.address
-        last = register.address + register.length - 1
-        address_text = f"at {first:02X}h" if first == last else f"at {first:02X}h to {last:02X}h"
-        problem = f"{quoted(name)} is {address_text}, but BiSS has {quoted(fixed_name)} {_PLACES[fixed_name][2]}"
+        first_address = register.address
+        last_address = register.address + register.length - 1
+        is_one_byte = first_address == last_address
+        address_text = f"at {first_address:02X}h" if is_one_byte else f"at {first_address:02X}h to {last_address:02X}h"
+        _, _, fixed_place_text = _PLACES[fixed_name]
+        problem = f"{quoted(name)} is {address_text}, but BiSS has {quoted(fixed_name)} {fixed_place_text}"
         remedy = (
             f"correct the address, or rename the register to {quoted(fixed_name)} if that is the one you mean. If"
             f" this is what the manual says, add an erratum that affects registers.{name}.address"
@@ -94,9 +96,9 @@ def check_taken_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
 
 
 def _taken_place(register: WrittenRegister) -> str | None:
-    """Return the name of the register that BiSS has at these addresses, or None if there is none or it may be here.
+    """Return the name of the register that BiSS has at the addresses of another register.
 
-    A part of that register may be here, and so may any register at 41h.
+    Return None if there is none, or if a register may be there: a part of that register, or any register at 41h.
     """
     first_address = register.address
     end_address = register.address + register.length
@@ -105,7 +107,8 @@ def _taken_place(register: WrittenRegister) -> str | None:
         overlaps = first_address < fixed_end and fixed_first < end_address
         is_inside = fixed_first <= first_address and end_address <= fixed_end
         is_part = is_inside and (register.access == "read_only" or register.name.startswith(fixed_name))
-        if fixed_name != "eds_bank" and overlaps and not is_part:
+        may_be_used = fixed_name == "eds_bank"  # At 41h. Without banks, manuals use it for other purposes.
+        if not may_be_used and overlaps and not is_part:
             return fixed_name
     return None
 
@@ -130,7 +133,7 @@ def check_biss_frame(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
 
     A frame without either is not checked. An erratum explains what the manual prints differently.
     """
-    groups = by_name(as_read.field_groups)
+    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
     crcs = by_part_name(as_read.crcs)
     for frame in layouts(spec):
         layout = frame.layout
@@ -175,14 +178,17 @@ def _field_faults(sent_fields: SentFields, crcs: Mapping[str, Located[Crc]], fra
                 f"{quoted(name)} has 'crc_of', but in BiSS the CRC covers everything before it; leave 'crc_of' out"
             )
             yield _Fault((*path, "crc_of"), f"{frame_path}.{name}", problem)
-        for key, problem in _crc_faults(crcs[field.crc]) if field.crc in crcs else ():
+        if field.crc not in crcs:
+            continue
+        for key, problem in _crc_faults(crcs[field.crc]):
             yield _Fault((*path, "crc"), f"crcs.{field.crc}.{key}", problem)
 
 
 def _order_faults(sent_fields: SentFields, frame_name: Path, frame_path: str) -> Iterator[_Fault]:
     """Yield the errors of a frame with nW before nE, or without a CRC. ``frame_name`` is the place of its name."""
     names = [field.name for _, field in sent_fields]
-    if "error" in names and "warning" in names and names.index("error") > names.index("warning"):
+    has_both = "error" in names and "warning" in names
+    if has_both and names.index("error") > names.index("warning"):
         path, _ = sent_fields[names.index("warning")]
         problem = "'warning' is before 'error', but BiSS sends nE before nW; swap the two"
         yield _Fault(path, f"{frame_path}.warning", problem)
@@ -201,7 +207,7 @@ def _late_positions(sent_fields: SentFields, positions: set[str], frame_path: st
     for path, field in sent_fields:
         name = field.name
         if first_flag is None:
-            first_flag = name if name in _FLAGS else None
+            first_flag = name if name in _FLAGS else None  # Fields before the first flag are in order.
         elif name in positions and name not in _FLAGS:
             problem = f"{quoted(name)} is after {quoted(first_flag)}, but BiSS sends the position before nE and nW"
             yield _Fault(path, f"{frame_path}.{name}", f"{problem}; move it before {quoted(first_flag)}")
@@ -230,6 +236,7 @@ def _crc_faults(located_crc: Located[Crc]) -> Iterator[tuple[str, str]]:
     """
     crc = located_crc.part
     is_valid = 0 < crc.width <= 64 and located_crc.is_valid("xorout")
+    # A larger number is reported as too wide.
     if is_valid and crc.xorout < _all_ones(crc.width):
         if crc.xorout in _INVERTED:
             yield "xorout", _inverts_another_width(crc)
@@ -250,7 +257,7 @@ def check_biss_control(spec: WrittenSpec, as_read: WrittenSpec, report: Document
 
     Every master relies on them, so a spec has these numbers even if an erratum records others that the manual prints.
     """
-    crcs = by_part_name(as_read.crcs)
+    crcs = by_part_name(as_read.crcs)  # Also invalid ones, which ``spec`` lacks.
     interface = spec.interfaces.biss
     control_data = interface.control_data if interface is not None else None
     for field in control_data.fields if control_data is not None else ():
@@ -270,7 +277,7 @@ def check_biss_control(spec: WrittenSpec, as_read: WrittenSpec, report: Document
 
 
 def _is_control_crc(crc: Located[Crc]) -> bool:
-    """Return True for x^4 + x + 1, start 0, sent inverted."""
+    """Return True for the CRC of the control frame: x^4 + x + 1 (``poly`` 0x3 in 4 bits), start 0, sent inverted."""
     part = crc.part
     parameters = (part.width, part.poly, part.init, part.refin, part.refout, part.xorout)
     is_complete = all(map(crc.is_valid, ("init", "refin", "refout")))

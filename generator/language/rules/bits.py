@@ -35,7 +35,7 @@ def check_missing_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
 
     The flags that an interface itself defines have a known verdict.
     """
-    groups = by_name(as_read.field_groups)
+    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
     positions = {interface: position_names(spec, interface) for interface, _ in interfaces(spec)}
     for frame in layouts(spec):
         has_position = not positions[frame.interface].isdisjoint(field_names(frame, groups))
@@ -166,7 +166,9 @@ def _is_fixed(fields: FieldList, field_name: str) -> bool:
 
 def _width_of_field(field: WrittenField) -> int | str | None:
     """Return the number of bits of a field, given by its width or as the place of one bit."""
-    return 1 if isinstance(field.at, int) else field.bits
+    # ``at`` is the number of one bit, or a text such as 7:6.
+    is_at_one_bit = isinstance(field.at, int)
+    return 1 if is_at_one_bit else field.bits
 
 
 _GRAY = re.compile(r"\bGray\b", re.IGNORECASE)
@@ -227,7 +229,8 @@ def _find_contradiction(
 def check_named_gray_code(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an interface whose order codes name Gray code has a layout in Gray code.
 
-    A value of an order code belongs to the interface that it selects, or to the only one.
+    A value of an order code belongs to the interface that it selects, or to the only one. If it selects none of
+    several interfaces, it is not checked.
     """
     interface_names = [interface_name for interface_name, _ in interfaces(spec)]
     only_interface = interface_names[0] if len(interface_names) == 1 else ""
@@ -235,6 +238,7 @@ def check_named_gray_code(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
         for label, value in part.values.items():
             if not _names_gray(value):
                 continue
+            # No layout has an empty interface name, so that there are no layouts then.
             interface_name = value.interface or only_interface
             position_layouts = _with_position(spec, as_read, interface_name)
             if position_layouts and all(_gray_of(frame) is None for frame in position_layouts):
@@ -250,8 +254,10 @@ def _names_gray(code_value: WrittenCodeValue) -> bool:
 
     If the value selects no interface, "Gray" alone may be a colour.
     """
-    gray = _GRAY if code_value.interface else _GRAY_CODE
-    return gray.search(code_value.meaning) is not None and _BINARY.search(code_value.meaning) is None
+    gray_pattern = _GRAY if code_value.interface else _GRAY_CODE
+    says_gray = gray_pattern.search(code_value.meaning) is not None
+    says_binary = _BINARY.search(code_value.meaning) is not None
+    return says_gray and not says_binary
 
 
 def _with_position(spec: WrittenSpec, as_read: WrittenSpec, interface_name: str) -> list[FieldList]:
@@ -278,6 +284,7 @@ def _numbers_set(spec: WrittenSpec, interface_name: str, parameter: str) -> set[
     set_numbers: set[int] = set()
     for part in spec.order_code.parts:
         for value in part.values.values():
-            if (value.interface or interface_name) == interface_name and parameter in value.sets:
+            applies = not value.interface or value.interface == interface_name
+            if applies and parameter in value.sets:
                 set_numbers.add(value.sets[parameter])
     return set_numbers

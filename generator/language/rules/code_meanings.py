@@ -63,6 +63,7 @@ def _check_lengths(code_value: WrittenCodeValue, says: str, as_read: WrittenSpec
     if not lengths:
         return
     for name, number in code_value.sets.items():
+        # ``as_read`` also has the parameters that ``spec`` lacks as invalid.
         unit = as_read.parameters[name].unit if name in as_read.parameters else ""
         if unit in _NANOMETRES and number * _NANOMETRES[unit] not in lengths:
             first_length, *_ = lengths.values()
@@ -90,13 +91,15 @@ def _lengths_named(meaning: str) -> dict[Fraction, str]:
     """
     lengths = {}
     for dividend, number, unit in _LENGTH.findall(meaning):
+        plain_number = Fraction(number.replace(",", ""))
+        nanometres = _NANOMETRES[unit]
         if dividend:
             text = f"{dividend}/{number} {unit}"
-            whole_length = Fraction(dividend.replace(",", "")) * _NANOMETRES[unit]
+            whole_length = Fraction(dividend.replace(",", "")) * nanometres
             lengths[whole_length] = text
-            lengths[whole_length / Fraction(number.replace(",", ""))] = text
+            lengths[whole_length / plain_number] = text
         else:
-            lengths[Fraction(number.replace(",", "")) * _NANOMETRES[unit]] = f"{number} {unit}"
+            lengths[plain_number * nanometres] = f"{number} {unit}"
     return lengths
 
 
@@ -112,6 +115,7 @@ def _codes_named(spec: WrittenSpec, code_value: WrittenCodeValue) -> dict[str, i
         return {}
     deciding_parameters = set()
     for frame in layouts(spec):
+        # A value that selects no interface applies to all of them.
         is_of_value = code_value.interface is None or frame.interface == code_value.interface
         if is_of_value and frame.layout is not None and frame.layout.gray is not None:
             deciding_parameters.add(frame.layout.gray.when)
@@ -127,7 +131,7 @@ def supply_named(meaning: str) -> tuple[int, int] | None:
     two_voltages = _TWO_VOLTAGES.fullmatch(meaning)
     if two_voltages is not None:
         low, high = two_voltages.groups()
-        return _to_millivolts(low, 100), _to_millivolts(high, 100)
+        return _to_millivolts(low, 100), _to_millivolts(high, 100)  # 100 % of each, as there is no tolerance.
     one_voltage = _ONE_VOLTAGE.fullmatch(meaning)
     if one_voltage is None:
         return None
@@ -142,12 +146,13 @@ def _to_millivolts(volts: str, per_cent: Fraction | int) -> int:
 
 
 def check_named_interface(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that an order code value does not select another interface than the only one that its meaning names.
+    """Check that an order code value selects the interface that its meaning names, if it names only one.
 
     RS-485 also names the signals, so it is not compared, but next to SSI or BiSS it makes the meaning unclear.
     """
     for part in spec.order_code.parts:
         for label, value in part.values.items():
+            # One spelling for each interface, so that the same one in two spellings counts once.
             interface_words = _ANY_INTERFACE.findall(value.meaning)
             interface_names = {word.upper().replace("RS485", "RS-485") for word in interface_words}
             if len(interface_names) != 1 or value.interface is None:

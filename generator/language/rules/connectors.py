@@ -106,6 +106,7 @@ def _has_signal_of(contact: _Contact, earlier: _Contact) -> bool:
 
     A signal is compared as a whole and by its names outside parentheses.
     """
+    # ``only`` names the order codes to which a contact is restricted. It is empty for all of them.
     if contact.only and earlier.only and contact.only != earlier.only:
         return False
     contact_names = set(map(_normalise_signal, (*contact.main_names, contact.signal)))
@@ -141,9 +142,11 @@ def check_connector_and_cable(spec: WrittenSpec, as_read: WrittenSpec, report: D
     """
     if is_second(report.document.file):
         return
-    connectors = _collect_connectors(spec)
-    for cable in (candidate for candidate in connectors if candidate.part.kind == "cable"):
-        for connector in (candidate for candidate in connectors if candidate.part.kind == "connector"):
+    connectors_and_cables = _collect_connectors(spec)
+    connectors = [candidate for candidate in connectors_and_cables if candidate.part.kind == "connector"]
+    cables = [candidate for candidate in connectors_and_cables if candidate.part.kind == "cable"]
+    for cable in cables:
+        for connector in connectors:
             if cable.shares_interface(connector):
                 _report_missing_signals(cable, connector, report)
                 _report_missing_signals(connector, cable, report)
@@ -209,11 +212,13 @@ def partner_of(signal_name: str, has_inverted: bool) -> str:
     It is ``MA-`` for ``MA+``, and ``A`` for ``/A``. A single letter is the plain line of a pair if the connector has
     an inverted line.
     """
-    if len(signal_name) > 1 and signal_name[-1] in _SIGNS:
-        return signal_name[:-1] + _SIGNS[signal_name[-1]]
+    sign = signal_name[-1:]
+    if len(signal_name) > 1 and sign in _SIGNS:
+        return signal_name[:-1] + _SIGNS[sign]
     if signal_name.startswith("/"):
         return signal_name[1:]
-    return f"/{signal_name}" if has_inverted and re.fullmatch("[A-Za-z]", signal_name) else ""
+    is_single_letter = re.fullmatch("[A-Za-z]", signal_name) is not None
+    return f"/{signal_name}" if has_inverted and is_single_letter else ""
 
 
 def signal_names(signal: str) -> list[str]:
@@ -223,4 +228,5 @@ def signal_names(signal: str) -> list[str]:
     """
     if _FREE.fullmatch(signal.strip()):
         return []
+    # Only the names are needed, so the contact has no place, name or order codes.
     return [name.casefold() for name in _Contact((), "", signal, "").names]

@@ -91,9 +91,11 @@ def check_interfaces_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: D
         names = {name for contact in connector.part.contacts for name in signal_names(contact.signal)}
         for interface, lines in _LINES.items():
             has_interface = getattr(spec.interfaces, interface) is not None
+            # A connector that lists no interfaces is for all of them.
             is_missing = bool(connector.part.interfaces) and interface not in connector.part.interfaces
-            if has_interface and is_missing and names & lines:
-                line = min(names & lines)
+            lines_of_interface = names & lines
+            if has_interface and is_missing and lines_of_interface:
+                line = min(lines_of_interface)
                 message = f"{quoted(line)} is a line of {interface}; add it, or correct the signals"
                 report.add("contact-interface", (*connector.path, "interfaces"), message)
 
@@ -104,6 +106,7 @@ def check_wires_of_contacts(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
     A signal that a connector and a cable both have once belongs to a contact and a wire of one line. If another
     connector and cable of the spec have the same titles, these two must have the same signal there too.
     """
+    # A connector and a cable with the same titles occur once for each interface.
     for connections in _connections_by_titles(spec).values():
         for connector, cable in connections[:_MOST_CONNECTIONS]:
             wires = _wires_by_contact(connector.part, cable.part)
@@ -115,10 +118,13 @@ def check_wires_of_contacts(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
 def _connections_by_titles(spec: WrittenSpec) -> dict[tuple[str, str], list[_Connection]]:
     """Return each connector with each cable for the same interfaces, by the titles of the two."""
     connections: dict[tuple[str, str], list[_Connection]] = {}
-    connectors = spec.connectors[:_MOST_CONNECTORS]
-    for connector in (candidate for candidate in connectors if candidate.part.kind == "connector"):
-        for cable in (candidate for candidate in connectors if candidate.part.kind == "cable"):
-            if {*connector.part.interfaces} & {*cable.part.interfaces}:
+    connectors_and_cables = spec.connectors[:_MOST_CONNECTORS]
+    connectors = [located for located in connectors_and_cables if located.part.kind == "connector"]
+    cables = [located for located in connectors_and_cables if located.part.kind == "cable"]
+    for connector in connectors:
+        for cable in cables:
+            has_common_interface = not set(connector.part.interfaces).isdisjoint(cable.part.interfaces)
+            if has_common_interface:
                 titles = connector.part.title, cable.part.title
                 connections.setdefault(titles, []).append((connector, cable))
     return connections
@@ -126,13 +132,13 @@ def _connections_by_titles(spec: WrittenSpec) -> dict[tuple[str, str], list[_Con
 
 def _wires_by_contact(connector: Connector, cable: Connector) -> dict[str, str]:
     """Return the wire of each contact, by the signals that both have once: ``{"2": "Pink"}``."""
-    counts = Counter(_plain_signal(contact.signal) for contact in connector.contacts)
+    counts_of_contacts = Counter(_plain_signal(contact.signal) for contact in connector.contacts)
     counts_of_wires = Counter(_plain_signal(wire.signal) for wire in cable.contacts)
     wire_by_signal = {_plain_signal(wire.signal): wire.contact for wire in cable.contacts}
     wires: dict[str, str] = {}
     for contact in connector.contacts:
         signal = _plain_signal(contact.signal)
-        if counts[signal] == 1 and counts_of_wires[signal] == 1:
+        if counts_of_contacts[signal] == 1 and counts_of_wires[signal] == 1:
             wires[contact.contact] = wire_by_signal[signal]
     return wires
 
@@ -152,7 +158,11 @@ def _compare_signals(
         if signal is None or _plain_signal(signal) == _plain_signal(contact.signal):
             continue
         places = ((connector.part.name, contact.contact), (cable.part.name, wire))
-        if not any(has_erratum_at(report.document, "connectors", name, "contacts", place) for name, place in places):
+        is_explained = any(
+            has_erratum_at(report.document, "connectors", name, "contacts", contact_name)
+            for name, contact_name in places
+        )
+        if not is_explained:
             message = (
                 f"contact {quoted(contact.contact)} and the wire {quoted(wire)} have the same line over another"
                 f" interface, but {quoted(contact.signal)} and {quoted(signal)} here; correct one of the tables"
@@ -174,10 +184,11 @@ def check_order_of_pairs(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
         pairs = list(_yield_pairs(connector.part, contacts_by_name))
         for pair in pairs:
             problem = _wrong_order(pair, pairs)
-            if problem and {pair.plain_index, pair.inverted_index} not in statements:
+            indices = {pair.plain_index, pair.inverted_index}
+            if problem and indices not in statements:
                 statement = f"{pair.first} is on a lower contact than {pair.second}"
                 message = f"{problem}; correct it, or say in a 'note' that {statement}"
-                path = (*connector.path, "contacts", min(pair.plain_index, pair.inverted_index), "signal")
+                path = (*connector.path, "contacts", min(indices), "signal")
                 report.add("pair-order", path, message)
 
 
@@ -187,8 +198,9 @@ def _wrong_order(pair: _Pair, pairs: Sequence[_Pair]) -> str:
     Its lines are apart unlike those of another pair, or are not in the order of the first pair.
     """
     first_pair = pairs[0]
-    is_unlike_others = any(not other.is_apart for other in pairs) or len(pairs) == 2
-    if pair.is_apart and is_unlike_others:
+    # If both of two pairs are apart, that is unusual as well.
+    is_apart_unusual = any(not other.is_apart for other in pairs) or len(pairs) == 2
+    if pair.is_apart and is_apart_unusual:
         return f"{quoted(pair.first)} and {quoted(pair.second)} are not next to each other"
     if pair.is_plain_first != first_pair.is_plain_first:
         order_of_first_pair = f"{quoted(first_pair.first)} before {quoted(first_pair.second)}"
@@ -222,7 +234,10 @@ def _yield_pairs(connector: Connector, indexes: Mapping[str, int]) -> Iterator[_
 def _true_statements(
     connector: Located[Connector], indexes: Mapping[str, int], report: DocumentReport
 ) -> Iterator[set[int]]:
-    """Yield the contacts of each statement of the note about their order, and report a statement that is not true."""
+    """Yield the contacts of each statement of the note about their order, and report a statement that is not true.
+
+    For "MA - is on a lower contact than MA +", these are the indices of the two contacts, such as ``{2, 3}``.
+    """
     for match in _STATEMENT.finditer(connector.part.note):
         names = [_last_line(match[key], indexes) for key in ("first", "second")]
         if not all(names):

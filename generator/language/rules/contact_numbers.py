@@ -25,6 +25,7 @@ def check_contact_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
         return
     for connector in spec.connectors:
         names = [contact.contact for contact in connector.part.contacts]
+        # Each with its index, because contacts such as the case have names.
         numbered_contacts = [(index, int(name)) for index, name in enumerate(names) if name.isdecimal()]
         if not numbered_contacts:
             continue
@@ -48,7 +49,8 @@ def _check_order(connector: Located[Connector], numbered: Numbered, report: Docu
         expected_number = earlier_number + 1
         is_explained = re.search(rf"\b{expected_number}\b", connector.part.note) is not None
         # One contact can have several signals, for different order codes.
-        is_next = number == expected_number or number == earlier_number > 0
+        is_repeated = number == earlier_number > 0
+        is_next = number == expected_number or is_repeated
         has_leading_zero = connector.part.contacts[index].contact != str(number)
         if has_leading_zero or not (is_next or is_explained):
             message = (

@@ -33,7 +33,7 @@ def check_lone_levels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         flags = [field for field in field_list.fields if field.active and not field.sums_up]
         levels = Counter(flag.active for flag in flags)
         if len(levels) != 2:
-            continue
+            continue  # All flags have the same level, or there are none.
         (usual_level, usual_count), (_, rarer_count) = levels.most_common()
         for flag in flags:
             if rarer_count == 1 and usual_count >= _SEVERAL and flag.active != usual_level and not _gives_level(flag):
@@ -60,8 +60,10 @@ def check_repeated_flags(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
     """
     first_flags: dict[tuple[str, str], WrittenField] = {}
     for field_list in field_lists(spec):
-        # Another rule checks those of BiSS.
-        for flag in (field for field in _sent_fields(field_list) if field.active and field_list.interface != Biss.name):
+        if field_list.interface == Biss.name:
+            continue  # Another rule checks the flags of BiSS.
+        flags = [field for field in _sent_fields(field_list) if field.active]
+        for flag in flags:
             first_flag = first_flags.setdefault((field_list.interface, flag.name), flag)
             for key, value, first_value in _yield_differences(flag, first_flag):
                 line, _ = report.document.position(first_flag.path)
@@ -139,7 +141,7 @@ def check_summands(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
     """Check that at most one flag of a list combines each flag, and that it omits no single flag of a group."""
     groups = by_name(spec.field_groups)
     for field_list in field_lists(spec):
-        combining_flags: dict[str, str] = {}
+        combining_flags: dict[str, str] = {}  # For each combined flag, the first one that combines it.
         for flag in field_list.fields:
             for index, name in enumerate(flag.sums_up):
                 if name in combining_flags and flag.name != combining_flags[name]:
@@ -161,13 +163,16 @@ def _report_unsummed(
     omission.
     """
     flags = [field for field in group.fields if field.active]
-    unsummed = [flag for flag in flags if flag.name not in summed_by]
-    if len(unsummed) == 1 and len(flags) >= _FLAGS_OF_GROUP and not _mentions_word(unsummed[0].meaning, "combine"):
+    unsummed_flags = [flag for flag in flags if flag.name not in summed_by]
+    if len(unsummed_flags) != 1 or len(flags) < _FLAGS_OF_GROUP:
+        return
+    (unsummed_flag,) = unsummed_flags
+    if not _mentions_word(unsummed_flag.meaning, "combine"):
         message = (
-            f"no flag of {quoted(fields.name)} combines {quoted(unsummed[0].name)}, unlike the other flags of"
+            f"no flag of {quoted(fields.name)} combines {quoted(unsummed_flag.name)}, unlike the other flags of"
             f" {quoted(group.name)}; add it to 'sums_up' of one, or say in its 'meaning' that none combines it"
         )
-        report.add("not-summed", unsummed[0].place_of("name"), message)
+        report.add("not-summed", unsummed_flag.place_of("name"), message)
 
 
 def _mentions_word(text: str, word: str) -> bool:
@@ -186,7 +191,8 @@ def check_summed_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
     for field_list in field_lists(spec):
         for flag in field_list.fields:
             verdicts = [flags[name].makes_position for name in flag.sums_up if name in flags]
-            if not verdicts or not all(verdict in _SEVERITIES for verdict in (flag.makes_position, *verdicts)):
+            all_have_verdict = all(verdict in _SEVERITIES for verdict in (flag.makes_position, *verdicts))
+            if not verdicts or not all_have_verdict:
                 continue
             most_severe = max(verdicts, key=_SEVERITIES.index)
             if _SEVERITIES.index(flag.makes_position) < _SEVERITIES.index(most_severe):
@@ -200,7 +206,7 @@ def check_summed_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 def check_explained_flags(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a diagnostic bit explains only one flag of a register."""
     for register in spec.registers:
-        flags_by_bit: dict[str, str] = {}
+        flags_by_bit: dict[str, str] = {}  # For each diagnostic bit, the first flag that it explains.
         for flag in register.fields:
             for index, bit in enumerate(flag.explained_by):
                 if bit in flags_by_bit:
@@ -218,7 +224,9 @@ def check_read_only_registers(spec: WrittenSpec, as_read: WrittenSpec, report: D
     """
     if is_second(report.document.file):  # It has no notes.
         return
-    written_names = {step.register for procedure in spec.procedures for step in procedure.steps if step.do == "write"}
+    written_names: set[str] = set()
+    for procedure in spec.procedures:
+        written_names.update(step.register for step in procedure.steps if step.do == "write")
     flag_registers = {alarm.part.register for alarm in spec.alarms} | set(_explaining_registers(spec))
     for register in spec.registers:
         if register.access != "read_write":
@@ -246,7 +254,9 @@ def _explaining_registers(spec: WrittenSpec) -> Iterator[str]:
     """Yield the registers whose bits explain flags, written as ``register.bit``. They may repeat."""
     for register in spec.registers:
         for field in register.fields:
-            yield from (bit.partition(".")[0] for bit in field.explained_by)
+            for bit_path in field.explained_by:
+                register_name, _, _ = bit_path.partition(".")
+                yield register_name
 
 
 #: Keys of a register that matter only if it is written.

@@ -17,7 +17,6 @@ from .parts import FieldList, Groups, Has, by_name, has_erratum_at, layouts, wit
 
 #: Interfaces over which a master sends only a clock, or control data, which are not a layout.
 _WITHOUT_REQUESTS = frozenset((Biss.name, Ssi.name))
-_SENDERS = ("master", "encoder")
 #: Purposes of requests that carry an address.
 _OF_MEMORY = frozenset(("read", "write"))
 
@@ -43,6 +42,7 @@ def check_parities(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
         layout = frame.layout
         if layout is None or frame.interface == Rs485.name:
             continue
+        # A width that is a text is an expression, which may be 0 for some order codes.
         always_has_crc = any(field.crc and not isinstance(field.bits, str) for field in layout.fields)
         if not always_has_crc:
             for parity_fields in _parities_sent_together(layout):
@@ -52,6 +52,7 @@ def check_parities(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
 def _parities_sent_together(layout: WrittenLayout) -> Iterator[list[WrittenField]]:
     """Yield the parity bits that every word has, and then each one that only some order codes have."""
     parity_fields = [field for field in layout.fields if field.parity_of]
+    # A width that is a text is an expression over parameters, so some order codes may have no such bit.
     permanent_fields = [field for field in parity_fields if not isinstance(field.bits, str)]
     if permanent_fields:
         yield permanent_fields
@@ -99,7 +100,8 @@ def check_slaves(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport
     if network is None or not network.is_valid("topology") or not network.is_valid("multiple_slaves"):
         return
     is_bus = network.part.topology == "bus"
-    if is_bus != network.part.multiple_slaves and not has_erratum_at(report.document, *map(str, network.path)):
+    fits = is_bus == network.part.multiple_slaves
+    if not fits and not has_erratum_at(report.document, *map(str, network.path)):
         slaves_text = "several slaves" if network.part.multiple_slaves else "one slave"
         message = (
             f"{quoted(network.part.topology)} does not fit {slaves_text}; correct one of the two. If this is what the"
@@ -116,9 +118,11 @@ def check_layouts_by_data_id(spec: WrittenSpec, as_read: WrittenSpec, report: Do
     rs485 = spec.interfaces.rs485
     if rs485 is None or not rs485.data_ids:
         return
-    layouts_by_sender = {sender: [layout for layout in rs485.layouts if layout.from_ == sender] for sender in _SENDERS}
-    requested_ids, replied_ids = (set(_selected_ids(layouts_by_sender[sender])) for sender in _SENDERS)
-    if requested_ids and replied_ids and all(layout.has("when") for layout in rs485.layouts):
+    requests = [layout for layout in rs485.layouts if layout.from_ == "master"]
+    replies = [layout for layout in rs485.layouts if layout.from_ == "encoder"]
+    requested_ids, replied_ids = set(_selected_ids(requests)), set(_selected_ids(replies))
+    all_give_data_ids = all(layout.has("when") for layout in rs485.layouts)
+    if requested_ids and replied_ids and all_give_data_ids:
         for data_id in rs485.data_ids:
             _report_missing_frame(data_id, requested_ids, replied_ids, report)
 
@@ -135,9 +139,11 @@ def _report_missing_frame(
 ) -> None:
     """Report a data ID with a request but no reply, or with a reply but no request, except those of memory accesses."""
     number = data_id.part.id
-    is_complete = (number in requested_ids) == (number in replied_ids)
+    has_request = number in requested_ids
+    has_reply = number in replied_ids
+    is_complete = has_request == has_reply
     if data_id.is_valid("id") and not is_complete and data_id.part.purpose not in _OF_MEMORY:
-        kind, other_kind = ("request", "reply") if number in requested_ids else ("reply", "request")
+        kind, other_kind = ("request", "reply") if has_request else ("reply", "request")
         message = (
             f"the data ID {number:#x} of {quoted(data_id.part.name)} has a {kind}, but no {other_kind}; add it to"
             f" 'when' of the layout of its {other_kind}"
@@ -148,9 +154,11 @@ def _report_missing_frame(
 def check_purposes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a request that reads or writes the memory, and so needs an address, has more than its data ID."""
     rs485 = spec.interfaces.rs485
-    groups = by_name(as_read.field_groups)
-    for data_id in rs485.data_ids if rs485 is not None else ():
-        request = _request_with(data_id, rs485) if rs485 is not None else None
+    if rs485 is None:
+        return
+    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
+    for data_id in rs485.data_ids:
+        request = _request_with(data_id, rs485)
         if request is None or data_id.part.purpose not in _OF_MEMORY:
             continue
         if not any(_carries_data(field) for field in _fields_of(request, groups)):
@@ -204,8 +212,8 @@ def check_memory_accesses(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
     replies = [reply for reply in rs485.memory_access if reply.is_valid("busy")] if rs485 is not None else []
     earlier_cases: set[tuple[str, int]] = set()
     for reply in replies:
-        case = reply.part.access, reply.part.busy
-        if case in earlier_cases:
-            message = f"there is already a row for {case[0]} with 'busy' {case[1]}; correct one of the two"
+        access, busy = reply.part.access, reply.part.busy
+        if (access, busy) in earlier_cases:
+            message = f"there is already a row for {access} with 'busy' {busy}; correct one of the two"
             report.add("memory-access-repeated", (*reply.path, "busy"), message)
-        earlier_cases.add(case)
+        earlier_cases.add((access, busy))

@@ -65,8 +65,8 @@ def _shows_default(example: WrittenExample) -> bool:
 
     It also has bytes, and no erratum, which would explain a difference.
     """
-    is_named_so = not _AS_DELIVERED.isdisjoint(example.name.split("_"))
-    return example.kind == "register" and bool(example.bytes) and is_named_so and not example.erratum
+    is_called_default = not _AS_DELIVERED.isdisjoint(example.name.split("_"))
+    return example.kind == "register" and bool(example.bytes) and is_called_default and not example.erratum
 
 
 def _check_shown_default(example: WrittenExample, register: WrittenRegister, report: DocumentReport) -> None:
@@ -76,7 +76,8 @@ def _check_shown_default(example: WrittenExample, register: WrittenRegister, rep
     if not default_digits or shown_digits == default_digits:
         return
     message = f"the example shows the default of {quoted(example.register)}, which is {register.default:#x}"
-    if shown_digits == bytes.fromhex(default_digits)[::-1].hex():
+    digits_in_other_order = bytes.fromhex(default_digits)[::-1].hex()
+    if shown_digits == digits_in_other_order:
         message += ", in the other byte order; correct 'byte_order', 'default' or the bytes"
     else:
         message += "; correct one of the two, or give the example another name"
@@ -90,10 +91,13 @@ def _collect_affected(erratum: WrittenErratum, section: str, numbers: _Numbers, 
     """
     affected_numbers: dict[str, int | None] = {}
     for affected in erratum.affects:
-        steps = affected.split(".")
-        is_affected = steps[0] == section and steps[1:2] and steps[2:] in ([], [key])
-        if is_affected and steps[1] in numbers:
-            affected_numbers[steps[1]] = numbers[steps[1]]
+        affected_section, *names = affected.split(".")
+        if affected_section != section or not names:
+            continue
+        part_name, *keys = names
+        affects_number = keys in ([], [key])
+        if affects_number and part_name in numbers:
+            affected_numbers[part_name] = numbers[part_name]
     return affected_numbers
 
 
@@ -157,10 +161,10 @@ def check_order_codes_in_texts(spec: WrittenSpec, as_read: WrittenSpec, report: 
     for path, text in leaves_of(spec.data, report):
         if not isinstance(text, str) or not _is_text(path):
             continue
-        for start, rest in code_in_text.findall(text):
-            unknown_label = _unknown_label(rest.rstrip(".,"), pieces)
+        for start, text_after_start in code_in_text.findall(text):
+            unknown_label = _unknown_label(text_after_start.rstrip(".,"), pieces)
             if unknown_label:
-                names = f"{quoted(start + rest)} names {quoted(unknown_label)}"
+                names = f"{quoted(start + text_after_start)} names {quoted(unknown_label)}"
                 message = f"{names}, which is not in the order code; correct one of the two"
                 report.add("left-behind", path, message)
                 break
@@ -172,17 +176,19 @@ def _list_starts(order_code: WrittenOrderCode) -> list[str]:
     If all labels begin and end with the same letters, an x may replace what is between: ENx10 for EN10 and ENB10. The
     list is empty if a start is too short, or a label begins with a digit, because it would match other words.
     """
-    start, _, rest = order_code.pattern.partition("{")
+    start, _, from_first_name = order_code.pattern.partition("{")
     if start:
         return [re.escape(start)] if len(start) >= _SHORTEST_START else []
-    first_part = by_name(order_code.parts).get(rest.partition("}")[0])
+    first_name, _, _ = from_first_name.partition("}")
+    first_part = by_name(order_code.parts).get(first_name)
     labels = list(first_part.values) if first_part is not None else []
     too_general_labels = [label for label in labels if len(label) < _SHORTEST_START or not label[0].isalpha()]
     if not labels or too_general_labels:
         return []
     expressions = {re.escape(label) for label in labels}
     common_start = _common_start(labels)
-    common_end = _common_start([label[::-1] for label in labels])[::-1]
+    reversed_labels = [label[::-1] for label in labels]
+    common_end = _common_start(reversed_labels)[::-1]
     if len(labels) > 1 and common_start and common_end:
         expressions.add(f"{re.escape(common_start)}x{re.escape(common_end)}")
     return sorted(expressions, key=len, reverse=True)  # A label comes before another one with which it begins.
@@ -204,10 +210,11 @@ def _is_text(path: Path) -> bool:
 
     In tables, these are the cells and the prose. Documents, editions and evidence may name other order codes.
     """
-    if path[0] == "tables":
-        return "rows" in path or path[-1] in _TEXTS
-    is_value = (path[0], path[-1]) == ("characteristics", "value")
-    return path[0] not in _ELSEWHERE and (is_value or path[-1] in _TEXTS)
+    section, key = path[0], path[-1]
+    if section == "tables":
+        return "rows" in path or key in _TEXTS
+    is_value_of_characteristic = (section, key) == ("characteristics", "value")
+    return section not in _ELSEWHERE and (is_value_of_characteristic or key in _TEXTS)
 
 
 def _split_pattern(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[str] | None]]:
@@ -229,8 +236,10 @@ def _split_pattern(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[s
             alternatives += [part.open] if part.open else []
         expression = None
         with suppress(re.error):  # An invalid expression is reported elsewhere.
-            expression = re.compile("|".join(alternatives)) if all(alternatives) and alternatives else None
-        pieces.append(("" if index == 1 else literals_and_names[index - 1], expression))
+            has_empty_label = not all(alternatives)
+            expression = re.compile("|".join(alternatives)) if alternatives and not has_empty_label else None
+        literal_before = "" if index == 1 else literals_and_names[index - 1]
+        pieces.append((literal_before, expression))
     return pieces
 
 
@@ -242,20 +251,20 @@ def _unknown_label(order_code_text: str, pieces: Sequence[tuple[str, re.Pattern[
     replace the next ones: after it, a part whose literal does not follow is skipped.
     """
     is_left_open = False
-    for before, expression in pieces:
+    for literal, expression in pieces:
         if _TAIL.fullmatch(order_code_text) or expression is None:
             return ""
-        if not order_code_text.startswith(before):
+        if not order_code_text.startswith(literal):
             if is_left_open:
                 continue
             return ""
-        rest = order_code_text.removeprefix(before)
-        match = expression.match(rest) or _LEFT_OPEN.match(rest)
+        text_from_label = order_code_text.removeprefix(literal)
+        match = expression.match(text_from_label) or _LEFT_OPEN.match(text_from_label)
         if match is not None:
-            is_left_open = rest[0] in "x.…_*"
-            order_code_text = rest[match.end() :]
-        elif before or not is_left_open:
-            return _first_word(rest)
+            is_left_open = text_from_label[0] in "x.…_*"  # the characters of _LEFT_OPEN
+            order_code_text = text_from_label[match.end() :]
+        elif literal or not is_left_open:
+            return _first_word(text_from_label)
     return ""
 
 

@@ -27,6 +27,7 @@ from ..written_masters import (
     WrittenWriting,
 )
 
+#: Names of all items of a record, which describes an encoder for a master.
 _ITEMS = (*WORDS, *NUMBERS)
 _KINDS = ("value", "choice", "clocks", "any_clock", "text", "string", "unknown")
 _WRITING = ("needs", "after", "then", "takes_effect")
@@ -54,11 +55,13 @@ def check_master(master_data: dict[str, object], report: DocumentReport) -> None
     master = WrittenMaster(master_data)
     _check_name(master, report)
     for path, node in _yield_maps(master_data, ()):
+        # What a map is follows from its keys. Each view of it has empty values for keys that the map lacks.
         cited_part = _CitedPart(node, path)
         condition = WrittenCondition(node, path)
         if cited_part.source:
             _check_source(cited_part.source, cited_part.place_of("source"), master, report)
-        if condition.item:  # Only a map with this key is a condition or a limit.
+        is_condition_or_limit = bool(condition.item)
+        if is_condition_or_limit:
             _check_limit(condition, report)
         for place in cited_part.places:
             _check_place(place, master, report)
@@ -114,7 +117,8 @@ def _check_source(source_text: str, path: Path, master: WrittenMaster, report: D
     """Check that the documents of a source, such as ``manual:6.4; errata``, are listed. The places are not checked."""
     documents = master.documents
     for piece in source_text.split(";"):
-        key = piece.partition(":")[0].strip()
+        key_text, _, _ = piece.partition(":")
+        key = key_text.strip()
         if key not in documents:
             report.add("undefined-reference", path, f"{quoted(key)} is not in 'documents'{suggestion(key, documents)}")
 
@@ -150,8 +154,8 @@ def _check_limit(condition: WrittenCondition, report: DocumentReport) -> None:
     if is_word:
         for index, word in enumerate(condition.is_ or ()):
             _check_word(word, name, (*path, "is", index), report)
-    lowest = _Bound("at_least", condition.at_least)
-    _check_bounds(lowest, _Bound("at_most", condition.at_most), path, report)
+    lowest, highest = _Bound("at_least", condition.at_least), _Bound("at_most", condition.at_most)
+    _check_bounds(lowest, highest, path, report)
 
 
 class _Bound(NamedTuple):
@@ -163,7 +167,7 @@ class _Bound(NamedTuple):
 
 def _check_bounds(lowest: _Bound, highest: _Bound, path: Path, report: DocumentReport) -> None:
     """Check that the highest number is not less than the lowest one. Without a lowest one, it is not less than 0."""
-    low = lowest.number or 0
+    low = lowest.number if lowest.number is not None else 0
     if highest.number is not None and highest.number < low:
         message = f"'{highest.key}' is less than '{lowest.key}', which is {low}"
         report.add("value-clash", (*path, highest.key), message)
@@ -310,7 +314,7 @@ def _check_writing(master: WrittenMaster, report: DocumentReport) -> None:
 
     A condition says with ``after`` which settings are written before those in ``of``.
     """
-    earlier_settings: dict[str, set[str]] = {}
+    earlier_settings: dict[str, set[str]] = {}  # For each setting, those that are written before it.
     for condition in master.writing:
         _check_write_condition(condition, master, report)
         for name in condition.of:

@@ -22,8 +22,8 @@ def check_measurement_shape(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
     if not spec.has("movement"):
         return
     keys_of_movement, foreign_keys = (_ANGLE, _LENGTH) if movement == "rotary" else (_LENGTH, _ANGLE)
-    unit_key = keys_of_movement[0]
-    total_key = keys_of_movement[-1]
+    unit_key = keys_of_movement[0]  # 'counts_per_turn' or 'step_um', the size of a count.
+    total_key = keys_of_movement[-1]  # 'turns' or 'modulus', after which the position wraps around.
     raw_measurements = {measurement.path: measurement for measurement in measurements(as_read)}
     for measurement in measurements(spec):
         raw_measurement = raw_measurements[measurement.path]
@@ -49,7 +49,7 @@ def check_position_range_shape(spec: WrittenSpec, as_read: WrittenSpec, report: 
 
     The layout must carry the position that the measurement of its interface, or else of the device, names.
     """
-    groups = by_name(as_read.field_groups)
+    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
     own_measurements = {name: interface.measurement for name, interface in interfaces(as_read)}
     raw_frames = {frame.owner.path: frame for frame in layouts(as_read)}
     for frame in layouts(spec):
@@ -59,6 +59,7 @@ def check_position_range_shape(spec: WrittenSpec, as_read: WrittenSpec, report: 
         own_measurement = own_measurements[frame.interface]
         has_own_measurement = own_measurement is not None and own_measurement.is_given
         measurement = own_measurement if has_own_measurement else as_read.measurement
+        # The path in the file differs if invalid layouts before this one were removed.
         raw_frame = raw_frames[report.document.original(frame.owner.path)]
         name = quoted(raw_frame.name)
         if measurement is None or not measurement.is_given:

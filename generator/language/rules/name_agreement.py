@@ -28,9 +28,10 @@ _SHORTEST, _MOST = 6, 300
 def check_names_and_meanings(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no meaning begins with the opposite of a word in the name, as "Write a byte" for ``read``."""
     for name, path, text in _named_texts(spec):
-        first_word = text.partition(" ")[0]
+        first_word, _, _ = text.partition(" ")
         words = set(name.split("_"))
-        if {"read", "write"} <= words or {"singleturn", "multiturn"} <= words:
+        has_both_opposites = {"read", "write"} <= words or {"singleturn", "multiturn"} <= words
+        if has_both_opposites:
             continue
         opposites = [word for word in words if word in _OPPOSITES and _OPPOSITES[word].fullmatch(first_word)]
         if opposites:
@@ -54,8 +55,9 @@ def _named_texts(spec: WrittenSpec) -> Iterator[tuple[str, Path, str]]:
     for part in spec.order_code.parts:
         yield part.name, part.place_of("meaning"), part.meaning
     rs485 = spec.interfaces.rs485
-    for data_id in rs485.data_ids if rs485 is not None else ():
-        yield data_id.part.name, (*data_id.path, "meaning"), data_id.part.meaning
+    if rs485 is not None:
+        for data_id in rs485.data_ids:
+            yield data_id.part.name, (*data_id.path, "meaning"), data_id.part.meaning
     for field_list in field_lists(spec):
         for field in field_list.fields:
             yield field.name, field.place_of("meaning"), field.meaning
@@ -76,7 +78,7 @@ def check_misspelt_fields(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
             path_by_name.setdefault(field.name, field.place_of("name"))
             counts[field.name] += 1
     for pair in combinations(list(counts)[:_MOST], 2):
-        rarer, common = sorted(pair, key=lambda name: counts[name])
+        rarer, common = sorted(pair, key=lambda name: counts[name])  # Of equally common names, the first one is rarer.
         if _lacks_a_letter(rarer.split("_"), common.split("_")):
             message = f"another field is {quoted(common)}; correct one of the two, or give them names that differ more"
             report.add("misspelt-name", path_by_name[rarer], message)
@@ -92,7 +94,9 @@ def _lacks_a_letter(words: Sequence[str], other_words: Sequence[str]) -> bool:
     different = [(word, other) for word, other in zip(words, other_words, strict=True) if word != other]
     if len(different) != 1:
         return False
-    word, other_word = different[0]
+    ((word, other_word),) = different
     shorter, longer = sorted((word, other_word), key=len)
-    is_inside = not longer.startswith(shorter) and not longer.endswith(shorter)
-    return len(shorter) >= _SHORTEST and len(longer) > len(shorter) and is_inside and is_typo(shorter, longer)
+    is_long = len(shorter) >= _SHORTEST
+    has_other_length = len(longer) > len(shorter)
+    is_letter_inside = not longer.startswith(shorter) and not longer.endswith(shorter)
+    return is_long and has_other_length and is_letter_inside and is_typo(shorter, longer)

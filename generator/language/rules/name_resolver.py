@@ -28,6 +28,7 @@ class NameResolver:
         # Names that are misspelt themselves: unknown interfaces, and those that the schema check rejected.
         self._broken = {name for name in interfaces if name not in INTERFACES}
         for path in report.faults():
+            # A part in a list has its name under 'name', one in a map is a key itself.
             name = value_at(as_read.data, path) if path[-1] == "name" else path[-1]
             if isinstance(name, str) and not _NAME.fullmatch(name):
                 self._broken.add(name)
@@ -47,6 +48,7 @@ class NameResolver:
     def refer(self, path: Path, thing: str, name: str, known_names: Collection[str] | None = None) -> None:
         """Report ``name`` at ``path`` unless it is in ``known_names``, by default all names of its kind.
 
+        ``thing`` is the kind in the message: ``register``, or ``field of 'preset' called`` with ``known_names``.
         If one of the known names is itself broken, it is reported already, and ``name`` may be the correct spelling.
         Then the place is only marked as faulty, unless an intact name is similar.
         """

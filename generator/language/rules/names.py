@@ -110,7 +110,7 @@ def check_duplicate_title(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
             continue
         first_path = first_paths.setdefault(erratum.title, erratum.path)
         if first_path != erratum.path:
-            line = report.document.position((*first_path, "title"))[0]
+            line, _ = report.document.position((*first_path, "title"))
             message = f"the erratum on line {line} has the same title; say what differs in this one"
             report.add("duplicate-name", erratum.place_of("title"), message)
 
@@ -127,7 +127,7 @@ def check_duplicate_field(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
         for path, field in with_groups_expanded(field_list, groups):
             # A name in a group is reported at its use, because that is what makes it occur twice.
             name_path = path if path in use_paths else (*path, "name")
-            named_values.append((name_path, field.name or None))  # None is not compared.
+            named_values.append((name_path, field.name or None))  # _check_unique ignores None.
             for index, run in enumerate(field.digits):
                 named_values.append(((*path, "digits", index, "name"), run.part.name))
         named_values += [((*field_list.owner.path, "join", name), name) for name in field_list.joins]
@@ -136,7 +136,7 @@ def check_duplicate_field(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 
 def check_duplicate_selection(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that each value of the selecting field identifies one frame of its sender and interface."""
-    first_names: dict[tuple[str, str, int], str] = {}
+    first_names: dict[tuple[str, str, int], str] = {}  # The first frame with each value.
     for frame in layouts(spec):
         sender = frame.layout.from_ if frame.layout is not None else ""
         for selector, values in frame.selectors.items():
@@ -162,7 +162,8 @@ def check_duplicate_address(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
     registers_by_address = sorted(spec.registers, key=lambda register: register.address)
     for index, register in enumerate(registers_by_address):
         # Registers are short, so only the nearest ones can overlap. The limit bounds the time for long lists.
-        for lower_register in reversed(registers_by_address[max(0, index - 128) : index]):
+        nearest_lower_registers = registers_by_address[max(0, index - 128) : index]
+        for lower_register in reversed(nearest_lower_registers):
             if not _share_a_byte(lower_register, register):
                 continue
             # The one that comes later in the file is reported.
@@ -240,7 +241,7 @@ def _check_unique(named_values: Iterable[Named], word: str, report: DocumentRepo
         value_text = f"{value:#04x}" if isinstance(value, int) else quoted(value)
         line, _ = report.document.position(first_path)
         message = f"there is already {word} {value_text} on line {line}; rename one of them"
-        is_key_of_join = path[-2] == "join"
+        is_key_of_join = path[-2] == "join"  # The name of a join is a key, not a value.
         report.add("duplicate-name", path, message, at_key=is_key_of_join)
 
 

@@ -40,10 +40,11 @@ def check_characters(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
             printed = _CHARACTERS.search(field.meaning)
             if printed is None or not isinstance(field.equals, str) or not field.equals.isascii() or not field.text:
                 continue
-            digits = field.equals.encode("ascii").hex(" ").upper()
-            if printed[1] != digits:
+            printed_digits = printed[1]
+            digits = field.equals.encode("ascii").hex(" ").upper()  # 4C 41 for LA.
+            if printed_digits != digits:
                 message = (
-                    f"the meaning says {printed[1]}, but 'equals' is {quoted(field.equals)}, which is {digits} in"
+                    f"the meaning says {printed_digits}, but 'equals' is {quoted(field.equals)}, which is {digits} in"
                     " hexadecimal; one of the two is wrong"
                 )
                 report.add("printed-number", field.place_of("equals"), message)
@@ -75,8 +76,10 @@ def check_counts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport
                 continue
             parameters = resolve_parameters(value.sets, definitions)
             for number_text, words in _COUNTS.findall(value.meaning):
-                formula = formulas.get("counts" if words.startswith("counts") else "turns")
+                kind = "counts" if words.startswith("counts") else "turns"
+                formula = formulas.get(kind)
                 number = _evaluate_formula(formula, parameters) if formula is not None else None
+                # Manuals print 4096 or 4,096.
                 if number is not None and number_text not in (str(number), f"{number:,}"):
                     message = (
                         f"the meaning says {number_text} {words}, but the value sets {number}; one of the two is wrong."
@@ -129,7 +132,7 @@ def check_widths(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport
     ranges = _ranges_set(spec)
     definitions = _collect_definitions(spec)
     parameters_at_bounds = []
-    for bound in (0, 1):
+    for bound in (0, 1):  # the index of the lowest number in a range, and that of the highest
         set_numbers = {name: bounds_of_name[bound] for name, bounds_of_name in ranges.items()}
         parameters_at_bounds.append(resolve_parameters(set_numbers, definitions))
     for name, parameter in spec.parameters.items():
@@ -167,6 +170,7 @@ def check_equal_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
     A text that gives bits and their number, as in ``bits 7:4, which are 4 bits``, must agree as well.
     """
     for path, text in _own_texts(spec, report):
+        # The first expression finds ``16 is 10h``, and the second one ``0x10 = 16``.
         number_pairs = [(decimal, hexadecimal) for decimal, hexadecimal in _EQUAL.findall(text)]
         number_pairs += [(decimal, hexadecimal) for hexadecimal, decimal in _EQUAL_HEX.findall(text)]
         for decimal, hexadecimal in number_pairs:
@@ -187,8 +191,9 @@ def check_equal_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
 def _own_texts(spec: WrittenSpec, report: DocumentReport) -> Iterator[tuple[Path, str]]:
     """Yield the texts of a spec in its own words, which do not quote the manual, with their places."""
     for path, text in leaves_of(spec.data, report):
-        is_prose = path[-1] in PROSE or (path[0], path[-1]) == ("characteristics", "value")
-        if isinstance(text, str) and is_prose and path[-1] not in _QUOTED and path[0] not in _ELSEWHERE:
+        section, key = path[0], path[-1]
+        is_prose = key in PROSE or (section, key) == ("characteristics", "value")
+        if isinstance(text, str) and is_prose and key not in _QUOTED and section not in _ELSEWHERE:
             yield path, text
 
 
@@ -227,5 +232,6 @@ def _figure_numbers(figure_text: str) -> Iterator[int]:
         for numbers in re.split(", | and ", listed_numbers):
             first_text, _, last_text = numbers.partition(" to ")
             first = int(first_text)
-            last = int(last_text or first_text)
-            yield from range(first, last + 1) if last - first < _MOST_FIGURES else (first, last)
+            last = int(last_text) if last_text else first
+            is_plausible_range = last - first < _MOST_FIGURES
+            yield from range(first, last + 1) if is_plausible_range else (first, last)

@@ -17,10 +17,14 @@ from .parts import by_name, origins_of
 
 
 def check_order_code_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check the references of order code values: parameters, interfaces, other parts and their labels."""
-    resolver = NameResolver(as_read, report)
+    """Check the references of order code values: parameters, interfaces, other parts and their labels.
+
+    ``as_read`` is the spec before its invalid parts were removed, so names that only these define are known too.
+    """
+    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
     parts = by_name(as_read.order_code.parts)
     for part in spec.order_code.parts:
+        # A part cannot be combined with itself.
         other_parts = [name for name in parts if name != part.name]
         _check_combinations(resolver, part.place_of("open_only_with"), part.open_only_with, parts, other_parts)
         for value in part.values.values():
@@ -37,12 +41,16 @@ def _check_combinations(
     parts_by_name: Mapping[str, WrittenCodePart],
     other_parts: Sequence[str],
 ) -> None:
-    """Check that the parts with which a value can be combined exist, and that they have the listed labels."""
-    for name, labels in labels_by_part.items():
-        resolver.refer((*path, name), "other part", name, other_parts)
-        if name in parts_by_name:
-            known_labels = parts_by_name[name].names_in("values")
-            resolver.refer_to_each((*path, name), name, labels, known_labels)
+    """Check that the parts with which a value can be combined exist, and that they have the listed labels.
+
+    ``labels_by_part`` is the map at ``path``, such as ``{"output": ["S", "B"]}`` under ``only_with``.
+    """
+    for part_name, labels in labels_by_part.items():
+        labels_path = (*path, part_name)
+        resolver.refer(labels_path, "other part", part_name, known_names=other_parts)
+        if part_name in parts_by_name:
+            known_labels = parts_by_name[part_name].names_in("values")
+            resolver.refer_to_each(labels_path, part_name, labels, known_labels)
 
 
 #: Largest number of codes of one family. More indicate an error, as the largest catalogue pages list a few hundred.
@@ -51,7 +59,7 @@ MAX_CODES = 10_000
 #: The name of a part in a pattern, such as ``{bits}``. Splitting at it gives literals and names in turn.
 _BRACES = re.compile(r"\{([^{}]*)\}")
 _LITERAL = re.compile(r"[A-Za-z0-9/_. -]*")
-#: Keys of parameters that are not set by order codes, with the origin of their value.
+#: Keys of parameters that are not set by order codes, each with the middle of a message: "'bits' … ('equals'), so …".
 _NOT_SET = {
     "equals": "is computed from other parameters ('equals')",
     "read_from": "is read from the encoder ('read_from')",
@@ -85,7 +93,7 @@ class _Code:
 def check_order_code_pattern(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that pattern and parts agree, and then that codes set each parameter once and select one interface."""
     if not is_whole(spec.data, as_read.data):
-        return
+        return  # Something invalid was removed, which is reported already.
     problems_before = len(report)
     _check_pattern(spec, report)
     _check_values(spec, report)
@@ -105,7 +113,7 @@ def check_order_code_pattern(spec: WrittenSpec, as_read: WrittenSpec, report: Do
 def check_ambiguous_order_codes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no text on a label can be read in two ways: as two codes, or as one code split in two ways."""
     if not is_whole(spec.data, as_read.data):
-        return
+        return  # Something invalid was removed, which is reported already.
     parts, pattern = spec.order_code.parts, spec.order_code.pattern
     part_names = {part.name for part in parts}
     has_duplicate_names = len(part_names) < len(parts)
@@ -123,6 +131,7 @@ def _find_ambiguity(spec: WrittenSpec) -> str:
     # Literals are at even indices, and names of parts at odd ones. Blanks on a label are ignored.
     parts = spec.order_code.parts
     pieces = _BRACES.split(spec.order_code.pattern)
+    names_of_parts = pieces[1::2]
     pieces[::2] = map(_without_blanks, pieces[::2])
     # With parts of fixed length each code splits at fixed places, so it can only be read as it was composed.
     has_fixed_lengths = all(map(_has_fixed_length, parts))
@@ -136,9 +145,9 @@ def _find_ambiguity(spec: WrittenSpec) -> str:
             return f"the code {quoted(code.text)} occurs twice: {occurrences}"
         if has_fixed_lengths:
             continue
-        first_readings = list(itertools.islice(_yield_readings(label, pieces, value_tests), 2))
-        if len(first_readings) == 2:
-            first, second = (_reading_text(pieces[1::2], reading) for reading in first_readings)
+        two_readings = list(itertools.islice(_yield_readings(label, pieces, value_tests), 2))
+        if len(two_readings) == 2:
+            first, second = (_reading_text(names_of_parts, reading) for reading in two_readings)
             return f"the code {quoted(code.text)} can be read as {first}, and as {second}"
     return ""
 
@@ -152,9 +161,12 @@ def _reading_text(names: Sequence[str], reading: Sequence[str]) -> str:
 
 
 def check_also_written(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that an alternative spelling has every part exactly once, and that its texts represent listed labels."""
+    """Check that an alternative spelling has every part exactly once, and that its texts represent listed labels.
+
+    ``as_read`` is the spec before its invalid parts were removed.
+    """
     if not is_whole(spec.data, as_read.data):
-        return
+        return  # Invalid parts of the order code were removed from ``spec``, so parts of the spelling could be missing.
     parts = {part.name: part for part in spec.order_code.parts}
     for spelling in spec.order_code.also_written:
         used_parts = _BRACES.findall(spelling.pattern)
@@ -198,7 +210,10 @@ def _without_blanks(label: str) -> str:
 
 
 def is_whole(checked_data: dict[str, object], data_as_read: dict[str, object]) -> bool:
-    """Return True if only prose was cut out of order codes and parameters, so that no missing part causes errors."""
+    """Return True if order codes and parameters are whole, so that no missing part of them causes errors.
+
+    ``checked_data`` is a copy of ``data_as_read`` from which invalid parts were removed. Missing prose is accepted.
+    """
     for key in ("order_code", "parameters"):
         if key not in checked_data or _without_prose(checked_data[key]) != _without_prose(data_as_read[key]):
             return False
@@ -219,7 +234,7 @@ def _check_pattern(spec: WrittenSpec, report: DocumentReport) -> None:
     pattern, path = spec.order_code.pattern, spec.order_code.place_of("pattern")
     used_parts = _BRACES.findall(pattern)
     names = [part.name for part in spec.order_code.parts]
-    literals = "".join(_BRACES.split(pattern)[0::2])
+    literals = "".join(_BRACES.split(pattern)[0::2])  # Splitting gives literals and names in turn.
     forbidden = [character for character in literals if not _LITERAL.fullmatch(character)]
     if forbidden:
         message = (
@@ -240,7 +255,10 @@ def _check_pattern(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _check_values(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that order codes set only parameters without another origin, and that open parts have valid expressions."""
+    """Check that order codes set only parameters without another origin, and that open parts have valid expressions.
+
+    An open part also takes labels that the spec does not list. ``open`` is the regular expression for them.
+    """
     for part in spec.order_code.parts:
         for value in part.values.values():
             for name in value.sets:
@@ -255,7 +273,10 @@ def _check_values(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _other_origin(spec: WrittenSpec, parameter: WrittenParameter) -> str | None:
-    """Return the key ('equals', …) because of which an order code cannot set a parameter, or None if it can."""
+    """Return the key ('equals', …) because of which an order code cannot set a parameter, or None if it can.
+
+    It can set a parameter that is read from a register, if the register has no default.
+    """
     origins = origins_of(parameter)
     if not origins:
         return None
@@ -265,8 +286,8 @@ def _other_origin(spec: WrittenSpec, parameter: WrittenParameter) -> str | None:
 
 def _has_no_default(spec: WrittenSpec, parameter: WrittenParameter) -> bool:
     """Return True if a parameter is read from a register without a default, so that the order code must set it."""
-    name = parameter.read_from.partition(".")[0]
-    return any(register.name == name and register.default is None for register in spec.registers)
+    register_name, _, _ = parameter.read_from.partition(".")  # ``read_from`` is ``register`` or ``register.field``.
+    return any(register.name == register_name and register.default is None for register in spec.registers)
 
 
 def _expression_fault(regular_expression: str) -> str:
@@ -276,12 +297,16 @@ def _expression_fault(regular_expression: str) -> str:
     except (re.error, OverflowError) as error:
         return str(error)
     # Each repetition multiplies the ways to match a label. Three are more than any catalogue needs.
-    repetitions = _COUNT.findall(_CLASS.sub("", regular_expression))
+    expression_without_classes = _CLASS.sub("", regular_expression)  # In [+*], the signs stand for themselves.
+    repetitions = _COUNT.findall(expression_without_classes)
     return "more than three repetitions" if len(repetitions) > 3 else ""
 
 
 def _check_codes(spec: WrittenSpec, codes: Sequence[_Code], report: DocumentReport) -> None:
-    """Report for the first code each that it does not select one interface, or set a required parameter once."""
+    """Report codes that do not select one interface, or do not set a required parameter once.
+
+    The interface and each parameter are reported once, for the first such code.
+    """
     first_problems: dict[str, tuple[Path, str]] = {}
     required_parameters = _required_parameters(spec, codes)
     for code in codes:
@@ -352,12 +377,14 @@ def _check_selected_interfaces(spec: WrittenSpec, codes: Sequence[_Code], report
 
 
 def _compose_codes(spec: WrittenSpec) -> list[_Code] | None:
-    """Return every code composed of listed labels that ``only_with`` allows, or None if there are too many."""
+    """Return every code composed of listed labels that ``only_with`` allows, or None if there are too many.
+
+    A code takes one label of each part: with the labels 12 and 13, and S and B, the codes are 12S, 12B, 13S and 13B.
+    """
     parts = spec.order_code.parts
     if math.prod(len(part.values) for part in parts) > MAX_CODES:
         return None
-    # For each part, its name with each of its labels and values.
-    choices = []
+    choices = []  # For each part, its name with each of its labels and values.
     for part in parts:
         choices.append([(part.name, label, value) for label, value in part.values.items()])
     codes = []
@@ -399,7 +426,8 @@ def _yield_readings(
 ) -> Iterator[tuple[str, ...]]:
     """Yield every way to split a label from ``start`` into the pattern's ``pieces`` from ``index``, as the labels.
 
-    Pieces at even indices are literals, those at odd indices are names of parts. The last piece is a literal.
+    Pieces at even indices are literals, those at odd indices are names of parts. The last piece is a literal. A reading
+    has one label for each part: ``("24", "S")`` for ``X-24S`` with the pieces ``["X-", "bits", "", "output", ""]``.
     """
     literal = pieces[index].upper()
     if not label_text.startswith(literal, start):

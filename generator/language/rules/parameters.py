@@ -107,7 +107,8 @@ def parameter_uses(spec: WrittenSpec, as_read: WrittenSpec | None = None) -> Ite
 
     A field of a group is yielded for each layout or register that uses the group.
     """
-    groups = by_name((as_read if as_read is not None else spec).field_groups)
+    spec_of_groups = as_read if as_read is not None else spec  # ``as_read`` also has the invalid groups.
+    groups = by_name(spec_of_groups.field_groups)
     field_owners = list(layouts(spec))
     field_owners += [FieldList(Has.REGISTER, register, interface_of(register)) for register in spec.registers]
     for field_list in field_owners:
@@ -173,12 +174,13 @@ def all_parameters(expression_text: object, parameters: Mapping[str, WrittenPara
     """Yield the parameters in an expression, and those in the expressions that define them, each once."""
     factors_to_visit = _list_factors(expression_text)
     visited_names: set[str] = set()
-    # The list grows during the loop: parameters named directly come before those that define them.
+    # The list grows during the loop, so that parameters named directly come before those that define them.
     for factor in factors_to_visit:
         name = factor.parameter
         if name not in visited_names and name in parameters:
             visited_names.add(name)
             yield name
+            # A parameter without ``equals`` adds no factors.
             factors_to_visit += _list_factors(parameters[name].equals)
 
 
@@ -198,24 +200,26 @@ def check_long_sums(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
 
     Definitions that use others twice each would fill the memory: 30 of them are a sum of 2^30 terms.
     """
-    counts: dict[str, int] = {}
+    terms_by_name: dict[str, int] = {}
     for name, parameter in spec.parameters.items():
-        count = _count_of_terms(name, spec.parameters, counts)
+        term_count = _count_of_terms(name, spec.parameters, terms_by_name)
+        # Then that parameter is reported, and not those that use it.
         has_long_parameter = any(
-            counts.get(factor.parameter, 0) > _MOST_TERMS for factor in _list_factors(parameter.equals)
+            terms_by_name.get(factor.parameter, 0) > _MOST_TERMS for factor in _list_factors(parameter.equals)
         )
-        if count > _MOST_TERMS and not has_long_parameter:
-            problem = f"{quoted(name)} is a sum of {count} terms with the definitions of its parameters"
+        if term_count > _MOST_TERMS and not has_long_parameter:
+            problem = f"{quoted(name)} is a sum of {term_count} terms with the definitions of its parameters"
             report.add("bad-expression", parameter.place_of("equals"), f"{problem}; the limit is {_MOST_TERMS}")
 
 
 def _count_of_terms(parameter_name: str, parameters: Mapping[str, WrittenParameter], counts: dict[str, int]) -> int:
     """Return the number of terms of a parameter with all definitions inserted, which ``counts`` keeps by name."""
-    if parameter_name not in counts:
-        counts[parameter_name] = 1  # This ends a cycle, which another rule reports.
-        factors = _list_factors(parameters[parameter_name].equals) if parameter_name in parameters else []
-        if factors:
-            counts[parameter_name] = sum(_count_of_terms(factor.parameter, parameters, counts) for factor in factors)
+    if parameter_name in counts:
+        return counts[parameter_name]
+    counts[parameter_name] = 1  # This ends a cycle, which another rule reports.
+    factors = _list_factors(parameters[parameter_name].equals) if parameter_name in parameters else []
+    if factors:
+        counts[parameter_name] = sum(_count_of_terms(factor.parameter, parameters, counts) for factor in factors)
     return counts[parameter_name]
 
 
@@ -245,7 +249,7 @@ def check_alternative_references(spec: WrittenSpec, as_read: WrittenSpec, report
 
     Parameters and examples must name alternatives that exist, and examples their answers.
     """
-    resolver = NameResolver(as_read, report)
+    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
     alternatives = by_name(as_read.alternatives)
     for alternative in spec.alternatives:
         parameters_as_read = as_read.parameters.items()
@@ -278,7 +282,7 @@ def _check_answers(alternative: WrittenAlternative, own_parameters: Sequence[str
     A parameter that no answer sets is reported elsewhere.
     """
     owner = alternative.name
-    first_answers: dict[str, str] = {}
+    first_answers: dict[str, str] = {}  # For each parameter, the first answer that sets it.
     for answer_name, answer in alternative.values.items():
         for name in answer.sets:
             first_answers.setdefault(name, answer_name)
@@ -301,9 +305,10 @@ def check_alternative_use(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 
     Those with a default affect only verdicts, which do not need a choice. So their parameters are in no expression.
     """
-    alternatives = by_name(as_read.alternatives)
+    alternatives = by_name(as_read.alternatives)  # Also invalid ones, which ``spec`` lacks.
     set_by_alternative = {name: parameter for name, parameter in as_read.parameters.items() if parameter.alternative}
     used_texts = list(expressions(spec))
+    # The parameter under 'when', which turns Gray code on, is not an expression.
     used_texts += [(use.path, use.text) for use in parameter_uses(spec, as_read) if use.path[-1] == "when"]
     for path, text in used_texts:
         names = [factor.parameter for factor in _list_factors(text) if factor.parameter in set_by_alternative]
@@ -330,6 +335,7 @@ def check_units(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport)
     """
     for field_list in field_lists(spec):
         for field in field_list.fields:
+            # None unless ``equals`` is only the name of a parameter.
             equal_parameter = as_read.parameters.get(str(field.equals))
             equal_unit = equal_parameter.unit if equal_parameter is not None else ""
             if field.unit and equal_unit and kind_of_unit(field.unit) != kind_of_unit(equal_unit):
@@ -364,7 +370,7 @@ def check_parameter_cycle(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
     for name, parameter in spec.parameters.items():
         if parameter.equals is not None:
             definitions[name] = _parameters_in(parameter.equals)
-    settled: set[str] = set()
+    settled: set[str] = set()  # Parameters that need no further search.
     for name in definitions:
         cycle = _find_cycle(name, definitions, settled)
         if cycle:
@@ -375,6 +381,7 @@ def check_parameter_cycle(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 def _find_cycle(start: str, definitions: Mapping[str, tuple[str, ...]], settled: set[str]) -> list[str]:
     """Return the parameters of a cycle that is reached from ``start``, with the first one also at the end, or none.
 
+    If a needs b, b needs c and c needs b, the cycle reached from a is ``["b", "c", "b"]``.
     Every parameter that is visited is added to ``settled``, because each cycle is reported once.
     """
     # Depth first, without recursion: a long chain of parameters must not exhaust the stack.

@@ -164,7 +164,7 @@ def field_lists(spec: WrittenSpec) -> Iterator[FieldList]:
         yield FieldList(Has.GROUP, group, "")
     yield from layouts(spec)
     for name, interface in interfaces(spec):
-        # An interface with an unknown name, which is reported, may be BiSS.
+        # Only BiSS has control data. An interface with an unknown name, which is reported, may be BiSS.
         control_data = WrittenBiss(interface.data, interface.path).control_data
         if control_data is not None and control_data.is_given:
             yield FieldList(Has.CONTROL, control_data, name)
@@ -289,6 +289,7 @@ def constant_width(field: WrittenField) -> int | None:
     A flag has one bit, and so has a field at the number of a bit.
     """
     if field.has("bits"):
+        # A width that is a text is an expression over parameters.
         return field.bits if isinstance(field.bits, int) and field.bits > 0 else None
     bit_range = _RANGE.fullmatch(str(field.at))
     if bit_range is not None:

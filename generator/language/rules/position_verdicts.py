@@ -38,7 +38,7 @@ def check_value_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
 
     A group is in such a frame if one of them uses it. An error is a value whose name says so.
     """
-    groups = by_name(as_read.field_groups)
+    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
     position_frames = [field_list for field_list in layouts(spec) if _has_position(spec, field_list, groups)]
     position_paths = {field_list.owner.path for field_list in position_frames}
     used_groups = {field.use for field_list in position_frames for field in field_list.fields}
@@ -106,7 +106,7 @@ def check_combinations(spec: WrittenSpec, as_read: WrittenSpec, report: Document
     A combination gives the verdict while several fields have certain values. It never decides if one of its conditions,
     or a combination with some of them, already gives the same verdict or a worse one.
     """
-    groups = by_name(as_read.field_groups)
+    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
     for frame in layouts(spec):
         listed_combinations = frame.layout.combinations if frame.layout is not None else ()
         if listed_combinations and not _has_position(spec, frame, groups):
@@ -118,16 +118,18 @@ def check_combinations(spec: WrittenSpec, as_read: WrittenSpec, report: Document
             if not _check_conditions(frame, fields_by_name, combination, report):
                 continue  # Its conditions are reported, and there may be no verdicts to compare.
             # A combination decides only if no part of it makes the position at least as bad by itself.
+            earlier_combinations = listed_combinations[:index]
+            later_combinations = listed_combinations[index + 1 :]
             verdicts_of_parts = [
                 *_own_verdicts(frame, fields_by_name, combination),
-                *_verdicts_of_parts(combination, listed_combinations[:index], listed_combinations[index + 1 :]),
+                *_verdicts_of_parts(combination, earlier_combinations, later_combinations),
             ]
             _check_can_decide(combination, verdicts_of_parts, report)
 
 
 def check_report_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the reports of values with a verdict and of combinations have names that are unique in the frame."""
-    groups = by_name(as_read.field_groups)
+    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
     for frame in layouts(spec):
         used_names = set(readable_names(frame, groups))
         for path, name in _report_names(frame, groups):
@@ -149,7 +151,8 @@ def _report_names(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, str
         for name, value in field.values.items():
             if value.has("makes_position"):
                 # A value in a group is reported at the use of the group.
-                yield field_path if field_path in use_paths else value.path, f"{field.name}_{name}"
+                path = field_path if field_path in use_paths else value.path
+                yield path, f"{field.name}_{name}"
     for combination in fields.layout.combinations if fields.layout is not None else ():
         yield combination.place_of("name"), combination.name
 
@@ -226,7 +229,8 @@ def _check_can_decide(
     ``verdicts`` has the text for each part and its verdict: ``("'battery' alone", "not_usable")``.
     """
     for part_text, verdict in verdicts:
-        if verdict and _WORST_FIRST.index(verdict) <= _WORST_FIRST.index(combination.makes_position):
+        is_as_bad = bool(verdict) and _WORST_FIRST.index(verdict) <= _WORST_FIRST.index(combination.makes_position)
+        if is_as_bad:
             problem = (
                 f"{quoted(combination.name)} never decides, since {part_text} already makes the position {verdict}"
             )
@@ -243,7 +247,8 @@ def _own_verdicts(
     """
     for name, value_name in combination.when.items():
         field = fields_by_name[name]
-        if not field.has("active"):
+        is_flag = field.has("active")
+        if not is_flag:
             value = field.values.get(value_name)
             yield f"{quoted(name)} alone", value.makes_position if value is not None else ""
         elif value_name == "active":
@@ -301,17 +306,21 @@ def check_default_answers(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 
 
 def _check_settings(alternative: WrittenAlternative, report: DocumentReport) -> None:
-    """Check that the answers set one parameter: the first answer, which is the default, to 0, and the others to 1."""
+    """Check that the answers set one parameter: the first answer, which is the default, to 0, and the others to 1.
+
+    The caller has checked that the alternative has a default, and that it is the first answer.
+    """
     for index, (name, answer) in enumerate(alternative.values.items()):
+        is_default = index == 0
         sets_path = answer.place_of("sets")
         if len(answer.sets) > 1:
             problem = f"{quoted(alternative.name)} has a default, so its answers set one parameter"
             report.add("alternative-default", sets_path, f"{problem}; keep one, or remove 'default'")
             return
         for parameter, value in answer.sets.items():
-            expected = int(index > 0)
+            expected = 0 if is_default else 1
             if value != expected:
-                owner = "the default" if index == 0 else "an answer other than the default"
+                owner = "the default" if is_default else "an answer other than the default"
                 problem = f"{quoted(name)} sets {quoted(parameter)} to {value}, but {owner} sets it to {expected}"
                 report.add("alternative-default", (*sets_path, parameter), f"{problem}; write {expected}")
 

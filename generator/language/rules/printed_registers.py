@@ -26,6 +26,7 @@ def check_addresses(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
         if register.addresses is None:
             continue
         first_text, _, last_text = str(register.addresses).partition("-")
+        # A single address is the first and the last one. Base 0 reads 0x4B as hexadecimal.
         printed_range = (int(first_text, 0), int(last_text or first_text, 0))
         actual_range = (register.address, last_address(register))
         if printed_range != actual_range:
@@ -67,7 +68,8 @@ def _check_row(row: WrittenPrintedDefault, register: WrittenRegister, report: Do
 
     Only the first error of a row is reported.
     """
-    faults = list(_byte_faults(row, register) if row.bytes else _bit_faults(row, register))
+    faults_of_row = _byte_faults(row, register) if row.bytes else _bit_faults(row, register)
+    faults = list(faults_of_row)
     if faults and not row.erratum:
         key, message = faults[0]
         report.add("default-mismatch", row.place_of(key), message)
@@ -131,7 +133,8 @@ def _field_faults(
 def _parse_bit_range(at: int | str | None) -> tuple[int, int] | None:
     """Return the highest and the lowest bit of a place such as ``7:6`` or 5, or None if it is not one."""
     if isinstance(at, int):
-        return (at, at) if 0 <= at < 1024 else None
+        is_bit_number = 0 <= at < 1024  # No register has more bits.
+        return (at, at) if is_bit_number else None
     bit_range = _RANGE.fullmatch(str(at))
     if bit_range is None:
         return None
@@ -195,7 +198,7 @@ def _compare_writes(
 
 
 def _printed_write(write_text: str) -> _Write:
-    """Return the write that a text of ``printed_writes`` describes."""
+    """Return the write that a text of ``printed_writes`` describes, such as ``0x49 bit 2 = 0`` or ``0x50-0x54``."""
     match = _WRITE.fullmatch(write_text)
     assert match is not None  # The schema has the same pattern.
     first, last, bit, value = match.group("first", "last", "bit", "value")
@@ -220,7 +223,9 @@ def _step_write(step: WrittenStep, registers: Mapping[str, WrittenRegister], gro
     possible_fields = [field for field in register_fields if step.field in ("", field.name)]
     # The field that has the value. Without one, the value is an argument, whose number the caller supplies.
     fields_with_value = [field for field in possible_fields if step.value in field.values]
-    number = fields_with_value[0].values[step.value].value if fields_with_value else None
+    number = None
+    if fields_with_value:
+        number = fields_with_value[0].values[step.value].value
     first = register.address
     last = last_address(register)
     writes_whole_register = not step.field and (not fields_with_value or len(register_fields) == 1)

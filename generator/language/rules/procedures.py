@@ -68,7 +68,7 @@ def check_step_access(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 
     To write one field of a register with other bits, a step reads the register first.
     """
-    registers = by_name(as_read.registers)
+    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
     groups = by_name(as_read.field_groups)
     for procedure in spec.procedures:
         for step in procedure.steps:
@@ -112,7 +112,7 @@ def _check_written_registers(spec: WrittenSpec, read_only: Collection[str], repo
 def _check_read_registers(spec: WrittenSpec, write_only: Collection[str], report: DocumentReport) -> None:
     """Check that registers that contain parameters or alarms are readable."""
     for name, parameter in spec.parameters.items():
-        register_name = parameter.read_from.partition(".")[0]
+        register_name, _, _ = parameter.read_from.partition(".")  # ``register`` or ``register.field``
         if register_name in write_only:
             message = f"{quoted(register_name)} is write_only, so {quoted(name)} cannot be read from it"
             report.add("access-mismatch", parameter.place_of("read_from"), message)
@@ -130,7 +130,8 @@ def check_step_waits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
         for index, step in enumerate(procedure.steps):
             needed_ms = _register_of(step, registers).wait_at_least_ms
             if step.do == "write" and needed_ms is not None:
-                short_wait = _find_short_wait(step, procedure.steps[index + 1 :], needed_ms)
+                later_steps = procedure.steps[index + 1 :]
+                short_wait = _find_short_wait(step, later_steps, needed_ms)
                 if short_wait is not None:
                     wait_path, wait_text = short_wait
                     problem = f"{quoted(step.register)} needs a wait of {needed_ms} ms after a write"
@@ -148,11 +149,13 @@ def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], nee
     waits_ms = [wait.at_least_ms for wait in waits if wait.at_least_ms is not None]
     is_polled = any(step.do == "poll" for step in until_write)
     is_last_write = len(until_write) == len(later_steps)
-    if is_polled or sum(waits_ms) >= needed_ms or (is_last_write and not waits_ms):
+    total_ms = sum(waits_ms)
+    ends_without_wait = is_last_write and not waits_ms
+    if is_polled or total_ms >= needed_ms or ends_without_wait:
         return None
     if not waits_ms:
         return write.path, "there is no wait here"
-    return waits[0].place_of("at_least_ms"), f"the wait here is {sum(waits_ms)} ms"
+    return waits[0].place_of("at_least_ms"), f"the wait here is {total_ms} ms"
 
 
 def check_opening_steps(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -169,11 +172,14 @@ def check_opening_steps(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
                 continue
             steps_before = procedure.steps[:index]
             values_before = [earlier.value for earlier in steps_before if _writes_opening_value(earlier, opener)]
+            if not values_before:
+                continue
+            last_value = values_before[-1]
             # An argument may be the value that opens the register.
-            if values_before and values_before[-1] != opener.value and values_before[-1] not in arguments:
+            if last_value != opener.value and last_value not in arguments:
                 message = (
                     f"{quoted(step.register)} must be opened by writing {quoted(opener.value)} to"
-                    f" {quoted(opener.register)}, but {quoted(values_before[-1])} was written there"
+                    f" {quoted(opener.register)}, but {quoted(last_value)} was written there"
                 )
                 report.add("not-opened", step.place_of("register"), message)
 
@@ -190,7 +196,7 @@ def _writes_opening_value(step: WrittenStep, opener: WrittenOpenedBy) -> bool:
 
 def check_written_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that some step of a procedure writes each of its arguments."""
-    procedures = by_name(as_read.procedures)
+    procedures = by_name(as_read.procedures)  # Also invalid ones, which ``spec`` lacks.
     for procedure in spec.procedures:
         # A step rejected by the schema may be the one that writes it.
         raw_procedure = procedures.get(procedure.name, procedure)
@@ -206,7 +212,7 @@ def check_written_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
 
 def check_procedure_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure with the name of a value of a register writes this value if it writes named ones there."""
-    registers = by_name(as_read.registers)
+    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
     groups = by_name(as_read.field_groups)
     for procedure in spec.procedures:
         name = procedure.name
@@ -235,7 +241,7 @@ def check_saves_before_writes(spec: WrittenSpec, as_read: WrittenSpec, report: D
     """
     if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
         return
-    registers = by_name(as_read.registers)
+    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
     for procedure in spec.procedures:
         if procedure.note:
             continue
@@ -244,8 +250,9 @@ def check_saves_before_writes(spec: WrittenSpec, as_read: WrittenSpec, report: D
         saves = [index for index, step in enumerate(writes) if step.register in registers and _is_save(step)]
         if not saves:
             continue
-        save = writes[saves[-1]]
-        later_writes = writes[saves[-1] + 1 :]
+        index_of_save = saves[-1]
+        save = writes[index_of_save]
+        later_writes = writes[index_of_save + 1 :]
         writes_to_other_registers = [step for step in later_writes if step.register != save.register]
         unsaved_register = _first_unsaved(writes_to_other_registers, arguments, registers)
         if unsaved_register:
@@ -291,7 +298,7 @@ def check_named_bank(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
 
 def check_selected_bank(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure selects the bank before it accesses a register in it. An argument may select any bank."""
-    registers = by_name(as_read.registers)
+    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
     select = bank_select(as_read)
     if not select:
         return
@@ -301,7 +308,7 @@ def check_selected_bank(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
         for step in procedure.steps:
             bank = _register_of(step, registers).bank
             if step.do == "write" and step.register == select:
-                # A value that is not a named one is an argument.
+                # A value without a name is an argument, which may select any bank.
                 selected_bank = bank_numbers.get(step.value, _ANY_BANK)
             elif bank is not None and selected_bank not in (bank, _ANY_BANK):
                 message = (
@@ -314,7 +321,7 @@ def _number_by_name(register: WrittenRegister, as_read: WrittenSpec) -> dict[str
     """Return the numbers of all named values of a register by their names. Invalid ones are None."""
     numbers_by_name: dict[str, int | None] = {}
     for field in fields_of(register, by_name(as_read.field_groups)):
-        numbers_by_name |= dict.fromkeys(value_names(field))
+        numbers_by_name |= dict.fromkeys(value_names(field))  # None for each, also for invalid ones.
         for name, value in field.values.items():
             numbers_by_name[name] = value.value if value.is_valid("value") else None
     return numbers_by_name

@@ -149,7 +149,7 @@ def check_repeated_quantities(spec: WrittenSpec, as_read: WrittenSpec, report: D
     for connector in spec.connectors:
         for index, contact in enumerate(connector.part.contacts):
             contact_supply = supply_named(contact.signal)
-            if contact_supply is not None and contact_supply[0] != contact_supply[1]:
+            if contact_supply is not None and contact_supply[0] != contact_supply[1]:  # A range, not one voltage.
                 path = (*connector.path, "contacts", index, "signal")
                 _compare_supply(contact_supply, supply_ranges, path, report)
     for alarm in spec.alarms:
@@ -169,10 +169,9 @@ def _compare_supply(
 ) -> None:
     """Report a supply that is not one of ``ranges`` in millivolts, if there are any."""
     if ranges and supply_range not in ranges:
+        low_mv, high_mv = supply_range
         ranges_text = listed([f"{low} to {high} mV" for low, high in ranges], "or")
-        message = (
-            f"this is {supply_range[0]} to {supply_range[1]} mV, but 'supply' is {ranges_text}; one of the two is wrong"
-        )
+        message = f"this is {low_mv} to {high_mv} mV, but 'supply' is {ranges_text}; one of the two is wrong"
         report.add("quantity-repeated", path, message)
 
 
@@ -234,7 +233,7 @@ def check_repeated_times(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
 
 
 def _compare_symbols(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Report each timing whose meaning gives only other times after its symbol, as in ``tw > 20 µs``."""
+    """Report each timing whose meaning gives a time after its symbol, as in ``tw > 20 µs``, but none of its times."""
     for timing in timings(spec):
         if not timing.part.symbol:
             continue
@@ -334,7 +333,7 @@ def _to_nanoseconds(match: re.Match[str]) -> Decimal:
 def _nanoseconds_in(node: object) -> Iterator[int]:
     """Yield every whole number below a place whose key ends in a unit of time, such as ``wait_ms``, in nanoseconds."""
     for path, value in leaves(node):
-        unit = str(path[-1]).rpartition("_")[2] if path else ""
+        unit = str(path[-1]).rpartition("_")[2] if path else ""  # ``ms`` of ``wait_ms``.
         if unit in _NANOSECONDS and isinstance(value, int):
             yield value * _NANOSECONDS[unit]
 

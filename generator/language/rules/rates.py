@@ -42,7 +42,7 @@ def check_round_rates(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         return
     for _, interface in interfaces(spec):
         for path, rate, unit in _yield_rates(interface):
-            digits = len(str(rate).rstrip("0"))
+            digits = len(str(rate).rstrip("0"))  # 2 for 1,500,000.
             is_standard = unit == "baud" and rate % _STANDARD_BAUD == 0
             is_high = rate >= _LOWEST_HZ
             if digits > _DIGITS and is_high and not is_standard and not _gives_rate(interface.note, rate):
@@ -85,7 +85,9 @@ def check_rates_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
         if isinstance(interface, WrittenSpi):
             continue
         has_such_lines = isinstance(interface, WrittenRs485) or _LINES.search(interface.signals) is not None
-        for path, rate, unit in _yield_rates(interface) if has_such_lines else ():
+        if not has_such_lines:
+            continue
+        for path, rate, unit in _yield_rates(interface):
             is_limit = path[-1] != "below_hz"
             if is_limit and rate > _HIGHEST_HZ and not _gives_rate(interface.note, rate):
                 message = (
@@ -111,6 +113,7 @@ def check_monoflop(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
 def _check_monoflop(timing: Located[Timing], ssi: WrittenSsi, report: DocumentReport) -> None:
     """Check a monoflop time against the clocks and pauses of the same order codes."""
     time_us, key = _find_shortest(timing)
+    # Errata give an item of a list by its name: interfaces.ssi.timings.monoflop.at_least_us.
     affected_path = ".".join(map(str, (*timing.path[:-1], _MONOFLOP, key)))
     if has_erratum_at(report.document, affected_path) or not time_us:
         return
@@ -119,7 +122,9 @@ def _check_monoflop(timing: Located[Timing], ssi: WrittenSsi, report: DocumentRe
         lowest_hz = clock.part.min_hz
         if not lowest_hz or not share_codes(clock.part, timing.part):
             continue
-        if 2 * lowest_hz * time_us * _NS_PER_US < _NS_PER_S:
+        # Half a period of the clock lasts _NS_PER_S / (2 * lowest_hz).
+        is_shorter_than_half_period = 2 * lowest_hz * time_us * _NS_PER_US < _NS_PER_S
+        if is_shorter_than_half_period:
             message = (
                 f"{time_us} µs is shorter than half a period of the slowest clock, 'min_hz: {lowest_hz}', so it would"
                 f" end within a word; correct one of the two. {remedy}"
@@ -161,16 +166,18 @@ def _check_cable_clock(row: Located[CableLength], clock: Clock, report: Document
     below_hz = row.part.below_hz
     lowest_hz = clock.min_hz or 0
     highest_hz = clock.max_hz
+    is_too_low = below_hz < lowest_hz
     is_too_high = highest_hz is not None and below_hz > highest_hz
     place = "interfaces.ssi.clock.max_hz" if is_too_high else "interfaces.ssi.clock.min_hz"
-    if has_erratum_at(report.document, place) or not (below_hz < lowest_hz or is_too_high):
+    if has_erratum_at(report.document, place) or not (is_too_low or is_too_high):
         return
-    message = (
-        f"no clock is below {below_hz} Hz for cables shorter than {row.part.shorter_than_m} m: the clock is"
-        f" {lowest_hz} to {highest_hz} Hz"
-    )
     if is_too_high:
         message = f"{below_hz} Hz is above 'max_hz: {highest_hz}'"
+    else:
+        message = (
+            f"no clock is below {below_hz} Hz for cables shorter than {row.part.shorter_than_m} m: the clock is"
+            f" {lowest_hz} to {highest_hz} Hz"
+        )
     remedy = "correct one of the two. If this is what the manual says, add an erratum that affects"
     report.add("clock-range", (*row.path, "below_hz"), f"{message}; {remedy} {place}")
 
@@ -181,8 +188,10 @@ def check_timeouts_and_clocks(spec: WrittenSpec, as_read: WrittenSpec, report: D
     Printed time-outs without a rule are then whole numbers of half periods, apart from rounding to nanoseconds.
     """
     biss = spec.interfaces.biss
-    for timeout in biss.timeout if biss is not None else ():
-        if biss is None or has_erratum_at(report.document, *_TIMEOUT, "printed"):
+    if biss is None:
+        return
+    for timeout in biss.timeout:
+        if has_erratum_at(report.document, *_TIMEOUT, "printed"):
             continue
         remedy = f"correct one of the two. If this is what the manual says, add an erratum that affects {_PRINTED}"
         _check_longest_timeout(biss, timeout, remedy, report)
@@ -195,7 +204,9 @@ def _check_half_periods(timeout: Located[Timeout], remedy: str, report: Document
     for index, printed in enumerate(timeout.part.printed):
         half_periods = 2 * printed.clock_hz * printed.timeout_ns / _NS_PER_S
         rounding = printed.clock_hz / _NS_PER_S  # Half a nanosecond, in half periods.
-        if abs(half_periods - round(half_periods)) > rounding or round(half_periods) < 1:
+        nearest_whole = round(half_periods)
+        is_whole = abs(half_periods - nearest_whole) <= rounding
+        if not is_whole or nearest_whole < 1:
             message = (
                 f"{printed.timeout_ns} ns are {half_periods:.3g} half periods at {printed.clock_hz} Hz, but a time-out"
                 f" that follows the clock is a whole number of them; {remedy}"
@@ -210,7 +221,9 @@ def _check_longest_timeout(biss: WrittenBiss, timeout: Located[Timeout], remedy:
         lowest_hz = clock.part.min_hz
         if not longest_ns or not lowest_hz or not share_codes(clock.part, timeout.part):
             continue
-        if 2 * lowest_hz * longest_ns < _NS_PER_S:
+        # Half a period of the clock lasts _NS_PER_S / (2 * lowest_hz).
+        is_shorter_than_half_period = 2 * lowest_hz * longest_ns < _NS_PER_S
+        if is_shorter_than_half_period:
             message = (
                 f"{longest_ns} ns is shorter than half a period of the slowest clock, 'min_hz: {lowest_hz}', so it"
                 f" would end within a frame; {remedy}"
@@ -221,8 +234,10 @@ def _check_longest_timeout(biss: WrittenBiss, timeout: Located[Timeout], remedy:
 def check_timeout_mismatch(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the time-outs of BiSS that the manual calculates match its rule, and are at possible clocks."""
     biss = spec.interfaces.biss
-    for timeout in biss.timeout if biss is not None else ():
-        if biss is None or not timeout.is_given:
+    if biss is None:
+        return
+    for timeout in biss.timeout:
+        if not timeout.is_given:
             continue
         _check_timeout_rule(timeout, report)
         for clock in biss.clock:

@@ -39,7 +39,7 @@ def check_field_references(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
 
     A group may use data IDs, because its interface is not known.
     """
-    resolver = NameResolver(as_read, report)
+    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
     for field_list in field_lists(spec):
         names = list(field_names(field_list, resolver.groups))
         has_data_ids = field_list.kind is Has.GROUP or bool(_data_ids(as_read, field_list.interface))
@@ -93,7 +93,7 @@ def _check_field(field: WrittenField, names: Sequence[str], joins: Sequence[str]
 
 def check_register_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of registers: their interface, their opener, the field that their limits apply to."""
-    resolver = NameResolver(as_read, report)
+    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
     for register in spec.registers:
         resolver.refer_if_given(register.place_of("interface"), "interface", register.interface)
         if register.interface is None and Biss.name not in as_read.interfaces.data:
@@ -141,7 +141,7 @@ def check_device_references(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
 
     A measurement names a field or joined number that some frame has.
     """
-    resolver = NameResolver(as_read, report)
+    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
     for parameter in spec.parameters.values():
         if parameter.read_from:
             resolver.refer_to_bit(parameter.place_of("read_from"), parameter.read_from)
@@ -193,7 +193,7 @@ def _kind_of(field: WrittenField) -> str:
 
 def check_alarm_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of alarms: the flag in a field group or register, and the procedures that clear them."""
-    resolver = NameResolver(as_read, report)
+    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
     for located_alarm in spec.alarms:
         alarm = located_alarm.part
         path = located_alarm.path
@@ -216,7 +216,7 @@ def _check_flag(alarm: Alarm, path: Path, resolver: NameResolver) -> None:
 
 def check_by_hand_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that manual remedies name characteristics whose text has numbered steps."""
-    resolver = NameResolver(as_read, report)
+    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
     characteristics = by_part_name(as_read.characteristics).items()
     names_with_steps = [name for name, characteristic in characteristics if has_steps(characteristic.part.value)]
     for path, names in _remedies_by_hand(spec):
@@ -237,7 +237,7 @@ def _remedies_by_hand(spec: WrittenSpec) -> Iterator[tuple[Path, Sequence[str]]]
 
 def check_procedure_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of procedures: interface, registers of arguments and steps, their values, data IDs."""
-    resolver = NameResolver(as_read, report)
+    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
     for procedure in spec.procedures:
         resolver.refer_if_given(procedure.place_of("interface"), "interface", procedure.interface)
         for argument in procedure.arguments:
@@ -288,7 +288,7 @@ def _check_written_value(
 
 def check_example_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of examples: their subject, the arguments and fields with values, and errata."""
-    resolver = NameResolver(as_read, report)
+    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
     known_layouts = {frame.name: frame for frame in layouts(as_read) if frame.name}
     for example in spec.examples:
         resolver.refer_if_given(example.place_of("procedure"), "procedure", example.procedure)
@@ -326,7 +326,7 @@ def check_erratum_references(spec: WrittenSpec, as_read: WrittenSpec, report: Do
 
     A path such as ``interfaces.biss.word.crc`` is followed step by step. The first missing step is reported.
     """
-    resolver = NameResolver(as_read, report)
+    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
     # The possible next steps of each map or list by its id, because many errata affect the same places.
     next_nodes_by_id: dict[int, dict[str, object]] = {}
     for erratum in spec.errata:
@@ -379,7 +379,7 @@ def _named_items(items: list[object]) -> Iterator[tuple[str, object]]:
 
 def check_expressions(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that every expression is valid, and that every parameter in it exists."""
-    resolver = NameResolver(as_read, report)
+    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
     for path, text in parameters.expressions(spec):
         try:
             names = Expression.parse(text).parameters
@@ -395,18 +395,19 @@ def check_expressions(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 
 def check_printed_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers, fields and errata named in the manual's list of defaults exist."""
-    resolver = NameResolver(as_read, report)
+    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
     for printed in spec.printed_defaults:
         resolver.refer_if_given(printed.place_of("register"), "register", printed.register)
         if printed.register in resolver.registers:
             kind = f"field of {quoted(printed.register)} called"
-            resolver.refer_if_given(printed.place_of("field"), kind, printed.field, resolver.bits(printed.register))
+            known_fields = resolver.bits(printed.register)
+            resolver.refer_if_given(printed.place_of("field"), kind, printed.field, known_fields)
         resolver.refer_if_given(printed.place_of("erratum"), "erratum", printed.erratum)
 
 
 def check_connector_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the interfaces that a connector is wired for exist."""
-    resolver = NameResolver(as_read, report)
+    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
     for connector in spec.connectors:
         resolver.refer_to_each((*connector.path, "interfaces"), "interface", connector.part.interfaces)
 
@@ -432,7 +433,7 @@ def check_evidence_references(spec: WrittenSpec, as_read: WrittenSpec, report: D
 
     The manual is a document too, under ``manual`` and the language of each edition.
     """
-    resolver = NameResolver(as_read, report)
+    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
     evidence = spec.evidence
     documents = as_read.names_in("documents")
     languages = [edition.part.language for edition in as_read.manual.editions]

@@ -34,10 +34,11 @@ def check_description_file(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
     if biss is None or file_name is None or register is None or interface_of(register) != Biss.name:
         return
     id_texts = [field.equals for field in register.fields if isinstance(field.equals, str) and field.equals.isascii()]
-    manufacturer_id = "".join(id_texts).encode("ascii").hex()
-    if len(manufacturer_id) == 4 and manufacturer_id != file_name[1].casefold():
+    manufacturer_id = "".join(id_texts).encode("ascii").hex()  # 4c41 for LA.
+    id_of_file = file_name[1]
+    if len(manufacturer_id) == 4 and manufacturer_id != id_of_file.casefold():
         message = (
-            f"the file is for the manufacturer ID {file_name[1].upper()}h, but the register 'manufacturer_id' has"
+            f"the file is for the manufacturer ID {id_of_file.upper()}h, but the register 'manufacturer_id' has"
             f" {manufacturer_id.upper()}h; correct one of the two"
         )
         report.add("description-file", biss.place_of("description_file"), message)
@@ -49,8 +50,9 @@ def check_alignment(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
     texts = [section.title for section in spec.manual.contents.values()]
     for part in spec.order_code.parts:
         texts += [value.meaning for value in part.values.values()]
-    sides_by_text = [_ALIGNED.findall(title) for title in texts]
-    named_alignments = {_ALIGNMENTS[side.casefold()] for sides in sides_by_text for side in sides}
+    named_alignments: set[str] = set()
+    for text in texts:
+        named_alignments.update(_ALIGNMENTS[side.casefold()] for side in _ALIGNED.findall(text))
     if ssi is None or len(named_alignments) != 1 or has_erratum_at(report.document, "interfaces", "ssi", "alignment"):
         return
     named_alignment = named_alignments.pop()
@@ -69,13 +71,15 @@ def check_serial_port(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         return
     port = rs485.port.part
     parity_bits = 0 if port.parity == "none" else 1
+    # For each key, the pattern of words about it and the right one of them.
     words_by_key = {
         "stop_bits": (_STOP_BITS, str(port.stop_bits)),
         "parity": (_PARITY, port.parity.replace("none", "no")),
     }
     # Only if the note counts the start bit, its number of bits is that of the whole character.
     if "start bit" in rs485.note:
-        words_by_key["data_bits"] = (_CHARACTER, str(1 + port.data_bits + parity_bits + port.stop_bits))
+        bits_of_character = 1 + port.data_bits + parity_bits + port.stop_bits
+        words_by_key["data_bits"] = (_CHARACTER, str(bits_of_character))
     _compare_with_port(rs485.note, words_by_key, rs485, report)
 
 
@@ -91,7 +95,9 @@ def _compare_with_port(
     """
     for key, (pattern, expected) in numbers.items():
         for word in pattern.findall(port_text):
-            if str(_NUMBERS.get(word.casefold(), word.casefold())) != expected:
+            plain_word = word.casefold()
+            number_or_word = str(_NUMBERS.get(plain_word, plain_word))  # "2" for "Two", "even" for "even".
+            if number_or_word != expected:
                 line, _ = report.document.position((*rs485.port.path, key))
                 message = (
                     f"the text says {quoted(word)}, but {quoted(key)} of 'port' on line {line} requires {expected}"
@@ -141,8 +147,9 @@ def check_address_tables(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
             hex_digits = [match[1] for match in map(_HEX_CELL.fullmatch, cells) if match is not None]
             if len(hex_digits) != 2:
                 continue
-            first, last = hex_digits
-            is_range = len(first) == len(last) and int(first, 16) <= int(last, 16)
+            first_digits, last_digits = hex_digits
+            has_equal_length = len(first_digits) == len(last_digits)
+            is_range = has_equal_length and int(first_digits, 16) <= int(last_digits, 16)
             if not is_range:
                 path = (*table.path, "rows", row_index, address_columns[0])
                 message = f"{cells[0]} to {cells[1]} is not a range of addresses; correct one of the two"
@@ -159,7 +166,8 @@ def check_swapped_letters(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 
     The start is the text before the first part. Short starts are not compared.
     """
-    start = spec.order_code.pattern.partition("{")[0].strip("-/ ")
+    text_before_parts, _, _ = spec.order_code.pattern.partition("{")
+    start = text_before_parts.strip("-/ ")
     if len(start) < _SHORTEST_START:
         return
     for path, text in leaves_of(spec.data, report):

@@ -40,7 +40,7 @@ def check_exchanges(
     """Check that the frames of exchanges exist, and that no two have the same request.
 
     A request for the position needs a measurement, because without one no output has a position. Problems are reported
-    under ``rule``.
+    under ``rule``. ``raw_interface`` and ``as_read`` also have the parts that were removed as invalid.
     """
     _check_layouts(interface.exchanges, by_name(raw_interface.layouts), report)
     has_measurement = as_read.has("measurement") or raw_interface.has("measurement")
@@ -73,8 +73,9 @@ def _check_layouts(exchanges: Exchanges, layouts: Layouts, report: DocumentRepor
 
 def report_unused(layout: WrittenLayout, exchanges: Exchanges, rule: str, report: DocumentReport) -> None:
     """Report a frame that no exchange contains: one of the master as request, one of the encoder as reply."""
-    key = KEYS.get(layout.from_, "")
-    if key and layout.name not in [_frame_name(exchange, key) for exchange in exchanges]:
+    key = KEYS.get(layout.from_, "")  # 'request' or 'reply'
+    names_in_exchanges = [_frame_name(exchange, key) for exchange in exchanges] if key else []
+    if key and layout.name not in names_in_exchanges:
         message = f"no exchange has {quoted(layout.name)} as its {key}; add one under 'exchanges'"
         report.add(rule, layout.path, message)
 
@@ -160,9 +161,9 @@ def _check_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
             if field.equals is not None:
                 message = "an encoder cannot be identified by its registers over SPI; use 'constant' or 'meaning'"
                 report.add("spi-exchange", field.place_of("equals"), message, at_key=True)
-    registers = by_name(as_read.registers)
+    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
     for name, parameter in spec.parameters.items():
-        register_name = parameter.read_from.partition(".")[0]
+        register_name, _, _ = parameter.read_from.partition(".")  # ``register`` or ``register.field``
         if interface_of(registers.get(register_name)) == Spi.name:
             message = (
                 f"a parameter cannot be read from a register over SPI; leave 'read_from' out of {quoted(name)}"
@@ -215,7 +216,9 @@ def _check_frames(interface: WrittenSpi, report: DocumentReport) -> None:
 
 def _free_fields(layout: WrittenLayout | None) -> Iterator[str]:
     """Yield the names of fields of a request whose values a user chooses. None without a request."""
-    for field in layout.fields if layout is not None else ():
+    if layout is None:
+        return
+    for field in layout.fields:
         if field.name and not field.has(*_DECIDED):
             yield field.name
 
@@ -227,12 +230,11 @@ def _check_accesses(
 
     Only one exchange may read registers.
     """
-    groups = by_name(as_read.field_groups)
+    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
     layouts = by_name(raw_interface.layouts)
     spi_registers = [register for register in as_read.registers if interface_of(register) == Spi.name]
-    for purpose, needed in _NEEDED.items():
+    for purpose, (needed_in_request, needed_in_reply) in _NEEDED.items():
         accesses = [exchange for exchange in interface.exchanges if exchange.purpose == purpose]
-        needed_in_request, needed_in_reply = needed
         _check_fields(accesses, "request", needed_in_request, layouts, groups, report)
         _check_fields(accesses, "reply", needed_in_reply, layouts, groups, report)
         if purpose == "read" and len(accesses) > 1:
@@ -267,7 +269,8 @@ def _check_fields(
     field_names_of_frames: set[str] = set()
     for exchange in accesses:
         layout = layouts.get(_frame_name(exchange, frame_key))
-        field_names_of_frames |= field_names(_as_fields(layout), groups).keys() if layout is not None else set()
+        if layout is not None:
+            field_names_of_frames |= field_names(_as_fields(layout), groups).keys()
     missing_names = [field_name for field_name in needed if field_name not in field_names_of_frames]
     if missing_names:
         frame_name = _frame_name(accesses[0], frame_key)
@@ -299,13 +302,16 @@ def check_requests_that_write(spec: WrittenSpec, as_read: WrittenSpec, report: D
     # A second reading repeats printed facts, without the notes that may explain them.
     if interface is None or is_second(report.document.file):
         return
-    groups = by_name(as_read.field_groups)
+    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
     layouts = by_name(interface.layouts)
     bits_by_layout = {name: _constant_bits(layout, groups) for name, layout in layouts.items()}
     write_requests = [exchange.request for exchange in interface.exchanges if exchange.purpose == "write"]
     distinguishable_writes = []
     for name in write_requests:
-        if name in layouts and "address" in _free_names(layouts[name], groups) and _has_constant(bits_by_layout[name]):
+        if name not in layouts:
+            continue
+        has_free_address = "address" in _free_names(layouts[name], groups)
+        if has_free_address and _has_constant(bits_by_layout[name]):
             distinguishable_writes.append(name)
     for exchange in interface.exchanges:
         name = exchange.request
@@ -344,7 +350,8 @@ def _constant_bits(layout: WrittenLayout, groups: Groups) -> str:
         if width is None or width > _WIDEST_WORD:
             return ""
         constant = _fixed_value(field)
-        word += "?" * width if constant is None else f"{constant:0{width}b}"
+        bits_of_field = "?" * width if constant is None else f"{constant:0{width}b}"
+        word += bits_of_field
     return word
 
 

@@ -213,7 +213,7 @@ def _check_width(field: WrittenField, report: DocumentReport) -> None:
 
 
 def _is_nothing(bits: int | str) -> bool:
-    """Return True if a width is a number, without parameters, and not positive."""
+    """Return True if a width is a number, without parameters, and not positive: ``0`` or ``4 - 4``."""
     try:
         width = Expression.parse(bits)
     except ExpressionError:  # Reported by the rule on expressions.
@@ -228,6 +228,7 @@ def _check_placing(fields: FieldList, report: DocumentReport) -> None:
     if not placed_fields or not unplaced_fields or fields.kind is Has.CONTROL:
         return
     field = unplaced_fields[0]
+    # A field that includes a group has no name of its own.
     message = (
         f"{quoted(field.name or field.use)} has no position, but {quoted(placed_fields[0].name)} has one; "
         "give a position ('at', 'top_bit' or 'low_bit') to all fields of a layout or to none"
@@ -281,7 +282,8 @@ def _is_one_byte(layout: WrittenLayout, as_read: WrittenSpec) -> bool:
 
     The single field may be a group, a CRC, a padded field or one with a constant width.
     """
-    if all(field.at is not None or field.top_bit is not None for field in layout.fields):
+    all_have_places = all(field.at is not None or field.top_bit is not None for field in layout.fields)
+    if all_have_places:
         return max(map(_top_bit, layout.fields), default=0) == 7  # The bits are 7 to 0.
     if len(layout.fields) > 1:
         return False
@@ -352,7 +354,7 @@ def _check_frame(example: WrittenExample, report: DocumentReport) -> None:
 
 def check_example_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an example of a procedure has a value for each argument of the procedure."""
-    procedures = by_name(as_read.procedures)
+    procedures = by_name(as_read.procedures)  # Also invalid ones, which ``spec`` lacks.
     for example in spec.examples:
         procedure = procedures.get(example.procedure)
         if example.kind != "procedure" or procedure is None:

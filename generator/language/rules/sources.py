@@ -52,7 +52,7 @@ def check_cited_place(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
     first_page_count = 0
     later_pages: list[_LaterPage] = []
     for path, source in sources(leaves_of(spec.data, report)):
-        own_names, enclosing_names = _printed_names(spec.data, path)
+        own_names, enclosing_names = _printed_names(spec.data, path)  # of the item with this source
         citations = _find_citations(source)
         for citation in citations:
             section = citation["section"]
@@ -68,7 +68,9 @@ def check_cited_place(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
                 later_pages.append(
                     _LaterPage(path=path, section=section, page=page, first_page=max(earlier_pages, default=page))
                 )
-    first_pages_needed = max(_ENOUGH, _SHARE * (first_page_count + len(later_pages)))
+    # Otherwise this spec does not follow the custom of citing first pages, so later pages are correct in it.
+    compared_count = first_page_count + len(later_pages)
+    first_pages_needed = max(_ENOUGH, _SHARE * compared_count)
     if first_page_count >= first_pages_needed:
         _report_later_pages(later_pages, report)
 
@@ -116,17 +118,18 @@ def _find_spans(contents: Mapping[str, WrittenSection]) -> dict[str, dict[str, t
     sections = list(contents.items())
     page_spans: dict[str, dict[str, tuple[int, int]]] = {}
     for index, (name, section) in enumerate(sections):
-        after = sections[index + 1 :]
-        subsections = [inner for inner_name, inner in after if inner_name.startswith(f"{name}.")]
-        later_sections = [later for later_name, later in after if not later_name.startswith(f"{name}.")]
+        sections_after = sections[index + 1 :]
+        prefix = f"{name}."  # The subsections of 4 are 4.1, 4.2 and so on.
+        subsections = [inner for inner_name, inner in sections_after if inner_name.startswith(prefix)]
+        later_sections = [later for later_name, later in sections_after if not later_name.startswith(prefix)]
         last_page = _page_of_section(later_sections[0], _END) if later_sections else _END
         page_spans[name] = {_WHOLE_SECTION: (_page_of_section(section, _FIRST), last_page)}
         # The entries of a section come before its subsections.
         end_of_entries = _page_of_section(subsections[0], last_page) if subsections else last_page
         entries = list(section.entries.items())
         starts_after = [*(page for _, page in entries[1:]), end_of_entries]
-        for (title, page), next_page in zip(entries, starts_after, strict=False):
-            page_spans[name][title.casefold()] = (page, max(page, next_page))
+        for (title, first_page), next_start in zip(entries, starts_after, strict=False):
+            page_spans[name][title.casefold()] = (first_page, max(first_page, next_start))
     return page_spans
 
 
@@ -145,6 +148,7 @@ def _printed_names(root: object, path: Path) -> tuple[list[str], list[str]]:
     for end in range(1, len(path)):
         node = value_at(root, path[:end])
         if isinstance(node, dict):
+            # The name in the language of the manual, and those in others.
             printed_names = (node.get("printed_name"), *mapping(node, "names").values())
             own_names = [name.casefold() for name in printed_names if isinstance(name, str)]
             enclosing_names = own_names + enclosing_names
@@ -166,11 +170,12 @@ def _is_in_section(
         return False
     if page is None:
         return False
-    entries = [name for name in names if name in spans[section]]
-    first_page, last_page = spans[section][entries[0] if entries else _WHOLE_SECTION]
+    entries = [name for name in names if name in spans[section]]  # The innermost one is the first.
+    entry = entries[0] if entries else _WHOLE_SECTION
+    first_page, last_page = spans[section][entry]
     if first_page <= int(page) <= last_page:
         return True
-    cited_part = f"the entry {quoted(entries[0])} of section {section}" if entries else f"section {section}"
+    cited_part = f"the entry {quoted(entry)} of section {section}" if entries else f"section {section}"
     pages = _pages_text(first_page, last_page)
     report.add("cited-place", path, f"{cited_part} is {pages} according to the table of contents, not on page {page}")
     return False
@@ -247,7 +252,8 @@ def _yield_missing_support(stated: Evidence) -> Iterator[str]:
         yield "needs two sources that share no code: list them under 'implementations'"
     if grade in _WITH_FRAME and not stated.vectors:
         yield f"needs an example from real hardware: list it under 'vectors', {_OR}"
-    if grade == _CORROBORATED[1] and stated.vectors:
+    _, grade_without_frame = _CORROBORATED
+    if grade == grade_without_frame and stated.vectors:
         yield "has no vectors: remove them, or write 'corroborated'"
 
 
@@ -269,6 +275,7 @@ def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
     for path, source in sources(leaves({**spec.data, "errata": [], "examples": []})):
         if is_corroborated and "clock" in path:
             continue  # One program is enough for its own clock. Limits have a rule of their own.
+        # ``errata: 2`` has the key errata and the place 2, and ``6.4`` no key and the place 6.4.
         matches = [_SOURCE.fullmatch(piece) for piece in source.split(";")]
         keys_and_places = [(match[1], match[2]) for match in matches if match is not None]
         cited_keys = {key or "manual" for key, _ in keys_and_places}
@@ -348,7 +355,7 @@ def check_limit_sources(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
         for piece in limited.source.split(";"):
             document = _DOCUMENT.match(piece)
             if document is not None:
-                cited_keys.add(document[1] or "manual")
+                cited_keys.add(document[1] or "manual")  # A place without a key is in the manual.
         given_limits = [key for key in limited.kind.keys if key in limited.part.data]
         if given_limits and cited_keys.isdisjoint(documents_read):
             problem = f"{quoted(given_limits[0])} needs {needed_source}, because it is a limit"
@@ -402,6 +409,7 @@ def check_revision_in_history(spec: WrittenSpec, as_read: WrittenSpec, report: D
 def check_open_quotation(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that double quotation marks in the printed text of an erratum come in pairs."""
     for erratum in spec.errata:
-        if erratum.printed.count('"') % 2:
+        has_open_quotation = erratum.printed.count('"') % 2 == 1
+        if has_open_quotation:
             message = "a quotation mark has no partner; text between two of them is quoted to the letter"
             report.add("open-quotation", erratum.place_of("printed"), message)

@@ -62,9 +62,10 @@ def check_erratum_quantities(spec: WrittenSpec, as_read: WrittenSpec, report: Do
         stated_by_kind: dict[str, dict[Decimal, str]] = {}
         for kind, number, stated_text in _stated_quantities(facts):
             stated_by_kind.setdefault(kind, {})[number] = stated_text
-        messages = [message for match in matches if (message := _contradiction_of(match, stated_by_kind))]
-        if messages:
-            report.add("left-behind", erratum.place_of(key), messages[0])
+        messages = [_contradiction_of(match, stated_by_kind) for match in matches]
+        first_message = next(filter(None, messages), "")
+        if first_message:
+            report.add("left-behind", erratum.place_of(key), first_message)
 
 
 def _contradiction_of(quantity: re.Match[str], stated_by_kind: Mapping[str, Mapping[Decimal, str]]) -> str:
@@ -88,10 +89,12 @@ def _stated_quantities(facts: Iterable[object]) -> Iterator[tuple[str, Decimal, 
     """
     for fact in facts:
         for path, value in leaves(fact):
-            unit = str(path[-1]).rpartition("_")[2] if path else ""
+            unit = str(path[-1]).rpartition("_")[2] if path else ""  # ``mv`` of ``min_mv``.
             if unit in _KIND_OF_UNIT and isinstance(value, int):
                 yield _KIND_OF_UNIT[unit], Decimal(value), f"'{path[-1]}: {value}'"
-        for characteristic_value in located(Characteristic, fact, ()).part.values if isinstance(fact, dict) else ():
+        if not isinstance(fact, dict):
+            continue
+        for characteristic_value in located(Characteristic, fact, ()).part.values:
             unit = characteristic_value.unit
             for number in (characteristic_value.min, characteristic_value.typical, characteristic_value.max):
                 if unit in _KIND_OF_UNIT and number is not None:
@@ -104,7 +107,7 @@ def _in_smallest_unit(number_text: str, unit: str) -> Decimal:
 
 def check_repeated_waits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a timing about writes to a register, by its printed name, has the wait of this register."""
-    waiting_registers: dict[str, WrittenRegister] = {}
+    waiting_registers: dict[str, WrittenRegister] = {}  # By their names in the manual.
     for register in by_name(spec.registers).values():
         if register.printed_name and register.wait_at_least_ms is not None:
             waiting_registers[register.printed_name] = register
@@ -119,7 +122,9 @@ def _check_wait(timing: Located[Timing], registers: Mapping[str, WrittenRegister
     The meaning of such a timing says ``write to the … register``.
     """
     match = re.search(r"\bwrite to the (.+?) register\b", timing.part.meaning)
-    register = registers.get(match[1].strip('"')) if match is not None else None
+    if match is None:
+        return
+    register = registers.get(match[1].strip('"'))
     wait_us = timing.part.at_least_us
     if register is None or register.wait_at_least_ms is None or wait_us is None:
         return
@@ -154,11 +159,12 @@ def check_quoted_names(spec: WrittenSpec, as_read: WrittenSpec, report: Document
 
 def _printed_names(spec: WrittenSpec, report: DocumentReport) -> list[str]:
     """Return the names of all parts of a spec, as printed, in specs and in other languages, each once."""
-    names: dict[str, None] = {}
+    names: dict[str, None] = {}  # In the order of the spec, each once.
     for path, text in leaves_of(spec.data, report):
         if path[0] in _ELSEWHERE or path[0] == "errata" or not isinstance(text, str):
             continue
-        if path[-1] in _NAMES or path[-2:-1] == ("names",):
+        is_in_other_language = path[-2:-1] == ("names",)
+        if path[-1] in _NAMES or is_in_other_language:
             names[text] = None
     return list(names)
 
@@ -180,7 +186,8 @@ def check_labels_in_errata(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
         return
     known_labels = _known_labels(spec)
     for erratum in spec.errata:
-        if not any(affected.split(".")[0] == "order_code" for affected in erratum.affects):
+        is_about_order_codes = any(affected.split(".")[0] == "order_code" for affected in erratum.affects)
+        if not is_about_order_codes:
             continue
         words_in_capitals = _LABEL.findall(erratum.used)
         shapes_of_labels = {_shape_of_label(word) for word in words_in_capitals if word in known_labels}
@@ -232,7 +239,8 @@ def check_alarm_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         if not isinstance(text, str) or path[0] in _ELSEWHERE or path[-1] not in checked_keys:
             continue
         for match in _NAMED_ERROR.finditer(text):
-            if match[1] not in known_words:
+            word_in_capitals = match[1]
+            if word_in_capitals not in known_words:
                 message = (
                     f"no alarm here is called {quoted(match[0])}{suggestion(match[0], sorted(names))}; correct the text"
                 )
@@ -251,8 +259,10 @@ def check_led_states(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
 
     A spec without LEDs is not checked.
     """
-    states = [str(state.get("state", "")).casefold() for led in spec.data.get("leds", ()) for state in led["states"]]
-    words_of_states = {word for state in states for word in re.findall(r"\w+", state)}
+    states: list[str] = []
+    for led in spec.data.get("leds", ()):
+        states += [str(state.get("state", "")).casefold() for state in led["states"]]
+    words_of_states = set(re.findall(r"\w+", " ".join(states)))
     if not states or report.document.family or report.document.other_files:
         return
     for path, text in leaves_of(spec.data, report):

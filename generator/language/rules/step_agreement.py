@@ -38,7 +38,7 @@ def check_interface_of_steps(spec: WrittenSpec, as_read: WrittenSpec, report: Do
 
 def check_register_of_argument(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the register whose limits apply to an argument is one of those to which steps write the argument."""
-    registers = by_name(as_read.registers)
+    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
     for procedure in spec.procedures:
         for argument in procedure.arguments:
             writes = [step for step in procedure.steps if step.do == "write" and step.value == argument.name]
@@ -54,14 +54,14 @@ def check_register_of_argument(spec: WrittenSpec, as_read: WrittenSpec, report: 
 def check_polled_values(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a poll waits for a value that its field can have."""
     registers = by_name(spec.registers)
-    groups = by_name(as_read.field_groups)
+    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
     for procedure in spec.procedures:
         for step in procedure.steps:
             register = registers.get(step.register)
             if step.do != "poll" or register is None or step.until is None:
                 continue
             width = _width_of(register, step.field, groups)
-            if width is not None and step.until >> width:
+            if width is not None and step.until >> width:  # Bits above the width of the field.
                 bits_text = "1 bit" if width == 1 else f"{width} bits"
                 message = f"{quoted(step.field)} has {bits_text}, so it is never {step.until}"
                 report.add("value-too-wide", step.place_of("until"), message)
@@ -108,7 +108,8 @@ def _printed_milliseconds(procedure: WrittenProcedure) -> Iterator[int]:
 def _waits_after_writes(procedure: WrittenProcedure) -> Iterator[tuple[WrittenStep, Sequence[WrittenStep]]]:
     """Yield each write with the waits directly after it, if there are any."""
     for index, step in enumerate(procedure.steps):
-        waits = list(takewhile(lambda later_step: later_step.do == "wait", procedure.steps[index + 1 :]))
+        later_steps = procedure.steps[index + 1 :]
+        waits = list(takewhile(lambda later_step: later_step.do == "wait", later_steps))
         if step.do == "write" and waits:
             yield step, waits
 
@@ -164,22 +165,24 @@ def check_counted_requests(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
         repeated_steps = [step for step in procedure.steps if step.times is not None]
         if len(repeated_steps) != 1 or len(procedure.steps) == 1:  # Another rule checks a procedure of one step.
             continue
+        (repeated_step,) = repeated_steps
         for path, number in _counts_in_texts(procedure.data):
-            if number != repeated_steps[0].times:
-                message = (
-                    f"the text says {number} requests, but 'times' is {repeated_steps[0].times}; one of the two is"
-                    " wrong"
-                )
+            if number != repeated_step.times:
+                message = f"the text says {number} requests, but 'times' is {repeated_step.times}"
+                message += "; one of the two is wrong"
                 report.add("quantity-repeated", (*procedure.path, *path), message)
 
 
 def _counts_in_texts(part_data: Mapping[str, object]) -> Iterator[tuple[Path, int]]:
     """Yield the numbers of requests in the texts of a procedure, with the paths of the texts below it."""
     for path, text in leaves(part_data):
-        for number_text in _REPETITIONS.findall(text) if isinstance(text, str) else ():
-            is_digits = number_text.isdigit()
-            # The words begin with two.
-            yield path, int(number_text) if is_digits else _NUMBERS.index(number_text.casefold()) + 2
+        if not isinstance(text, str):
+            continue
+        for number_text in _REPETITIONS.findall(text):
+            if number_text.isdigit():
+                yield path, int(number_text)
+            else:
+                yield path, _NUMBERS.index(number_text.casefold()) + 2  # The words begin with two.
 
 
 def check_polled_levels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -193,8 +196,8 @@ def check_polled_levels(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
             stated_level = _LEVEL_OF_STEP.match(step.meaning)
             if step.do != "poll" or stated_level is None or step.until not in (0, 1):
                 continue
-            level = int(stated_level[1])
-            expected_level = level if stated_level[2] == "when" else 1 - level
+            level, conjunction = int(stated_level[1]), stated_level[2]
+            expected_level = level if conjunction == "when" else 1 - level
             if step.until != expected_level:
                 message = (
                     f"the meaning says {quoted(stated_level[0])}, but 'until' is {step.until}; one of the two is wrong"

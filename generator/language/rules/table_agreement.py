@@ -34,7 +34,8 @@ def check_edges_and_periods(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
             period_frequency, edge_frequency = _number_in_cell(row, periods), _number_in_cell(row, edges)
             if period_frequency is None or edge_frequency is None or edge_frequency == _EDGES * period_frequency:
                 continue
-            if not {row[periods], row[edges]} <= numbers_of_errata:
+            is_explained = {row[periods], row[edges]} <= numbers_of_errata
+            if not is_explained:
                 message = f"{row[edges]} edges are not {_EDGES} times {row[periods]} periods"
                 path = (*table.path, "rows", index, edges)
                 report.add("table-arithmetic", path, f"{message}; correct one of the two")
@@ -53,7 +54,8 @@ def _frequency_column(table: Table, word: str) -> int | None:
         if unit in _FREQUENCIES and re.search(rf"\b{word}\b", heading, re.IGNORECASE):
             columns.append(index)
     frequency_units = {unit for unit in table.units if unit in _FREQUENCIES}
-    return columns[0] if len(columns) == 1 and len(frequency_units) == 1 else None
+    is_unambiguous = len(columns) == 1 and len(frequency_units) == 1
+    return columns[0] if is_unambiguous else None
 
 
 def _number_in_cell(row: tuple[str, ...], column: int) -> Decimal | None:
@@ -75,8 +77,12 @@ def check_order_codes_in_rows(spec: WrittenSpec, as_read: WrittenSpec, report: D
             for index, heading in enumerate(table.part.columns):
                 if part.meaning and heading.casefold().startswith(part.meaning.casefold()):
                     columns.append(index)
-            if len(columns) == 1 and columns[0] < len(table.part.units):
-                _compare_rows(table, columns[0], meanings, report)
+            if len(columns) != 1:
+                continue
+            (column,) = columns
+            has_unit = column < len(table.part.units)
+            if has_unit:
+                _compare_rows(table, column, meanings, report)
 
 
 def _compare_rows(table: Located[Table], column: int, meanings: dict[str, str], report: DocumentReport) -> None:
@@ -102,7 +108,7 @@ def check_order_codes_in_tables(spec: WrittenSpec, as_read: WrittenSpec, report:
 
     A number between two hyphens is a label of a part of the order code, or one that an open part accepts.
     """
-    start = spec.order_code.pattern.partition("{")[0]
+    start, _, _ = spec.order_code.pattern.partition("{")  # The text before the first part.
     if not start.strip("-/ "):
         return
     for table in spec.tables:
@@ -112,11 +118,12 @@ def check_order_codes_in_tables(spec: WrittenSpec, as_read: WrittenSpec, report:
         column = headings.index("order code")
         for index, row in enumerate(table.part.rows):
             codes = re.findall(r"\S+-\.\.\.", row[column]) if column < len(row) else []
-            problems = [problem for code in codes if (problem := _wrong_code(code, start, spec))]
+            problems = [_wrong_code(code, start, spec) for code in codes]
+            first_problem = next(filter(None, problems), "")
             path = (*table.path, "rows", index, column)
             is_reported = path in report.faults()  # As an order code in a text.
-            if problems and not is_reported:
-                report.add("table-arithmetic", path, f"{problems[0]}; correct it")
+            if first_problem and not is_reported:
+                report.add("table-arithmetic", path, f"{first_problem}; correct it")
 
 
 def _wrong_code(code: str, start: str, spec: WrittenSpec) -> str:
@@ -124,6 +131,7 @@ def _wrong_code(code: str, start: str, spec: WrittenSpec) -> str:
     if not code.startswith(start):
         return f"{quoted(code)} does not begin with {quoted(start)}, as order codes do"
     for word in code.removeprefix(start).split("-"):
+        # An open part also accepts labels that match its expression.
         is_label = any(
             word in part.values or (part.open and re.fullmatch(part.open, word)) for part in spec.order_code.parts
         )
@@ -136,7 +144,9 @@ def check_reserved_addresses(spec: WrittenSpec, as_read: WrittenSpec, report: Do
     """Check that no register is in a range of addresses that a table calls reserved."""
     for table in spec.tables:
         headings = [heading.casefold() for heading in table.part.columns]
-        if "reserved" not in table.part.title.casefold() or not {"first address", "last address"} <= {*headings}:
+        is_about_reserved = "reserved" in table.part.title.casefold()
+        has_ranges = "first address" in headings and "last address" in headings
+        if not is_about_reserved or not has_ranges:
             continue
         for index, row in enumerate(table.part.rows):
             if len(row) < len(headings):
@@ -160,7 +170,9 @@ def check_lengths_of_errata(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
         for affected in erratum.affects:
             if affected in tables:
                 lengths.update(_yield_lengths(tables[affected]))
-        for number, unit in re.findall(r"(\d[\d,]*(?:\.\d+)?) (nm|µm|mm)\b", erratum.used) if lengths else ():
+        if not lengths:
+            continue
+        for number, unit in re.findall(r"(\d[\d,]*(?:\.\d+)?) (nm|µm|mm)\b", erratum.used):
             if Decimal(number.replace(",", "")) * _NANOMETRES[unit] not in lengths:
                 message = f"no table that it affects has {number} {unit}; correct one of the two"
                 report.add("left-behind", erratum.place_of("used"), message)

@@ -227,7 +227,7 @@ def _check_that_dates_exist(manual: WrittenManual, report: DocumentReport) -> No
     dated_parts += [(edition.path, edition.part.date) for edition in manual.editions]
     dated_parts += [(revision.path, revision.part.date) for revision in manual.history]
     for path, date in dated_parts:
-        is_only_a_year = len(date) <= len("2024")
+        is_only_a_year = len(date) <= len("2024")  # or empty
         if not is_only_a_year and _parse_date(date) is None:
             report.add("date", (*path, "date"), f"{quoted(date)} is not a valid date")
 
@@ -246,6 +246,7 @@ def _check_date_of_transcribed(
 ) -> None:
     """Check that the history gives the revision of the manual the date of the manual, if it has both."""
     date_by_revision = {release.part.revision: release.part.date for release in dated_history}
+    # A revision without a date in the history contradicts nothing.
     date_in_history = date_by_revision.get(manual.revision, manual.date)
     if _parse_date(manual.date) and date_in_history != manual.date:
         problem = f"revision {manual.revision} is dated {manual.date}, but {date_in_history} in 'history'"
@@ -302,6 +303,7 @@ def _check_piece(
     piece: str, path: Path, editions: list[str], documents: list[str], own_language: str, report: DocumentReport
 ) -> None:
     """Check one place that a source cites: its edition or document, and within the manual also its form."""
+    # TODO marks a place that is still to be checked.
     match = _PIECE.fullmatch(piece.replace("\n", " ").removeprefix("TODO "))
     key, place = (match["key"], match["place"].strip()) if match is not None else (None, piece)
     if key is not None and key == own_language:
@@ -408,9 +410,12 @@ def check_number_base(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 def check_typographic_quotes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no text begins and ends with typographic quotes, which YAML treats as part of the text."""
     for path, value in leaves_of(spec.data, report):
-        if isinstance(value, str) and len(value) > 1 and (value[0], value[-1]) in _TYPOGRAPHIC:
+        if not isinstance(value, str) or len(value) < 2:
+            continue
+        first_character, last_character = value[0], value[-1]
+        if (first_character, last_character) in _TYPOGRAPHIC:
             message = (
-                f"the quotes {value[0]} and {value[-1]} are part of this text; "
+                f"the quotes {first_character} and {last_character} are part of this text; "
                 f'write "{value[1:-1]}" with straight quotes'
             )
             report.add("typographic-quotes", path, message)

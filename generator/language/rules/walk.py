@@ -25,7 +25,8 @@ def items(root: object, *keys: str) -> Iterator[tuple[Path, Data]]:
 
     For ``("manual", "editions")`` these have paths such as ``("manual", "editions", 0)``.
     """
-    list_value = mapping(root, *keys[:-1]).get(keys[-1])
+    *outer_keys, key_of_list = keys
+    list_value = mapping(root, *outer_keys).get(key_of_list)
     for index, list_item in enumerate(list_value if isinstance(list_value, list) else ()):
         if isinstance(list_item, dict):
             yield (*keys, index), list_item
@@ -36,9 +37,11 @@ def leaves_of(spec: Data, report: DocumentReport) -> Sequence[tuple[Path, object
 
     The report keeps those of the last spec, because one rule after another needs them.
     """
-    if report.leaves[0] is not spec:
+    spec_of_leaves, _ = report.leaves
+    if spec_of_leaves is not spec:
         report.leaves = (spec, leaves(spec))
-    return report.leaves[1]
+    _, located_values = report.leaves
+    return located_values
 
 
 def leaves(root: object) -> list[tuple[Path, object]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterator, Sequence
 
@@ -45,8 +46,10 @@ def check_threshold_words(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
     """Check that the texts of an alarm below a voltage do not say that it is raised above the same voltage."""
     for alarm in spec.alarms:
         limit = alarm.part.below_mv
-        for path, text in _texts_of(alarm, _TEXTS) if limit is not None else ():
-            for word, number, milli in _VOLTAGE.findall(text):
+        if limit is None:
+            continue
+        for path, text in _texts_of(alarm, _TEXTS):
+            for word, number, milli in _VOLTAGE.findall(text):  # ("above", "3.6", ""), or ("below", "100", "m").
                 millivolts = float(number) * (1 if milli else 1000)
                 if word in _ABOVE and millivolts == limit:
                     message = (
@@ -74,8 +77,10 @@ def check_level_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
     levels = {"low": "0", "high": "1"}
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            active_level = levels.get(field.active)
-            for path, text in _texts_of(field, _TEXTS) if active_level is not None else ():
+            active_level = levels.get(field.active)  # None for a field that is not a flag.
+            if active_level is None:
+                continue
+            for path, text in _texts_of(field, _TEXTS):
                 wrong_levels = [stated for stated in _LEVEL.findall(text) if stated != active_level]
                 if wrong_levels:
                     message = (
@@ -112,19 +117,20 @@ def check_named_wires(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
     Wires that no cable has are not checked. A colour may have several signals, in different cables.
     """
     signals_by_colour = _signals_by_wire(spec)
-    for path, text in _all_texts(spec) if signals_by_colour else ():
+    if not signals_by_colour:
+        return
+    for path, text in _all_texts(spec):
         for first_wire, second_wire in _WIRES.findall(text):
-            if first_wire.casefold() not in signals_by_colour or second_wire.casefold() not in signals_by_colour:
+            first_signals = signals_by_colour.get(first_wire.casefold())
+            second_signals = signals_by_colour.get(second_wire.casefold())
+            if first_signals is None or second_signals is None:
                 continue
-            first_signals, second_signals = (
-                signals_by_colour[first_wire.casefold()],
-                signals_by_colour[second_wire.casefold()],
-            )
-            if not any(_belong_together(first, second) for first in first_signals for second in second_signals):
-                first, second = min(first_signals), min(second_signals)
+            signal_pairs = itertools.product(first_signals, second_signals)
+            if not any(_belong_together(first, second) for first, second in signal_pairs):
+                first_signal, second_signal = min(first_signals), min(second_signals)
                 message = (
                     f"the text names the {first_wire} and {second_wire} wires together, but they carry"
-                    f" {quoted(first)} and {quoted(second)}; correct one of the two"
+                    f" {quoted(first_signal)} and {quoted(second_signal)}; correct one of the two"
                 )
                 report.add("words-contradict", path, message)
 
@@ -132,8 +138,10 @@ def check_named_wires(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 def _signals_by_wire(spec: WrittenSpec) -> dict[str, set[str]]:
     """Return the signals of each wire colour, in lower case, in all cables: ``{"white": {"MA+"}}``."""
     signals_by_colour: dict[str, set[str]] = {}
-    for cable in spec.connectors:
-        for contact in cable.part.contacts if cable.part.kind == "cable" else ():
+    for connector in spec.connectors:
+        if connector.part.kind != "cable":
+            continue
+        for contact in connector.part.contacts:
             signals_by_colour.setdefault(contact.contact.casefold(), set()).add(contact.signal)
     return signals_by_colour
 
@@ -145,8 +153,8 @@ def _belong_together(first: str, second: str) -> bool:
     """
     if _VOLTAGES.search(first) and _VOLTAGES.search(second):
         return True
-    plain_first, plain_second = (re.sub(r"[^a-z0-9]", "", signal.casefold()) for signal in (first, second))
-    return plain_first == plain_second
+    letters_and_digits = re.sub(r"[^a-z0-9]", "", first.casefold())
+    return letters_and_digits == re.sub(r"[^a-z0-9]", "", second.casefold())
 
 
 def _all_texts(spec: WrittenSpec) -> Iterator[tuple[Path, str]]:

@@ -69,13 +69,14 @@ class Member:
             return self.form
         if self.shape.startswith("hex"):
             return "hex"
-        unit = self.attribute.rpartition("_")[2]
+        _, _, unit = self.attribute.rpartition("_")
         return unit if unit in _UNITS else ""
 
     def is_stated(self, value: object) -> bool:
         """Return True if the manual gives a value, which is not just the default."""
-        default = self.shape.partition("=")[2]
-        return value not in (None, "", ()) and not (default and str(value).lower() == default)
+        _, _, default = self.shape.partition("=")  # ``false`` of ``boolean=false``.
+        is_default = bool(default) and str(value).lower() == default
+        return value not in (None, "", ()) and not is_default
 
     @property
     def is_limit(self) -> bool:
@@ -109,9 +110,10 @@ class Part:
         self.about = about
         self.members = members
         self.is_sourced = is_sourced
-        camel = "".join(word.capitalize() for word in name.split("_"))
-        self.classes = tuple((camel if of is None else of).split())
-        #: The members by their names in the model.
+        name_in_camel_case = "".join(word.capitalize() for word in name.split("_"))
+        class_names = name_in_camel_case if of is None else of  # Separated by blanks.
+        self.classes = tuple(class_names.split())
+        #: The members by their names in the model. Of several with one name, the first counts.
         self.by_attribute = {member.attribute: member for member in reversed(members)}
 
 
