@@ -204,7 +204,7 @@ class Coder:
         return self._field_attribute(field, "int", coded(default) if default is not None else "")
 
     def _field_attribute(self, field: Field, type_: str, default: str = "") -> Attribute:
-        """Return the attribute of a field, whose description says if some order codes lack it."""
+        """Return the attribute of a field, whose description says if some order codes lack it: their width is 0."""
         variants = () if field.width.is_constant else self.context.device.variants
         may_be_absent = any(field.width.value(variant.parameters) == 0 for variant in variants)
         return Attribute(
@@ -441,5 +441,6 @@ def _with_trailing_defaults(attributes: Sequence[Attribute]) -> list[Attribute]:
     """Return the attributes. An attribute keeps its default only if all attributes after it also have one."""
     indices_without_default = [index for index, attribute in enumerate(attributes) if not attribute.default]
     last_required = max(indices_without_default, default=0)
+    # The attribute at this index has no default either.
     required = [replace(attribute, default="") for attribute in attributes[:last_required]]
     return [*required, *attributes[last_required:]]

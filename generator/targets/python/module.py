@@ -297,8 +297,11 @@ class Module:
         )
 
     def _sender_dispatcher(self, interface: Interface, plan: Dispatch, coders: Sequence[Coder]) -> Dispatcher:
-        """Return the function that decodes all frames of a sender, such as ``decode_reply``."""
-        # With several such interfaces, the name of the function begins with that of its interface.
+        """Return the function that decodes all frames of a sender, such as ``decode_reply``.
+
+        With a selector over several interfaces, it is ``decode_spi_reply``. ``coders`` are the frames of the interface.
+        """
+        # A frame with a selector has a dispatcher.
         interfaces_with_dispatcher = {owner.name for owner, layout in self.device.layouts() if layout.selector}
         kind = "reply" if plan.sender == "encoder" else "request"
         if len(interfaces_with_dispatcher) > 1:
@@ -335,15 +338,18 @@ class Module:
                 yield self._frame_kind(section, replies)
 
     def _frame_kind(self, section: Section, replies: Sequence[Coder]) -> FrameKind:
-        """Return the frames over an interface, with the function that decodes any of them if they are distinguished.
+        """Return the frames that the encoder sends over an interface. ``replies`` are their classes, at least one.
 
-        ``coder`` is that of the first frame with the position or, without one, of the first frame.
+        If a selector in the frame distinguishes them, ``dispatch`` is ``decode_reply``, which decodes any of them.
+        Otherwise it is empty, and every frame is decoded as ``coder``: the first frame with the position or, without
+        one, the first frame.
         """
         interface = section.interface.name
         # A word does not show which frame it is. Without a request, it is taken as the position.
         position_coders = [coder for coder in replies if self.device.sends_position(interface, coder.layout)]
         coder = position_coders[0] if position_coders else replies[0]
         for dispatcher in section.dispatchers:
+            # There is at most one dispatcher for each sender.
             if dispatcher.plan.sender == "encoder":
                 return FrameKind(
                     interface=interface,
