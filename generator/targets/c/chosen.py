@@ -50,8 +50,12 @@ def chosen_variant(device: Device, interface: Interface) -> Variant:
     # An example without an order code holds for every one.
     number_of_examples = Counter(getattr(example, "order_code", "") for example in examples if not example.erratum)
     variants = device.variants_over(interface.name) or device.variants
-    # With equal numbers of examples, take the finest resolution: the largest sum of the parameters.
-    return max(variants, key=lambda variant: (number_of_examples[variant.code], sum(variant.parameters.values())))
+
+    def preference(variant: Variant) -> tuple[int, int]:
+        # With equal numbers of examples, take the finest resolution: the largest sum of the parameters.
+        return number_of_examples[variant.code], sum(variant.parameters.values())
+
+    return max(variants, key=preference)
 
 
 def _is_over_interface(device: Device, interface: Interface, example: Example) -> bool:
@@ -156,7 +160,8 @@ class Chosen:
             NoFrame: The device has no sample of the frame.
         """
         layouts = [layout for layout in self.interface.layouts if layout.sender == "encoder"]
-        # Prefer one that needs no choice by the user. Order codes have the first answer of each alternative.
+        # Prefer one with the position, and then one that needs no choice by the user. Order codes have the first answer
+        # of each alternative.
         layouts.sort(key=lambda layout: (not self.has_position(layout), bool(self.device.alternatives_of(layout))))
         layout = layouts[0]
         sample = self.device.sample_of(layout)

@@ -116,7 +116,8 @@ class StructCodec:
     def whole_frame(self) -> ChannelFrame | None:
         """The frame with several data channels to which this one belongs, or None."""
         frame = channel_frame(self.struct.context.interface) if self.struct.register is None else None
-        return frame if frame is not None and self.struct.layout in frame.layouts else None
+        is_channel = frame is not None and self.struct.layout in frame.layouts
+        return frame if is_channel else None
 
     @property
     def length_alternatives(self) -> tuple[AlternativeCode, ...]:

@@ -310,7 +310,8 @@ def _program_template(program: ExampleCode | ReceiverCode) -> str:
 
 def _makers_with_crc(views: Iterable[DeviceView], is_wanted: Callable[[CrcCode], bool]) -> list[str]:
     """Return the uppercase names of the manufacturers with a CRC for which ``is_wanted`` is true, sorted."""
-    return sorted({view.maker.name.upper() for view in views if any(map(is_wanted, view.crcs))})
+    views_with_crc = (view for view in views if any(map(is_wanted, view.crcs)))
+    return sorted({view.maker.name.upper() for view in views_with_crc})
 
 
 @dataclass(frozen=True)
@@ -395,5 +396,6 @@ def _version_numbers(version: str) -> tuple[int, ...]:
 
 
 def without_special_characters(text: str) -> str:
-    """Remove from ``text`` all characters that are special to CMake, Kconfig or pkg-config."""
-    return " ".join(re.sub(r"[^A-Za-z0-9 .,:/+&-]+", " ", ascii_text(text)).split())
+    """Remove from ``text`` all characters that are special to CMake, Kconfig or pkg-config, and repeated spaces."""
+    plain_text = re.sub(r"[^A-Za-z0-9 .,:/+&-]+", " ", ascii_text(text))
+    return " ".join(plain_text.split())

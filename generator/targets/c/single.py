@@ -202,8 +202,8 @@ class SingleCode:
     def _new_names(self, kept_names: Iterable[str]) -> Mapping[str, str]:
         """Return the names in this header by those in the tree, or raise an error if two of them are equal."""
         new_names = {name: self._new_name(name) for name in kept_names}
-        for new_name, count in Counter(new_names.values()).items():
-            if count > 1:
+        for new_name, number_of_parts in Counter(new_names.values()).items():
+            if number_of_parts > 1:
                 raise TargetError(f"{self.order_code}: two parts of its header have the C name {new_name}")
         return new_names
 
