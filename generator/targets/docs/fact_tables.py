@@ -165,6 +165,7 @@ def _facts_of_kind(device: Device, example: Example) -> Iterator[tuple[str, str]
             yield "Procedure", link(code(example.procedure), f"#procedure-{example.procedure}")
             yield "Order code", code(example.order_code)
             for name, value in example.arguments.items():
+                # A single digit is the same in both notations.
                 in_hexadecimal = f" ({hexadecimal(value)})" if value > 9 else ""
                 yield f"Argument {code(name)}", f"{number(value)}{in_hexadecimal}"
             yield "Writes", ", ".join(f"`{write.address:02X}h: {write.value:02X}`" for write in example.writes)
@@ -193,7 +194,9 @@ def _value_text(value: int | str | bool, scale: Scale | None) -> str:
         return _yes_or_no(value)
     if not isinstance(value, int):
         return code(value)
-    return number(value) + (f" ({escape(quantity(scale, value))})" if scale is not None else "")
+    if scale is None:
+        return number(value)
+    return f"{number(value)} ({escape(quantity(scale, value))})"
 
 
 def printed_and_used_rows(erratum: Erratum) -> Iterator[tuple[str, str]]:

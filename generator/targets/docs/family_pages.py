@@ -144,8 +144,8 @@ def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
     """Return a row of interface, order codes, clock or port, links to the pages of its subjects."""
     codes = [variant.code for variant in device.variants_over(interface.name)]
     # The first settings are the clocks of the master, or the port of a serial interface.
-    count = len(interface.clocks) if isinstance(interface, Clocked) else 1
-    first_settings = list(settings(device, interface))[:count]
+    number_of_clocks_or_ports = len(interface.clocks) if isinstance(interface, Clocked) else 1
+    first_settings = list(settings(device, interface))[:number_of_clocks_or_ports]
     return (
         link(interface.title, page_links.interface_page_path(device, interface)),
         order_codes(device, codes),
@@ -246,8 +246,7 @@ def manual_values(device: Device) -> ManualPage:
     tests = [edition_test(edition.revision, test) for edition in device.editions for test in edition.tests]
     return {
         "device": device,
-        # Rows without content are left out.
-        "manual_rows": [row for row in _manual_rows(device) if row[1]],
+        "manual_rows": [(label, content) for label, content in _manual_rows(device) if content],
         "edition_rows": list(_edition_rows(device)),
         "edition_tests": list(map(style.sentence, tests)),
         "lost_rows": [(escape(figure.content), citation(figure.source)) for figure in device.lost_figures],
@@ -268,7 +267,7 @@ def _history_row(revision: Revision) -> tuple[str, ...]:
 
 
 def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
-    """Yield the facts about the manual, each with its label."""
+    """Yield the facts about the manual, each with its label. The content is empty if the spec does not give it."""
     manual = device.manual
     yield "Manual", escape(manual.title)
     yield "Revision", revision_and_date(manual)

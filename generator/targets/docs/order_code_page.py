@@ -67,7 +67,8 @@ def with_widths_of_order_code(family_device: Device, device: Device, variant: Va
     widths: dict[str, str] = {}
     for parameter, family_range in zip(parameters, ranges, strict=True):
         # In a text, two quantities with the same range look alike.
-        if family_range and ranges.count(family_range) == 1:
+        is_unique = ranges.count(family_range) == 1
+        if family_range and is_unique:
             widths[family_range] = str(variant.parameters[parameter.name])
     interfaces = [_interface_with_widths(interface, widths) for interface in device.interfaces]
     return replace(device, interfaces=tuple(interfaces))
@@ -322,8 +323,7 @@ def lead_sentences(note: str) -> str:
     """Return the first sentences of a text, as many as fit at the top of a page but at least one."""
     if not note:
         return ""
-    first, *further_sentences = note.split(". ")
-    sentences = first
+    sentences, *further_sentences = note.split(". ")
     for further_sentence in further_sentences:
         longer_text = f"{sentences}. {further_sentence}"
         if len(longer_text) > _LONGEST_LEAD:

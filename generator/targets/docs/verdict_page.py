@@ -161,16 +161,17 @@ def _answer_text(device: Device, question: Alternative, parameter_condition: Onl
 
     The link leads to the page of the first interface with a frame whose verdict depends on it.
     """
-    answers = [
-        answer
-        for answer in question.answers
-        if bool(answer.sets[parameter_condition.parameter]) == parameter_condition.holds
-    ]
-    answer_names = " or ".join(code(answer.name) for answer in answers)
+    answer_codes = []
+    for answer in question.answers:
+        is_set = answer.sets[parameter_condition.parameter] != 0
+        if is_set == parameter_condition.holds:
+            answer_codes.append(code(answer.name))
+    answer_names = " or ".join(answer_codes)
     frames = device.layouts()
     interfaces = (interface for interface, layout in frames if question in device.verdict_alternatives(layout))
     interface = first_of(interfaces, f"frame whose verdict '{question.name}' decides")
     page = f"{device.name}/{interface.name}.md#alternative-{question.name}"
+    # The default answer sets the parameter to 0.
     default = "" if parameter_condition.holds else ", the default"
     return f"and {link('your choice', page)} is {answer_names}{default}"
 

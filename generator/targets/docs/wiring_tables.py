@@ -86,7 +86,9 @@ def _word_for_contact(connector: Connector) -> str:
 
 
 def _build_row(columns: Sequence[Sequence[Connector]], signal: str, order_codes: Sequence[str]) -> Row:
-    return (*(_contacts_cell(column, signal, order_codes) for column in columns), signal)
+    """Return a row with the contacts of a signal in each column, and the signal: ``("3", "wh", "CLOCK+")``."""
+    contact_cells = [_contacts_cell(column, signal, order_codes) for column in columns]
+    return (*contact_cells, signal)
 
 
 def _common_sentences(connectors: Sequence[Connector]) -> list[str]:
@@ -125,7 +127,8 @@ def _have_similar_contacts(connector: Connector, other: Connector, order_codes: 
     other_contacts = _contacts_by_signal(other, order_codes)
     equal_signals = [signal for signal in other_contacts if contacts.get(signal) == other_contacts[signal]]
     fewest_signals = min(len(contacts), len(other_contacts))
-    return connector.kind == other.kind and 2 * len(equal_signals) > fewest_signals
+    are_mostly_equal = 2 * len(equal_signals) > fewest_signals
+    return connector.kind == other.kind and are_mostly_equal
 
 
 def _contacts_by_signal(connector: Connector, order_codes: Sequence[str]) -> dict[str, list[str]]:
@@ -191,7 +194,8 @@ def _short_names(titles: Sequence[str]) -> list[str]:
 def _contact_list(contacts: Sequence[str]) -> str:
     """Return contacts as a list, with three or more consecutive numbers as a range."""
     numbers = [int(contact) for contact in contacts if contact.isdecimal()]
-    if len(numbers) == len(contacts) > 2 and numbers == list(range(numbers[0], numbers[-1] + 1)):
+    are_several_numbers = len(numbers) == len(contacts) > 2
+    if are_several_numbers and numbers == list(range(numbers[0], numbers[-1] + 1)):
         return f"{numbers[0]} to {numbers[-1]}"
     return ", ".join(contacts)
 
@@ -225,10 +229,10 @@ def unstated_facts(family_device: Device, interface: Interface, subjects: Mappin
     ``subjects`` are the facts by label. ``family_device`` has the texts about all order codes, because a text about
     others may be valid for this one too.
     """
+    sentences = []
     unmentioned = [label for label, subject in subjects.items() if not mentions(family_device, interface, subject)]
-    sentences = (
-        [f"{_join_capitalized(unmentioned)}: the {document(family_device)} does not say."] if unmentioned else []
-    )
+    if unmentioned:
+        sentences.append(f"{_join_capitalized(unmentioned)}: the {document(family_device)} does not say.")
     mentioned = [label for label in subjects if label not in unmentioned]
     if mentioned:
         places = [link("times", "#timings")]
@@ -253,7 +257,7 @@ def no_leds(family_device: Device, device: Device, interface: Interface) -> str:
 
 
 def no_supply(family_device: Device, interface: Interface) -> str:
-    """Return what a page says in place of a supply."""
+    """Return the text in place of a supply: a link to the characteristics that may have it, or that none is known."""
     if mentions(family_device, interface, Subject.SUPPLY):
         return f"see {link('characteristics', 'hardware.md#characteristics')}"
     return f"the {document(family_device)} does not say"
@@ -301,7 +305,8 @@ def _clock_section(family_device: Device, device: Device, interface: Ssi | Biss,
     The table has no cables whose clock is below the lowest one of the encoder. Faster clocks than its fastest one are
     replaced by that.
     """
-    clock = interface.clocks[0]  # The order codes of a page share their clock.
+    # The order codes of a page share their clock.
+    clock = interface.clocks[0]
     facts = [f"Clock: {clock_words(clock)} ({citation(clock.source)})."]
     lengths = _frame_lengths(device, layout) if layout is not None else []
     start_bits = _BISS_START_BITS if isinstance(interface, Biss) else 0
@@ -386,10 +391,12 @@ def _joined_by_or(alternatives: Iterable[str]) -> str:
 
 
 def _duration_range(lengths: Iterable[int], hz: int) -> str:
+    """Return the durations of frames with these numbers of bits, such as ``26 µs or 32 µs``."""
     return _joined_by_or(_duration_text(bits, hz) for bits in lengths)
 
 
 def _duration_text(bits: int, hz: int) -> str:
     """Return the duration of some bits, rounded to 0.1 µs unless it is a multiple of 100 ns."""
     exact_ns = bits * 1_000_000_000 / hz
-    return nanoseconds(round(exact_ns)) if exact_ns % 100 == 0 else f"{exact_ns / 1000:.1f} µs"
+    needs_no_rounding = exact_ns % 100 == 0
+    return nanoseconds(round(exact_ns)) if needs_no_rounding else f"{exact_ns / 1000:.1f} µs"
