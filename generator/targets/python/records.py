@@ -106,6 +106,7 @@ def record_of(class_name: str, model_part: object, **overrides: Literal) -> Call
     for member in _in_printed_order(class_name):
         value = overrides[member.name] if member.name in overrides else _member_literal(model_part, member)
         if member.is_required:
+            # An argument with an empty name is positional.
             is_positional = class_name in _POSITIONAL
             arguments.append(("" if is_positional else member.name, value))
         elif value != member.default and not is_empty(value):
@@ -122,8 +123,9 @@ def _in_printed_order(class_name: str) -> list[RecordMember]:
     """Return the members of a record in the order of its class, those in ``_PRINTED_LAST`` at the end."""
     members = runtime_records().members[class_name]
     names_at_end = _PRINTED_LAST.get(class_name, ())
-    first = [member for member in members if member.name not in names_at_end]
-    return first + [member for member in members if member.name in names_at_end]
+    members_before = [member for member in members if member.name not in names_at_end]
+    members_at_end = [member for member in members if member.name in names_at_end]
+    return members_before + members_at_end
 
 
 def _member_literal(model_part: object, member: RecordMember) -> Literal:
@@ -134,6 +136,7 @@ def _member_literal(model_part: object, member: RecordMember) -> Literal:
     value = getattr(model_part, member.name)
     if member.name == "source":
         return cite(value)
+    # A type names at most one record or enumeration.
     for record_name in member.types & runtime_records().members.keys():
         if isinstance(value, tuple):
             return records_of(record_name, value)
