@@ -100,8 +100,8 @@ class Codec:
         if self.gray is not None:
             expressions.append(self.gray.excess)
         # All answers to a question set the same parameters, which the caller passes.
-        answered = {name for alternative in self.alternatives for name in alternative.answers[0].sets}
-        return any(not answered.issuperset(expression.parameters) for expression in expressions)
+        answered_names = {name for alternative in self.alternatives for name in alternative.answers[0].sets}
+        return any(not answered_names.issuperset(expression.parameters) for expression in expressions)
 
     @property
     def from_low(self) -> range:

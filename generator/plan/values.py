@@ -153,11 +153,13 @@ def _equals_quantity(device: Device, parameter: Parameter) -> bool:
         if len(position_ranges(device, device.interface(variant.interface))) > 1:
             return False
         # The order code alone does not determine the quantity.
-        if any(name not in variant.parameters for factor in factors for name in factor.parameters):
+        needed_names = {name for factor in factors for name in factor.parameters}
+        if not needed_names <= variant.parameters.keys():
             return False
         equal_quantities: set[str] = set()
         total = prod(factor.value(variant.parameters) for factor in factors)
-        counts_per_turn = total  # without revolutions
+        # Without revolutions, the one quantity is the other.
+        counts_per_turn = total
         if measurement.counts_per_turn is not None:
             counts_per_turn = measurement.counts_per_turn.value(variant.parameters)
         if parameter_value == counts_per_turn:

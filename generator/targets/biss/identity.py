@@ -190,7 +190,8 @@ def profile_ids(device: Device) -> dict[int, tuple[str, ...]]:
     without a default, and without such a register with its high byte first.
     """
     registers = device.registers_over(Biss.name)
-    register = next((register for register in registers if register.address == PROFILE and register.length == 2), None)
+    profile_registers = (register for register in registers if register.address == PROFILE and register.length == 2)
+    register = next(profile_registers, None)
     if register is None or register.byte_order != "high_byte_first":
         return {}
     variants = device.variants_over(Biss.name)
@@ -225,10 +226,8 @@ def _data_length(
 ) -> DataLength:
     """Return the data and status bits of a placed frame, and its CRC. The CRC field counts as neither."""
     status_names = [field.name for field in placed_layout.layout.status_fields]
-    data_fields = [
-        field for field in placed_layout.fields if field != placed_layout.crc_field and field.name not in status_names
-    ]
-    data_widths = {field.name: field.width for field in data_fields}
+    fields_before_crc = [field for field in placed_layout.fields if field != placed_layout.crc_field]
+    data_widths = {field.name: field.width for field in fields_before_crc if field.name not in status_names}
     return DataLength(
         codes=order_codes,
         answers=answers,

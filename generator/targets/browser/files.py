@@ -134,6 +134,7 @@ def family_data(device: Device) -> Data:
     parameter_names = [parameter.name for parameter in device.parameters if parameter.equals is None]
     interface_names = [interface.name for interface in device.interfaces]
     held = [parameter for register in held_parameters(device) for parameter in register.parameters]
+    # Building the interfaces fills it, so that ``interfaces`` comes before ``shared``.
     shared = SharedParts()
     return without_empty(
         name=device.name,

@@ -237,10 +237,13 @@ def about_access(device: Device, register: Register, writes: bool, read_state: s
 
     ``read_state`` is the function that updates the variant, or empty if the register has no part of it.
     """
-    waits = f", then wait {register.wait_at_least_ms} ms" if writes and register.wait_at_least_ms is not None else ""
+    has_wait = writes and register.wait_at_least_ms is not None
+    wait = f", then wait {register.wait_at_least_ms} ms" if has_wait else ""
     register_title = title(register)
-    kind = "" if register_title.lower().endswith(("register", "registers")) else " register"
-    yield f"{'Write' if writes else 'Read'} the {register_title}{kind} ({addresses(register)}){waits}."
+    ends_with_kind = register_title.lower().endswith(("register", "registers"))
+    kind = "" if ends_with_kind else " register"
+    verb = "Write" if writes else "Read"
+    yield f"{verb} the {register_title}{kind} ({addresses(register)}){wait}."
     selector = device.bank_selector(register)
     if selector:
         yield f"It first writes to {title(device.register(selector))} to select bank {register.bank}."

@@ -159,9 +159,10 @@ class Decoder:
         """
         checks = self.plan.checks
         parities = [check for check in checks if isinstance(check, ParityIs)]
+        # A parity is known if it covers only the selector, which has one value in this frame.
         parities_of_selector = [parity for parity in parities if parity.known_parity is not None]
-        other_parities = [parity for parity in parities if parity.known_parity is None]
-        other_parities = [parity for parity in other_parities if parity.field.name not in self._word_parities]
+        unknown_parities = [parity for parity in parities if parity.known_parity is None]
+        other_parities = [parity for parity in unknown_parities if parity.field.name not in self._word_parities]
         selector_names = {parity.selector.name for parity in parities_of_selector}
         if self.plan.by_word:
             yield from (check for check in checks if isinstance(check, AlwaysIs))
@@ -171,7 +172,8 @@ class Decoder:
         yield from other_parities
         yield from parities_of_selector
         for check in checks:
-            if not isinstance(check, (AlwaysIs, ZerosAbove, ParityIs)) and check.field.name not in selector_names:
+            is_of_value = not isinstance(check, (AlwaysIs, ZerosAbove, ParityIs))
+            if is_of_value and check.field.name not in selector_names:
                 yield check
 
     def is_of_other_frame(self, parity: ParityIs) -> Expr:

@@ -107,7 +107,8 @@ def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
     paths_and_layouts += [(("registers", register.name), register.layout) for register in device.registers]
     for path, layout in paths_and_layouts:
         yield from ((c_name(field.name), path) for field in layout.fields)
-        yield from ((c_name(run.name), path) for field in layout.fields for run in field.runs)
+        for field in layout.fields:
+            yield from ((c_name(run.name), path) for run in field.runs)
         yield from ((c_name(join.name), path) for join in layout.joins)
     for register in device.registers:
         yield c_name(register.name), ("registers", register.name)

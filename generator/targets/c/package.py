@@ -376,18 +376,20 @@ def choose_guide(examples: Sequence[ExampleCode]) -> Guide | None:
     family_sizes = Counter(program.view.device.name for program in examples)
 
     def preference(program: ExampleCode) -> tuple[int, int]:
-        step_count = program.run.code.count if program.run else 0
-        return family_sizes[program.view.device.name], step_count
+        number_of_steps = program.run.code.count if program.run else 0
+        return family_sizes[program.view.device.name], number_of_steps
 
     example = max(examples, key=preference)
-    whole_reads = [register for register in example.reads if register.access.struct]
-    run = example.run if example.run is not None and not example.run.code.reads else None
-    ordered_programs = sorted(examples, key=lambda program: program is not example)
+    family = example.view.device.name
+    # A register that is one plain byte has no struct.
+    registers_with_struct = [register for register in example.reads if register.access.struct]
+    only_writes = example.run is not None and not example.run.code.reads
+    example_first = sorted(examples, key=lambda program: program is not example)
     return Guide(
         example=example,
-        reads=max(whole_reads, key=lambda register: register.members, default=None),
-        runs=run,
-        wires=tuple(program for program in ordered_programs if program.view.device.name == example.view.device.name),
+        reads=max(registers_with_struct, key=lambda register: register.members, default=None),
+        runs=example.run if only_writes else None,
+        wires=tuple(program for program in example_first if program.view.device.name == family),
     )
 
 

@@ -49,6 +49,7 @@ class Access:
         self.stem = layout.name.upper()
         self.struct = layout.name if has_struct else ""
         self._layout = layout
+        #: The only field of a plain byte.
         self._field = register.layout.fields[0]
         #: The named values of the byte, empty if it can have any value.
         self.values: tuple[int, ...] = ()

@@ -126,9 +126,13 @@ class SelfTest:
     def is_used(self) -> Mapping[str, bool]:
         """The helpers for comparing bytes, texts and writes, each with True if a check needs it."""
         frames = [check.work for check in self.checks if isinstance(check.work, FrameCheck)]
+        expected_members: list[Expected] = []
+        for frame in frames:
+            expected_members += frame.expected
         return {
+            # A frame that is rejected is not encoded, so that there are no bytes to compare.
             "bytes": any(frame.data and not frame.fault for frame in frames),
-            "texts": any(member.text for frame in frames for member in frame.expected),
+            "texts": any(member.text for member in expected_members),
             "writes": any(isinstance(check.work, ProcedureCheck) for check in self.checks),
         }
 

@@ -439,8 +439,8 @@ def _parts_with_names(device: Device) -> Iterator[Named]:
     """Yield the parts of an interface that may have other names. Of fields or values with one name, yield the last."""
     (interface,) = device.interfaces
     layouts = [*interface.layouts, *(register.layout for register in device.registers)]
-    all_fields = [field for layout in layouts for field in layout.fields]
-    named_values = [named_value for field in all_fields for named_value in field.values]
+    all_fields = list(chain.from_iterable(layout.fields for layout in layouts))
+    named_values = chain.from_iterable(field.values for field in all_fields)
     yield from {field.name: field for field in all_fields if field.names}.values()
     yield from {named_value.name: named_value for named_value in named_values if named_value.names}.values()
     yield from device.registers

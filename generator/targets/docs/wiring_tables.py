@@ -55,6 +55,7 @@ def wiring_table(device: Device, order_codes: Sequence[str]) -> Wiring:
     columns = _connectors_by_column(device.connectors, order_codes)
     heads = _column_heads(columns)
     contacts = [contact for connector in device.connectors for contact in connector.contacts]
+    # Each signal once, in the order of its first contact.
     signals = dict.fromkeys(_signal_cell(contact, order_codes) for contact in contacts)
     about_columns = []
     for head, column in zip(heads, columns, strict=True):
@@ -186,7 +187,8 @@ def _short_names(titles: Sequence[str]) -> list[str]:
         for number_of_words in range(1, longest + 1):
             short_names = [" ".join(phrase_words[:number_of_words]) for phrase_words in phrases_in_words]
             are_unique = len(set(short_names)) == len(short_names)
-            if are_unique and not any(name.isdecimal() for name in short_names):
+            has_number = any(name.isdecimal() for name in short_names)
+            if are_unique and not has_number:
                 return short_names
     return [f"connector {index}" for index, _ in enumerate(titles, 1)]
 
@@ -319,8 +321,9 @@ def _clock_section(family_device: Device, device: Device, interface: Ssi | Biss,
     facts += _pause_sentences(family_device, interface)
     cable_clocks = cable_table(device, interface)
     cable_rows: list[Row] = []
+    lowest_hz = clock.min_hz or 0
     for cable in cable_clocks.rows:
-        if clock.fastest_hz is not None and cable.hz >= (clock.min_hz or 0):
+        if clock.fastest_hz is not None and cable.hz >= lowest_hz:
             clock_hz = min(cable.hz, clock.fastest_hz)
             cable_rows.append((f"{cable.metres} m", hertz(clock_hz), _duration_range(clocked_lengths, clock_hz)))
     if cable_rows:

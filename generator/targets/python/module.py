@@ -211,9 +211,11 @@ class Module:
     def _decode_example(self) -> Iterable[Block]:
         """Yield the first example of the README, which decodes a frame and checks its verdict, if there is one."""
         for frame in self.readme.frames[:1]:
-            # The package's lookup() finds the family from which this one is derived.
+            # The package's lookup() finds the family from which this one is derived, so its own module has another.
             lookup_name, call = (self.name, f"{self.name}.lookup") if self.device.base else ("lookup", "lookup")
-            names = ", ".join(filter(None, ("Verdict" if frame.has_verdict else "", frame.module, lookup_name)))
+            verdict_name = "Verdict" if frame.has_verdict else ""
+            # The module is empty unless the call needs an answer.
+            names = ", ".join(filter(None, (verdict_name, frame.module, lookup_name)))
             lookup_lines = (
                 f"from {self.device.manufacturer.python_package} import {names}",
                 f'encoder = {call}("{frame.code}")',
@@ -237,12 +239,16 @@ class Module:
         """
         frames = [frame for frame in self.readme.frames if frame.interface == "spi" and frame.position]
         interface = self.device.find_interface(Spi)
-        if not frames or frames[0].answers or interface is None:
+        if not frames or interface is None:
             return None
         frame = frames[0]
-        requests = [exchange.request for exchange in interface.exchanges if exchange.purpose == "position"]
+        # An open question is then an argument of the decoder.
+        if frame.answers:
+            return None
+        request_names = [exchange.request for exchange in interface.exchanges if exchange.purpose == "position"]
         for coder in self.coders:
-            if coder.layout.name in requests and not coder.takes_variant and not coder.attributes:
+            needs_no_values = not coder.takes_variant and not coder.attributes
+            if coder.layout.name in request_names and needs_no_values:
                 return replace(frame, kind=coder.name, module=self.name)
         return None
 

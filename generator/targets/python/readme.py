@@ -377,7 +377,8 @@ class Readme:
             if isinstance(example, RegisterExample) and example.register in identity_registers:
                 register_examples.setdefault(example.register, example)
         order_codes = [example.order_code for example in register_examples.values()]
-        if not order_codes or order_codes[0] not in {variant.code for variant in self.device.variants}:
+        listed_codes = {variant.code for variant in self.device.variants}
+        if not order_codes or order_codes[0] not in listed_codes:
             return []
         contents = []
         for example in register_examples.values():

@@ -82,12 +82,14 @@ def _record_members(class_def: ast.ClassDef) -> Iterator[RecordMember]:
         if not isinstance(statement, ast.AnnAssign) or not isinstance(statement.target, ast.Name):
             continue
         names_in_type = [node.id for node in ast.walk(statement.annotation) if isinstance(node, ast.Name)]
-        # The default of some members is a call, which is printed like None.
-        has_literal = isinstance(statement.value, (ast.Constant, ast.Tuple))
+        default: object = None
+        # The default of some members is a call, which counts as None.
+        if isinstance(statement.value, (ast.Constant, ast.Tuple)):
+            default = ast.literal_eval(statement.value)
         yield RecordMember(
             name=statement.target.id,
             types=frozenset(names_in_type),
-            default=ast.literal_eval(statement.value) if statement.value is not None and has_literal else None,
+            default=default,
             is_required=statement.value is None,
         )
 
