@@ -296,6 +296,7 @@ def _describe_check(check: PlannedCheck) -> Check:
 
 
 def _describe_join(joined_number: JoinedNumber) -> Join:
+    """Return a number made of several fields as data: ``(("angle", 0), ("turns", 12))`` are its fields."""
     # ``low`` is the position of the field's lowest bit in the number.
     fields_from_low = tuple((Name(field.name), low) for field, low in joined_number.from_low)
     return Join(name=Name(joined_number.join.name), fields=fields_from_low)

@@ -127,6 +127,7 @@ def reply_to_data_id(interface: Rs485, data_id: int) -> Layout | None:
     for dispatch in dispatches(interface.layouts):
         if dispatch.sender != "encoder":
             continue
+        # The selector of a reply is the data ID of its request.
         for branch in dispatch.branches:
             if data_id in branch.values:
                 return branch.layout

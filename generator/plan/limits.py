@@ -86,6 +86,7 @@ class _RepresentableRange(NamedTuple):
 
 
 def _representable_range(width: Expression, signed: bool, parameters: Mapping[str, int]) -> _RepresentableRange:
+    """Return the numbers that fit in a width for one order code, such as 0 to 4095, or -2048 to 2047 if signed."""
     bits = width.value(parameters)
     if signed:
         return _RepresentableRange(parameters, lowest=-(1 << (bits - 1)), highest=(1 << (bits - 1)) - 1)

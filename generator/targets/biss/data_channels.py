@@ -104,7 +104,10 @@ class Node:
 def channels_by_length(
     device: Device, layout: Layout, ids: tuple[IdBits, ...], lengths: Sequence[DataLength]
 ) -> tuple[Node, ...]:
-    """Return the element with the data length, or an empty tuple unless all order codes have the same length."""
+    """Return the element with the data length, or an empty tuple unless all order codes have the same length.
+
+    ``ids`` are the bits that identify the encoder. ``lengths`` can have several entries with the same number of bits.
+    """
     if _number_of_lengths(lengths) != 1:
         return ()
     channel = Node(

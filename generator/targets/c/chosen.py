@@ -102,8 +102,10 @@ class Chosen:
         """The registers with an example, by name, each with its first one. Those in banks cannot be simulated."""
         registers: dict[str, tuple[Register, RegisterExample]] = {}
         for example in self.examples:
-            if isinstance(example, RegisterExample) and self.device.register(example.register).bank is None:
-                registers.setdefault(example.register, (self.device.register(example.register), example))
+            if isinstance(example, RegisterExample):
+                register = self.device.register(example.register)
+                if register.bank is None:
+                    registers.setdefault(register.name, (register, example))
         return registers
 
     @property

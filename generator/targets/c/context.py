@@ -151,6 +151,7 @@ def scale_macros(layout: Layout, stem: str) -> Iterator[Macro]:
         if scale is not None:
             note = f"{field.name} in {scale.unit}: ({field.name} * NUMERATOR + OFFSET) / DENOMINATOR"
             yield Macro(f"{name}_NUMERATOR", f"INT64_C({scale.numerator})", note)
-            offset = f"INT64_C({abs(scale.offset)})"
-            yield Macro(f"{name}_OFFSET", f"(-{offset})" if scale.offset < 0 else offset)
+            magnitude = f"INT64_C({abs(scale.offset)})"
+            offset = f"(-{magnitude})" if scale.offset < 0 else magnitude
+            yield Macro(f"{name}_OFFSET", offset)
             yield Macro(f"{name}_DENOMINATOR", f"INT64_C({scale.denominator})")

@@ -211,6 +211,7 @@ class AlternativeCode:
         The last answer is the default branch.
         """
         *other_answers, last_answer = self.alternative.answers
+        # The enumeration has a constant for each answer, in the same order.
         *other_constants, _ = self.enumeration.entries
         expression: Expr = Number(last_answer.sets[parameter])
         for constant, answer in reversed(list(zip(other_constants, other_answers, strict=True))):

@@ -295,6 +295,7 @@ class InterfaceCode:
             has_comment_on_all = True
 
     def _yield_port_macros(self, port: Port, statement: Statement) -> Iterator[Macro]:
+        """Yield the settings of a serial port. The first macro has the comment on all of them."""
         yield self._define_macro("BAUD", port.baud, about=statement)
         yield self._define_macro("DATA_BITS", port.data_bits, about="number of data bits")
         yield Macro(f"{self.upper}_PARITY", _PARITIES[port.parity], f"parity: {port.parity}")

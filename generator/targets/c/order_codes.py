@@ -138,7 +138,7 @@ def open_codes(device: Device) -> tuple[OpenCode, ...]:
             ("order_code",),
         )
     codes = _Codes(device)
-    return tuple(open_code for spelling in spellings for open_code in _open_codes_of(codes, spelling))
+    return tuple(itertools.chain.from_iterable(_open_codes_of(codes, spelling) for spelling in spellings))
 
 
 @dataclass(frozen=True)
@@ -175,7 +175,8 @@ class _Codes:
         listed_texts = tuple(chosen[name].text for name in part_names)
         for index in self._indices_by_texts(part_names).get(listed_texts, ()):
             variant = self._device.variants[index]
-            if all(_open_combinations(self._device.order_code.parts, chosen, variant)):
+            conditions = _open_combinations(self._device.order_code.parts, chosen, variant)
+            if all(conditions):
                 return index
         return None
 

@@ -303,6 +303,7 @@ def own_programs(
 
 
 def _program_template(program: ExampleCode | ReceiverCode) -> str:
+    """Return the template of a program: a receiver, a main loop that polls, or worked examples one after the other."""
     if isinstance(program, ReceiverCode):
         return "receiver.c.jinja"
     return "poller.c.jinja" if program.can_poll else "example.c.jinja"

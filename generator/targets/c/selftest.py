@@ -180,8 +180,8 @@ class SelfTest:
 
     def _procedure_check(self, example: ProcedureExample) -> ProcedureCheck:
         """Return the check that a procedure writes the bytes of the example."""
-        codes = {code.run.procedure.name: code for code in self.view.procedures}
-        code = codes[example.procedure]
+        code_by_procedure = {code.run.procedure.name: code for code in self.view.procedures}
+        code = code_by_procedure[example.procedure]
         argument_names = [argument.checked.argument.name for argument in code.arguments]
         written_bytes: list[tuple[str, str]] = []
         for write in example.writes:
@@ -279,6 +279,7 @@ class SelfTest:
         for question in questions:
             answer_names = [answer.name for answer in question.alternative.answers]
             chosen_name = example.alternatives.get(question.alternative.name, answer_names[0])
+            # The enumeration has a constant for each answer, in the same order.
             constant = question.enumeration.entries[answer_names.index(chosen_name)]
             arguments += f"{constant.name}, "
         return arguments

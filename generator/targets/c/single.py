@@ -360,14 +360,8 @@ def _refilled_macro(c_code: str) -> str:
     if len(body) < 2:
         return c_code
     joined_body = " ".join(line.strip() for line in body)
-    lines = textwrap.wrap(
-        joined_body,
-        COLUMNS - 2,
-        initial_indent=" " * 4,
-        subsequent_indent=" " * 8,
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
+    # 2 characters are the space and the backslash at the end of a line.
+    lines = _wrap_text(joined_body, COLUMNS - 2, first_margin=" " * 4, margin=" " * 8)
     return " \\\n".join((head, *lines)) + "\n"
 
 
@@ -377,15 +371,9 @@ def _member_comment(text: str, margin: str) -> str:
     # Its line break counts too, which leaves room for Doxygen's mark, longer by one character.
     if len(single_line) <= COLUMNS:
         return single_line
-    joint = "\0"  # keeps the mark at the end on the line of the last word
-    lines = textwrap.wrap(
-        f"{text}{joint}*/",
-        COLUMNS - 1,
-        initial_indent=f"{margin}/* ",
-        subsequent_indent=f"{margin} * ",
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
+    # A joint instead of a space keeps the mark at the end on the line of the last word.
+    joint = "\0"
+    lines = _wrap_text(f"{text}{joint}*/", COLUMNS - 1, first_margin=f"{margin}/* ", margin=f"{margin} * ")
     return "".join(f"{line}\n" for line in lines).replace(joint, " ")
 
 
@@ -394,19 +382,30 @@ def _first_paragraph(comment: str) -> str:
 
     A picture follows ``:`` and a blank line. If it is an example that calls the runtime, it is left out.
     """
-    text_before_picture, _, picture = "\n".join(_comment_lines(comment)).partition(":\n\n")
-    if picture and "cw_" in picture.partition("\n\n")[0]:
-        return _as_comment(_wrap_text(text_before_picture.replace("\n", " ") + "."))
-    if picture:
-        picture_lines = picture.partition("\n\n")[0].splitlines()
-        return _as_comment([*_wrap_text(text_before_picture.replace("\n", " ") + ":"), "", *picture_lines])
-    sentences = _SENTENCE_END.split(text_before_picture.partition("\n\n")[0].partition("\n@")[0].replace("\n", " "))
-    return _as_comment(_wrap_text(sentences[0]))
+    text_before_picture, _, picture_and_rest = "\n".join(_comment_lines(comment)).partition(":\n\n")
+    # An empty line ends a picture, and a paragraph.
+    picture, _, _ = picture_and_rest.partition("\n\n")
+    text_on_one_line = text_before_picture.replace("\n", " ")
+    if picture_and_rest and "cw_" in picture:
+        return _as_comment(_wrap_text(f"{text_on_one_line}."))
+    if picture_and_rest:
+        return _as_comment([*_wrap_text(f"{text_on_one_line}:"), "", *picture.splitlines()])
+    first_paragraph, _, _ = text_before_picture.partition("\n\n")
+    # The parameters of a function can follow on the next line.
+    description, _, _ = first_paragraph.partition("\n@")
+    first_sentence, *_ = _SENTENCE_END.split(description.replace("\n", " "))
+    return _as_comment(_wrap_text(first_sentence))
 
 
-def _wrap_text(text: str) -> list[str]:
-    """Return the lines of a text. Each will have `` * `` before it."""
-    return textwrap.wrap(text, COLUMNS - 3, break_long_words=False, break_on_hyphens=False)
+#: Width of a line of a comment after its `` * ``.
+_COMMENT_WIDTH = COLUMNS - 3
+
+
+def _wrap_text(text: str, width: int = _COMMENT_WIDTH, first_margin: str = "", margin: str = "") -> list[str]:
+    """Return the lines of a text with whole words. ``first_margin`` begins the first line, ``margin`` the others."""
+    wrapper = textwrap.TextWrapper(width, initial_indent=first_margin, subsequent_indent=margin)
+    wrapper.break_long_words = wrapper.break_on_hyphens = False
+    return wrapper.wrap(text)
 
 
 def _comment_lines(comment: str) -> list[str]:
@@ -425,9 +424,10 @@ def _split_paragraphs(lines: Iterable[str]) -> Iterator[list[str]]:
     paragraph: list[str] = []
     for line in lines:
         first_word = line.partition(" ")[0]
-        # COLUMNS - 3 is the width without " * ", and 1 the space before the word.
-        goes_on = bool(paragraph) and len(paragraph[-1]) + 1 + len(first_word) > COLUMNS - 3
-        if paragraph and not (goes_on and first_word and not line.startswith("@")):
+        # 1 is the space before the word.
+        is_line_full = bool(paragraph) and len(paragraph[-1]) + 1 + len(first_word) > _COMMENT_WIDTH
+        goes_on = is_line_full and bool(first_word) and not line.startswith("@")
+        if paragraph and not goes_on:
             yield paragraph
             paragraph = []
         paragraph.append(line)

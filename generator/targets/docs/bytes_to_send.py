@@ -185,7 +185,7 @@ def _how_to_write_other_positions(register: Register, variant: Variant) -> str:
 
     Return an empty string if the order code lacks the field of the position.
     """
-    # The position may begin above bit 0 of the register.
+    # The limits of a preset register apply to its position, which may begin above bit 0 of the register.
     low, width = register.layout.place(variant.parameters).place_of(register.limits_of)
     if not width:
         return ""
@@ -226,8 +226,8 @@ def _exchange_row(exchange: Exchanged) -> Row:
 def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: Callable[..., str]) -> Row:
     """Return a row of request → reply, meaning.
 
-    The request is its control byte and the names of its further parts. The meaning is followed by the repetitions in
-    procedures that send only this request, by the data ID, and by errata.
+    The request is its control byte and the names of its further parts, such as ``C2, address, data``. The meaning is
+    followed by the repetitions in procedures that send only this request, by the data ID, and by errata.
     """
     request = _layout_with_data_id(interface, "master", data_id.id)
     reply = _layout_with_data_id(interface, "encoder", data_id.id)

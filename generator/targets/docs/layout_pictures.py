@@ -273,7 +273,10 @@ def _lowest_bits(bits: int, low_byte_first: bool) -> range:
 
 
 def _byte_rows(runs: Sequence[_BitRun], lows: Sequence[int], labels: Sequence[str]) -> tuple[ByteRow, ...]:
-    """Return a row for each lowest bit of a byte. Boxes have bit numbers in the whole layout."""
+    """Return a row for each byte. Boxes have bit numbers in the whole layout.
+
+    ``lows`` are the lowest bits of the bytes, such as 8 and 0, and ``labels`` their names, which can be empty.
+    """
     byte_rows = []
     for low, row_label in zip(lows, labels, strict=True):
         boxes = tuple(run.box(low, run.bits_in_byte(low)) for run in runs if run.is_in_byte(low))

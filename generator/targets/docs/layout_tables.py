@@ -275,6 +275,7 @@ def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
     Only choices that change the length are included. The row of a field shows its places for all other choices.
     """
     questions = [question for question in device.alternatives_of(layout) if _decides_length(layout, question)]
+    # ``parameters`` are those that the answers set.
     answers_and_placements: list[tuple[tuple[Answer, ...], Placement]] = []
     for answers, parameters in choices(questions):
         for placement in distinct_placements(device, layout, interface_name, parameters):

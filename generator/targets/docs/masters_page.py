@@ -88,6 +88,7 @@ def _interface_section(device: Device, group_sheets: GroupSheets) -> dict[str, A
     ``tables`` has the facts that differ between order codes. ``silent`` lists the masters without this interface.
     """
     interface = group_sheets.interface
+    # Each group is a record of facts with the order codes that share it. A master has a sheet for each group.
     groups = group_sheets.groups
     common_rows, tables = _common_rows_and_tables([(group, _fact_rows(group)) for group in groups])
     order_code_rows = [] if tables else [("Order codes", _codes_label(groups))]

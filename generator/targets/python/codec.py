@@ -154,6 +154,7 @@ class Coder:
 
     @property
     def _unused_attributes(self) -> list[Attribute]:
+        """The attribute ``unused``, alone in a list, or no attribute. It has the bits without a field or a use."""
         if self.plan.keeps_others:
             return [Attribute("unused", type="int", meaning=docstrings.OF_OTHERS, default="0")]
         if self.plan.reserved:
@@ -365,6 +366,7 @@ class Coder:
 
     @cached_property
     def limits(self) -> Limits | None:
+        """Limits of the register, or None without any. Those of its meanings are in ``limits_functions``."""
         register = self.register
         if register is None or (register.min is None and register.max is None):
             return None
@@ -432,6 +434,7 @@ def _has_run_of_its_name(field: Field) -> bool:
 
 
 def _value_in_words(value: Expression | int | str | None) -> str:
+    """Return a value of the manual in words, such as ``bits + 8``, ``'AB'`` or ``0x1B``."""
     if isinstance(value, Expression):
         return value.render()
     return repr(value) if isinstance(value, str) else coded(value or 0)

@@ -92,6 +92,7 @@ class Operation(Expr):
 
     def __str__(self) -> str:
         left = self.left.as_operand_of(self.operator)
+        # Of equal operators, the left one comes first: ``a - b - c`` but ``a - (b - c)``.
         right = self.right.as_operand_of(self.operator, after=True)
         return f"{left} {self.operator} {right}"
 
