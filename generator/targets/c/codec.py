@@ -145,7 +145,8 @@ class StructCodec:
     def may_be_longer(self) -> bool:
         """True if the type of the word has more bits than some frame."""
         bits = self.plan.layout.bits
-        return not (bits.is_constant and bits.constant == self.struct.reader.word_size)
+        always_fills_word = bits.is_constant and bits.constant == self.struct.reader.word_size
+        return not always_fills_word
 
     @property
     def order_of_bytes(self) -> str:

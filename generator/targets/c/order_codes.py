@@ -231,7 +231,8 @@ def _open_choices(choices: Sequence[_Choice]) -> list[_Choice]:
 
 def _choices_of_spelling(part: CodePart, spelling: Spelling) -> list[_Choice]:
     """Return the choices for a part in another spelling: its own texts for the values, or else those of the part."""
-    if any(value.part == part.name for value in spelling.values):
+    has_own_texts = any(value.part == part.name for value in spelling.values)
+    if has_own_texts:
         texts_on_label = values_by_spelling(part, spelling).items()
         choices = [_Choice(value, is_open=False, label=text) for text, value in texts_on_label]
         if choices:

@@ -279,12 +279,13 @@ def _package_names(namespace: str, makers: Sequence[Manufacturer]) -> Named:
     Its version is the highest of theirs.
     """
     package = f"{namespace}-encoders"
+    titles = " and ".join(maker.title for maker in makers)
     return {
         "package": package,
         "namespace": namespace,
         "option": package.replace("-", "_").upper(),
         "version": max((maker.version for maker in makers), key=_version_numbers),
-        "title": without_special_characters(f"Headers for encoders by {' and '.join(maker.title for maker in makers)}"),
+        "title": without_special_characters(f"Headers for encoders by {titles}"),
     }
 
 

@@ -44,6 +44,8 @@ _OTHER_PARAGRAPHS = (
 )
 #: Sentences of the same kind.
 _OTHER_SENTENCES = ("Steps: ", "With 0 in place of the CRC")
+#: Width of a line of a comment after its `` * ``.
+_COMMENT_WIDTH = COLUMNS - 3
 _WORD = re.compile(r"\b[A-Za-z_]\w*\b")
 _SENTENCE_END = re.compile(r"(?<=[.:])\s(?=[A-Z])")
 #: A condition on one line, after which the function only returns a result.
@@ -133,7 +135,8 @@ class SingleCode:
         for declaration in self.declarations:
             declaration_text = self._format_declaration(declaration)
             is_short_function = declaration_text.startswith("/** ") and declaration.is_function
-            if texts and not is_short_function and not (follows_macro and declaration_text.startswith("#define")):
+            is_further_macro = follows_macro and declaration_text.startswith("#define")
+            if texts and not is_short_function and not is_further_macro:
                 texts.append("\n")
             texts.append(declaration_text)
             follows_macro = declaration.has_macro
@@ -395,10 +398,6 @@ def _first_paragraph(comment: str) -> str:
     description, _, _ = first_paragraph.partition("\n@")
     first_sentence, *_ = _SENTENCE_END.split(description.replace("\n", " "))
     return _as_comment(_wrap_text(first_sentence))
-
-
-#: Width of a line of a comment after its `` * ``.
-_COMMENT_WIDTH = COLUMNS - 3
 
 
 def _wrap_text(text: str, width: int = _COMMENT_WIDTH, first_margin: str = "", margin: str = "") -> list[str]:

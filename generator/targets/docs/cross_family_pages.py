@@ -76,6 +76,7 @@ def _grouped_by_interface(rows: Iterable[Row]) -> list[Row]:
     """Group the rows by interface, in the order in which the interfaces first occur."""
     rows_by_interface: dict[str, list[Row]] = {}
     for row in rows:
+        # The first cell of these rows.
         interface_title = row[0]
         rows_by_interface.setdefault(interface_title, []).append(row)
     return list(chain.from_iterable(rows_by_interface.values()))
@@ -373,6 +374,7 @@ def _anchor_of_term(term: Term, page: _InterfacePage) -> str:
 def _has_section(page: _InterfacePage, section: str) -> bool:
     """Return whether an interface page has a section. Sections not in ``contents`` are on every page."""
     contents = {
+        # Only BiSS has control data.
         "control-data": getattr(page.interface, "control_data", ()),
         "procedures": page.device.procedures,
         "wiring": page.device.connectors,

@@ -102,6 +102,7 @@ def timing_rows(timings: tuple[Timing, ...]) -> Iterator[tuple[str, ...]]:
 def crc_rows(device: Device, crc: Crc) -> Iterator[tuple[str, str]]:
     """Yield the parameters, and the polynomial in every notation that masters expect."""
     with_top_bit = crc.poly_with_top_bit
+    # The notation with x^n, such as "x^6 + x + 1".
     yield "Polynomial", escape(crc.polynomial)
     yield "with its top bit", f"`0x{with_top_bit:X}` = {with_top_bit} = `{with_top_bit:b}b`"
     yield "without its top bit", f"`0x{crc.poly:02X}`"

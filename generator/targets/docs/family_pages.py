@@ -179,7 +179,8 @@ def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
         yield "Read the position", ", ".join(frame_links)
     yield "Check whether the position is usable", link("usable or not", verdict_page.file_name(device))
     for section, task in _TASKS_BY_SECTION.items():
-        if section_links := list(_section_links(device, section)):
+        section_links = list(_section_links(device, section))
+        if section_links:
             yield task, ", ".join(section_links)
     for procedure in device.procedures:
         yield escape(procedure.title), page_links.link_to_procedure(device, procedure)
@@ -188,7 +189,8 @@ def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
         yield escape(manual_procedure.title), link("by hand", f"{device.name}/hardware.md#{anchor_of_steps}")
     if device.characteristics:
         yield "Mount it, look up its limits", link("mounting and characteristics", f"{device.name}/hardware.md")
-    if master_links := masters_page.page_links(device):
+    master_links = masters_page.page_links(device)
+    if master_links:
         yield "Set up a BiSS or SSI master", "master settings: " + ", ".join(master_links)
 
 

@@ -214,6 +214,7 @@ def byte_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
     is_low_byte_first = placed_layout.layout.byte_order == "low_byte_first"
     byte_rows = []
     descriptions = []
+    # ``byte_low`` is the lowest bit of the byte in the number that the frame forms.
     for index, byte_low in enumerate(_lowest_bits(placed_layout.bits, is_low_byte_first)):
         boxes = tuple(_box_in_byte(run, byte_low) for run in runs if run.is_in_byte(byte_low))
         byte_rows.append(ByteRow(f"byte {index}", boxes))

@@ -283,15 +283,16 @@ class Decoder:
 
         The last one is for the unused bits, if the class has an attribute for them.
         """
+        # A variable with the name of the attribute needs no comment.
         decoded = DecodedValues(values=[(name, "") for name, _ in encoder_and_answers])
         for part in self.codec.parts:
             self._add_values(part, decoded)
         if self.codec.reserved:
-            decoded.values.append(
-                (str(self.read.differing_unused_bits()), "unused, 1 where a bit differs from the manual")
-            )
+            differing_bits = str(self.read.differing_unused_bits())
+            decoded.values.append((differing_bits, "unused, 1 where a bit differs from the manual"))
         elif self.codec.keeps_others:
-            decoded.values.append((str(self.read.bits_without_field()), "unused, all other bits"))
+            other_bits = str(self.read.bits_without_field())
+            decoded.values.append((other_bits, "unused, all other bits"))
         return decoded
 
     def _add_values(self, part: Part, decoded: DecodedValues) -> None:

@@ -127,10 +127,9 @@ class Variants:
         names_in_measurement = parameters_in_measurement(self.device)
         for parameter in self.device.parameters:
             if parameter.equals is not None and parameter.name not in names_in_measurement:
+                attribute_name = self.context.parameters[parameter.name]
                 meaning = docstrings.of_parameter(self.device, parameter)
-                derived.append(
-                    (self.context.parameters[parameter.name], meaning, self._scope.expression_of(parameter.equals))
-                )
+                derived.append((attribute_name, meaning, self._scope.expression_of(parameter.equals)))
         return derived
 
     # -- units of positions
