@@ -54,9 +54,9 @@ def residual_of(crc: Crc, bits: int) -> Residual:
     missed_pairs = pairs_by_remainder[0]
     # In each missed triple, any of the three pairs cancels the third bit.
     missed_triples = sum(pairs_by_remainder[remainder] for remainder in remainders) // 3
-    # Each missed four consists of two pairs with the same remainder in three ways. These pairs have no common bit.
-    twice_missed_fours = [number_of_pairs * (number_of_pairs - 1) for number_of_pairs in pairs_by_remainder.values()]
-    missed_fours = sum(twice // 2 for twice in twice_missed_fours) // 3
+    # Each missed four consists of two pairs with the same remainder in three ways. Such pairs have no common bit,
+    # unless the CRC also misses pairs, which then decide.
+    missed_fours = sum(comb(number_of_pairs, 2) for number_of_pairs in pairs_by_remainder.values()) // 3
     for distance, missed in ((2, missed_pairs), (3, missed_triples), (4, missed_fours)):
         if missed:
             return Residual(bits=bits, distance=distance, missed=missed)

@@ -194,7 +194,7 @@ class Decoder:
         (byte,) = bytes_of_pieces
         mask = 0
         expected_value = 0
-        # The constants in it have been checked, so that including them makes no difference, but fewer masks.
+        # The constants in it have been checked. With them, a byte without other bits needs no mask.
         for constant in _constant_bytes(self.plan.checks):
             if constant.byte == byte:
                 mask = constant.mask

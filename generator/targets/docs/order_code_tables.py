@@ -343,7 +343,7 @@ def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
     flags_by_label: dict[str, list[tuple[str, str]]] = {}
     for placed_field in placed_layout.fields:
         flag = (code(placed_field.name), _place(placed_field, placed_layout))
-        # The bits of an active flag, or the documented ones of unused bits: ``0``, ``1`` or several.
+        # The active level of a flag, or what differs from the manual: ``0`` or ``1`` for a single unused bit.
         level = deciding_bits(placed_field.field)
         if isinstance(meaning_of(placed_field.field), Active):
             flags_by_label.setdefault(f"Active at {level}", []).append(flag)

@@ -259,13 +259,8 @@ def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
             Part(Trace.EITHER, width=repetition_width, label=name, fill="choice") for name in ("1st", "2nd")
         )
         # Both lines end 490 pixels after the request.
-        master += [
-            Part(Trace.UP, width=270),
-            first,
-            Part(Trace.UP, width=repetition_width),
-            second,
-            Part(Trace.GAP, width=40),
-        ]
+        pause_part = Part(Trace.UP, width=repetition_width)
+        master += [Part(Trace.UP, width=270), first, pause_part, second, Part(Trace.GAP, width=40)]
         encoder.append(Part(Trace.UP, width=240))
         spans = (Span(start=first_repetition_end, end=first_repetition_end + repetition_width, label=pause),)
         description += f" {pause.capitalize()}."

@@ -161,8 +161,8 @@ class Reader:
         """Return a number with the same parity as the bits of these fields, or as those in the mask ``counted``.
 
         For fields at fixed places in a word, it is the word with all other bits cleared, such as ``word & 0xFF3``. In
-        other cases it is the XOR of the fields, such as ``number ^ (word & 0x3)``. ``counted`` is a mask of this XOR,
-        or 0 if all bits count.
+        other cases it is the XOR of the fields, such as ``data[0] ^ data[2]``. ``counted`` is a mask of this XOR, or 0
+        if all bits count.
         """
         are_at_fixed_places = self.codec.by_word and all(bits.are_fixed for bits in parts)
         if not counted and are_at_fixed_places:
@@ -196,7 +196,7 @@ class Reader:
     def differing_unused_bits(self) -> Expr:
         """Return the unused bits that differ from the manual, each at its position in the attribute ``unused``.
 
-        An example is ``b1 & 0x0C | (b2 & 0x01) << 4``.
+        An example is ``b1 & 0xC | (b2 & 0x1) << 4``.
         """
         # The byte of the bits of a word is None.
         fixed_bits = sorted(moved_bits(self.codec), key=lambda bits: (bits.byte or 0, bits.shift))
@@ -222,7 +222,7 @@ class Reader:
     def _unused_at_fixed_place(self, bits: ShiftedBits) -> Expr:
         """Return the differing bits among those of the word, or of a byte, that are shifted by the same distance.
 
-        An example is ``(b1 & 0x0C ^ 0x04) << 4``, where ``0x04`` is the value in the manual.
+        An example is ``(b1 & 0xC ^ 0x4) << 4``, where ``0x4`` is the value in the manual.
         """
         source = Atom(self.source) if bits.byte is None else self._byte_variable(bits.byte)
         # Bits with a negative shift move to the left. One of these distances is 0.

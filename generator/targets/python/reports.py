@@ -109,7 +109,7 @@ class FrameReports:
     def _conditions_of_causes(self, causes: Sequence[VerdictCause]) -> list[str]:
         """Return a condition for each flag and each match of values, and one for all unused bits.
 
-        An example is ``["self.error", "(self.mode == 3 and self.ready)", "self.unused & 0x0C"]``.
+        An example is ``["self.error", "(self.mode == 3 and self.ready)", "self.unused & 0xC"]``.
         """
         conditions = []
         reserved_causes = []
@@ -157,7 +157,7 @@ class FrameReports:
         return conditions
 
     def _differs_in(self, reserved: Sequence[Reserved]) -> Expr:
-        """Return the condition that any of these unused bits differs from the manual, such as ``self.unused & 0x0C``.
+        """Return the condition that any of these unused bits differs from the manual, such as ``self.unused & 0xC``.
 
         If these are all unused bits of the frame, the condition is ``self.unused``.
         """
