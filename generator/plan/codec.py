@@ -100,12 +100,12 @@ class Codec:
         if self.gray is not None:
             expressions.append(self.gray.excess)
         # All answers to a question set the same parameters, which the caller passes.
-        answered = {name for alternative in self.alternatives for name in alternative.answers[0].sets}
-        return any(not answered.issuperset(expression.parameters) for expression in expressions)
+        answered_names = {name for alternative in self.alternatives for name in alternative.answers[0].sets}
+        return any(not answered_names.issuperset(expression.parameters) for expression in expressions)
 
     @property
     def from_low(self) -> range:
-        """Indices of the bytes in the frame, least significant byte first: 0, 1, ... if the low byte is sent first."""
+        """Indices of the bytes in the frame, least significant byte first: 0, 1, 2 if the low byte is sent first."""
         return range(self.length) if self.layout.byte_order == "low_byte_first" else range(self.length - 1, -1, -1)
 
     def faults(self) -> tuple[Fault, ...]:
@@ -232,10 +232,12 @@ def _bits_at_end(layout: Layout, width: int) -> Bits:
     low = layout.bits - Expression(width) if low_byte_first else Expression(0)
     byte_count = layout.widest // 8
     pieces = []
-    for low_in_crc in range(0, width, 8) if layout.in_bytes else ():
+    starts_of_bytes = range(0, width, 8) if layout.in_bytes else ()
+    for low_in_crc in starts_of_bytes:
         byte = byte_count - (width - low_in_crc) // 8 if low_byte_first else byte_count - 1 - low_in_crc // 8
-        low_bits = (1 << min(8, width - low_in_crc)) - 1
-        pieces.append(Piece(byte=byte, low_in_byte=0, mask=low_bits, low_in_number=low_in_crc))
+        bits_in_byte = min(8, width - low_in_crc)
+        mask = (1 << bits_in_byte) - 1
+        pieces.append(Piece(byte=byte, low_in_byte=0, mask=mask, low_in_number=low_in_crc))
     return _locate_bits(layout, low, Expression(width), width, tuple(pieces))
 
 
@@ -278,7 +280,7 @@ def _checks_of_constants_and_parity(layout: Layout, by_word: bool) -> Iterator[C
 
 def _zeros_above(layout: Layout, padded_field: Field, padding: Field) -> ZerosAbove:
     """Return the check that the bits above a field are 0, in its own bytes and in those that only the padding has."""
-    # Without the bytes that the field never occupies.
+    # The pieces of ``bits`` lack the bytes that contain only padding.
     bits = bits_of(layout, padded_field)
     bytes_of_padding = tuple(piece for piece in padded_field.pieces if piece not in bits.pieces)
     return ZerosAbove(padded_field, padding, bits, bytes_of_padding)
@@ -324,7 +326,8 @@ def allowed_values(layout: Layout, field: Field) -> tuple[int, ...]:
     else:
         valid_values = dict.fromkeys(named_value.value for named_value in field.values)
     # Each value fits in the bits, so if there are as many values as codes, every code is valid.
-    has_all_values = field.width.is_constant and len(valid_values) == 1 << field.widest
+    number_of_codes = 1 << field.widest
+    has_all_values = field.width.is_constant and len(valid_values) == number_of_codes
     return () if has_all_values else tuple(valid_values)
 
 
@@ -426,13 +429,10 @@ def moved_bits(codec: Codec) -> tuple[ShiftedBits, ...]:
             continue
         for bits in _shifted_bits(reserved, codec.by_word):
             byte_and_shift = (bits.byte, bits.shift)
-            earlier_bits = bits_by_shift.get(byte_and_shift)
-            if earlier_bits is None:
-                bits_by_shift[byte_and_shift] = bits
-            else:
-                mask = earlier_bits.mask | bits.mask
-                value = earlier_bits.value | bits.value
-                bits_by_shift[byte_and_shift] = replace(bits, mask=mask, value=value)
+            earlier_bits = bits_by_shift.get(byte_and_shift, bits)
+            mask = earlier_bits.mask | bits.mask
+            value = earlier_bits.value | bits.value
+            bits_by_shift[byte_and_shift] = replace(bits, mask=mask, value=value)
     return tuple(bits_by_shift.values())
 
 

@@ -35,15 +35,17 @@ class Residual:
 
 
 def residual_of(crc: Crc, bits: int) -> Residual:
-    """Return what ``crc`` misses in a frame of ``bits`` bits, including the CRC itself.
+    """Return the errors that ``crc`` misses in a frame of ``bits`` bits, including the CRC itself.
 
     Start value, final XOR and order of the bits do not matter, since they are the same in the frame that was sent and
     in the one that was received.
     """
-    remainders = []  # The remainder of an error in each single bit, lowest bit first.
+    # The remainder of an error in each single bit, lowest bit first.
+    remainders = []
     remainder = 1
     for _ in range(bits):
         remainders.append(remainder)
+        # The next bit has twice the remainder, reduced by the polynomial if it has too many bits.
         remainder <<= 1
         if remainder >> crc.width:
             remainder ^= crc.poly_with_top_bit
@@ -52,8 +54,9 @@ def residual_of(crc: Crc, bits: int) -> Residual:
     missed_pairs = pairs_by_remainder[0]
     # In each missed triple, any of the three pairs cancels the third bit.
     missed_triples = sum(pairs_by_remainder[remainder] for remainder in remainders) // 3
-    # Each missed four consists of two pairs with the same remainder in three ways.
-    missed_fours = sum(count * (count - 1) // 2 for count in pairs_by_remainder.values()) // 3
+    # Each missed four consists of two pairs with the same remainder in three ways. Such pairs have no common bit,
+    # unless the CRC also misses pairs, which then decide.
+    missed_fours = sum(comb(number_of_pairs, 2) for number_of_pairs in pairs_by_remainder.values()) // 3
     for distance, missed in ((2, missed_pairs), (3, missed_triples), (4, missed_fours)):
         if missed:
             return Residual(bits=bits, distance=distance, missed=missed)
@@ -114,16 +117,23 @@ def fold_plan(width: int, poly: int, bits: int) -> tuple[FoldStep, ...]:
     plans with the same number of steps, the function chooses the one that reaches 32 bits soonest, and then the one
     with the smallest powers, since a short mask is a cheaper constant.
     """
-    middle_exponent = (poly & ~1).bit_length() - 1 if poly & ~1 else 0
+    # The m of x^m, or 0 for x^n + 1. ``poly`` has the terms below x^n.
+    terms_above_one = poly & ~1
+    middle_exponent = terms_above_one.bit_length() - 1 if terms_above_one else 0
 
     @cache
     def cheapest_plan(bits_left: int) -> tuple[int, int, int, tuple[int, ...]]:
-        """Return the number of steps, of those with results above 32 bits, the sum of the k, and the k of each step."""
+        """Return the number of steps, of those with results above 32 bits, the sum of the k, and the k of each step.
+
+        The smallest of such tuples is the cheapest plan.
+        """
         if bits_left <= width:
             return 0, 0, 0, ()
         plans = []
         for k in range((bits_left - 1).bit_length()):
-            shift, second_shift = width << k, middle_exponent << k
+            # n*2^k and m*2^k.
+            shift = width << k
+            second_shift = middle_exponent << k
             if shift < bits_left:
                 next_bits = max(shift, bits_left - shift + second_shift)
                 steps, wide_steps, sum_of_k, later_k = cheapest_plan(next_bits)
@@ -218,12 +228,14 @@ def crc_functions(device: Device) -> Iterator[CrcFunction]:
 
 def function_of(device: Device, layout: Layout, crc: Crc) -> CrcFunction:
     """Return the function for a CRC at the end of a layout, which must be a CRC of the family."""
-    functions = (function for function in crc_functions(device) if function.carrier is carrier_of(layout))
+    carrier = carrier_of(layout)
+    functions = (function for function in crc_functions(device) if function.carrier is carrier)
     return next(function for function in functions if function.crc == crc)
 
 
 def can_be_folded(crc: Crc) -> bool:
     """Return whether a word with this CRC can be reduced to its remainder without a table."""
+    # The polynomial is x^n + x^m + 1 or x^n + 1. ``poly`` lacks the x^n.
     has_two_or_three_terms = bool(crc.poly & 1) and crc.poly.bit_count() <= 2
     is_plain = crc.init == 0 and not crc.refin and not crc.refout
     return has_two_or_three_terms and is_plain and not crc.is_xor

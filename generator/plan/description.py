@@ -247,7 +247,10 @@ def _constant_ones(codec: Codec) -> Iterator[tuple[Place, int]]:
 
 
 def _describe_column(field: Field, is_power: bool) -> Column:
-    """Return a field with the operation that converts its bits. ``kind`` names it, and 0 may stand for a number."""
+    """Return a field with the operation that converts its bits, which ``kind`` names: ``signed``, ``flag`` and so on.
+
+    ``is_power`` is true if its number must be a power of two. ``zero_means`` is the number for which 0 is sent.
+    """
     column = Column(Name(field.name), field.low, field.width, power_of_two=is_power, scale=field.scale)
     match meaning_of(field):
         case Raw():
@@ -293,6 +296,8 @@ def _describe_check(check: PlannedCheck) -> Check:
 
 
 def _describe_join(joined_number: JoinedNumber) -> Join:
+    """Return a number made of several fields as data: ``(("angle", 0), ("turns", 12))`` are its fields."""
+    # ``low`` is the position of the field's lowest bit in the number.
     fields_from_low = tuple((Name(field.name), low) for field, low in joined_number.from_low)
     return Join(name=Name(joined_number.join.name), fields=fields_from_low)
 
@@ -343,7 +348,7 @@ def _describe_report_cause(report_cause: reports.ReportCause) -> DescribedReport
 
 
 def _verdict_by_answer(field: Field) -> Answered | None:
-    """Return the verdict of a flag that depends on an answer of the user, or None if it does not."""
+    """Return the verdict of a flag while the parameter of an answer is not 0, or None if no answer decides it."""
     match field.kind:
         case Flag(verdict_parameter=parameter, verdict_if_set=verdict) if verdict is not None:
             return Answered(parameter, verdict)
@@ -352,7 +357,7 @@ def _verdict_by_answer(field: Field) -> Answered | None:
 
 
 def _find_reserved_mask(cause: verdicts.Cause) -> int:
-    """Return the mask of reserved bits in the number made of all of them, or 0 for any other cause."""
+    """Return the mask of reserved bits in ``unused``, the number made of all of them, or 0 for any other cause."""
     return cause.mask if isinstance(cause, Reserved) else 0
 
 

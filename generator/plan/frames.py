@@ -127,6 +127,7 @@ def reply_to_data_id(interface: Rs485, data_id: int) -> Layout | None:
     for dispatch in dispatches(interface.layouts):
         if dispatch.sender != "encoder":
             continue
+        # The selector of a reply is the data ID of its request.
         for branch in dispatch.branches:
             if data_id in branch.values:
                 return branch.layout
@@ -163,7 +164,8 @@ def exchanges(interface: Interface) -> tuple[Exchanged, ...]:
 def _exchange_with_frames(exchange: Exchange, request: Layout, reply: Layout | None) -> Exchanged:
     """Return the exchange with its frames.
 
-    The reply repeats the first byte of the request if the same constants and fields have the same bits in both.
+    The reply repeats the first byte of the request if the same constants and fields have the same bits in both. An
+    example is a byte with a constant command in its upper half and the address in its lower half.
     """
     first_byte_of_request = _contents_of_first_byte(request)
     first_byte_of_reply = _contents_of_first_byte(reply) if reply is not None else frozenset()
@@ -201,7 +203,8 @@ def _contents_of_first_byte(layout: Layout) -> frozenset[_ContentOfBits]:
                 )
                 contents.append(content_of_bits)
     known_bits = sum(content_of_bits.mask.bit_count() for content_of_bits in contents)
-    return frozenset(contents) if known_bits == 8 else frozenset()
+    is_whole_byte_known = known_bits == 8
+    return frozenset(contents) if is_whole_byte_known else frozenset()
 
 
 #: Before the start bit of a BiSS frame come two idle clocks, the acknowledge and the line delay. No manual states how
@@ -240,12 +243,13 @@ def received_sizes(device: Device, interface: Interface) -> Iterator[FrameSize]:
     if bits_around is None:
         return
     register_parameters = {parameter.name for parameter in device.set_parameters if parameter.register}
-    frame = channel_frame(interface)
+    frame_of_channels = channel_frame(interface)
     for layout in interface.layouts:
         if layout.sender != "encoder":
             continue
         # A buffer for a data channel holds all channels of its frame.
-        whole = frame if frame is not None and layout in frame.layouts else layout
+        is_channel = frame_of_channels is not None and layout in frame_of_channels.layouts
+        whole = frame_of_channels if frame_of_channels is not None and is_channel else layout
         length_parameters = device.needed_parameters(whole.bits.parameters)
         depends_on_registers = not length_parameters.isdisjoint(register_parameters)
         # All answers to a question set the same parameters.
@@ -256,13 +260,13 @@ def received_sizes(device: Device, interface: Interface) -> Iterator[FrameSize]:
         for variant, (answers, answered_parameters) in product(
             device.variants_over(interface.name), choices(questions)
         ):
-            length_in_bits = layout.sent_bits.value({**variant.parameters, **answered_parameters})
-            whole_bits = whole.sent_bits.value({**variant.parameters, **answered_parameters})
+            parameters = {**variant.parameters, **answered_parameters}
+            whole_bits = whole.sent_bits.value(parameters)
             highest_bits = whole.widest if depends_on_registers else whole_bits
             yield FrameSize(
                 variant=variant,
                 layout=layout,
-                bits=length_in_bits,
+                bits=layout.sent_bits.value(parameters),
                 bytes=(bits_around + highest_bits + 7) // 8,  # rounded up
                 depends_on_registers=depends_on_registers,
                 answers=answers,
@@ -374,8 +378,11 @@ def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
     if isinstance(meaning, ZeroMeans):
         lowest_of_bits = 1
         highest_of_bits = max(highest_of_bits, meaning.number)
-    low = parameter.min if parameter.min is not None and parameter.min > lowest_of_bits else None
-    high = parameter.max if parameter.max is not None and parameter.max < highest_of_bits else None
+    # The bits can have values outside these limits.
+    is_low_binding = parameter.min is not None and parameter.min > lowest_of_bits
+    is_high_binding = parameter.max is not None and parameter.max < highest_of_bits
+    low = parameter.min if is_low_binding else None
+    high = parameter.max if is_high_binding else None
     return HeldParameter(
         parameter=parameter,
         field=field,

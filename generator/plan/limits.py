@@ -53,7 +53,9 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
     member = limited_member(register)
     fields = _limited_fields(register.layout, member)
     is_join = any(join.name == member for join in register.layout.joins)
+    # A join is unsigned, even if one of its fields is signed.
     signed = not is_join and any(field.number.signed for field in fields)
+    # Without a limited field or join, the limits apply to the number in the whole register.
     width = register.layout.bits
     if fields:
         width = sum((field.width for field in fields), Expression(0))
@@ -84,6 +86,7 @@ class _RepresentableRange(NamedTuple):
 
 
 def _representable_range(width: Expression, signed: bool, parameters: Mapping[str, int]) -> _RepresentableRange:
+    """Return the numbers that fit in a width for one order code, such as 0 to 4095, or -2048 to 2047 if signed."""
     bits = width.value(parameters)
     if signed:
         return _RepresentableRange(parameters, lowest=-(1 << (bits - 1)), highest=(1 << (bits - 1)) - 1)
@@ -110,7 +113,10 @@ def _depends_on_registers(device: Device, limit: Expression) -> bool:
 
 
 def _limited_fields(layout: Layout, member: str) -> list[Field]:
-    """Return the fields of the limited join, or the limited field, or none if the limits apply to the register."""
+    """Return the fields of the limited join, or the limited field, or none if the limits apply to the register.
+
+    ``member`` is the name of that join or field, or empty.
+    """
     for join in layout.joins:
         if join.name == member:
             return [layout.field(name) for name in join.fields]
@@ -122,7 +128,8 @@ def limited_member(register: Register) -> str:
     layout = register.layout
     if register.limits_of in layout.member_names:
         return register.limits_of
-    return layout.fields[0].name if len(layout.fields) == 1 else ""
+    has_single_field = len(layout.fields) == 1
+    return layout.fields[0].name if has_single_field else ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,10 +263,11 @@ def outside(codec: Codec, limits: Limits) -> OutsideLimits | None:
     if not limits.member:
         return None
     bounds = limits.binding
+    minimum_of_1 = ("min", Expression(1))
     for part in codec.parts:
         rejects_zero = bool(part.field.number.zero_means) or part.field.number.power_of_two
         if part.field.name == limits.member and rejects_zero:
-            bounds = tuple(bound for bound in bounds if bound != ("min", Expression(1)))
+            bounds = tuple(bound for bound in bounds if bound != minimum_of_1)
     return OutsideLimits(limits.member, bounds) if bounds else None
 
 

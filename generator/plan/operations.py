@@ -60,8 +60,10 @@ class ZerosAbove:
     @property
     def may_reach(self) -> bool:
         """True if there are bits above the field in the bytes that it occupies."""
-        reached = self.field.container - 8 * len(self.beyond)
-        return reached > (self.field.widest if self.bits.width.is_constant else 0)
+        bits_of_occupied_bytes = self.field.container - 8 * len(self.beyond)
+        # A field whose width depends on the order code may leave any of them.
+        always_occupied_bits = self.field.widest if self.bits.width.is_constant else 0
+        return bits_of_occupied_bytes > always_occupied_bits
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,9 +159,8 @@ class FrameCrc:
     """A CRC at the end of a frame.
 
     It covers ``covered`` bits, starting at bit ``low``, which is everything before the CRC unless ``is_part`` is true.
-    ``divides`` is true if the polynomial divides every valid word
-    once the final XOR is removed. ``steps``, if any, then reduce the word without a table. If only some order codes
-    have it, ``bits`` is its place in their frames.
+    ``divides`` is true if the polynomial divides every valid word once the final XOR is removed. ``steps``, if any,
+    then reduce the word without a table. If only some order codes have it, ``bits`` is its place in their frames.
     """
 
     crc: Crc
@@ -179,6 +180,7 @@ class FrameCrc:
     @property
     def gap(self) -> int:
         """Number of bits between those that it covers and the CRC."""
+        # The CRC is at bit 0, below the bits that it covers.
         return self.low - self.crc.width
 
     @property

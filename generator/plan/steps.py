@@ -396,7 +396,6 @@ def _written_value(register: Register, step: WriteStep, argument: Argument | Non
 
 
 def _argument_of_source(value: Source) -> Argument | None:
-    """Return the argument that a step writes, or None for a fixed number."""
     return None if isinstance(value, FixedNumber) else value.argument
 
 
@@ -406,7 +405,8 @@ def _checked_argument(device: Device, argument: Argument, writes: Sequence[Write
     refusals: list[ArgumentRefusal] = []
     for write in writes_of_argument:
         # An argument that is written to the same register twice is checked only once.
-        refusals += [refusal for refusal in _argument_refusals(device, write, argument) if refusal not in refusals]
+        new_refusals = _argument_refusals(device, write, argument)
+        refusals += [refusal for refusal in new_refusals if refusal not in refusals]
     return CheckedArgument(argument=argument, written=writes_of_argument, refusals=tuple(refusals))
 
 

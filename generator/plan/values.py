@@ -41,8 +41,13 @@ def by_interface(device: Device, value: Callable[[Interface], T | None]) -> Case
             interfaces_by_value.setdefault(interface_value, []).append(interface.name)
             values_in_total += 1
     cases = [(case_value, tuple(names)) for case_value, names in interfaces_by_value.items()]
-    cases.sort(key=lambda case: len(case[1]))  # by the number of interfaces
+    cases.sort(key=_number_of_interfaces)
     return Cases(cases=tuple(cases), everywhere=values_in_total == len(device.interfaces))
+
+
+def _number_of_interfaces(value_with_interfaces: tuple[object, tuple[str, ...]]) -> int:
+    _, interface_names = value_with_interfaces
+    return len(interface_names)
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +99,7 @@ def position_ranges(device: Device, interface: Interface) -> tuple[PositionRange
 def _position_range(measurement: Measurement, layout: Layout) -> PositionRange:
     """Return the range of the position in one layout, which the layout can narrow."""
     own_range = layout.position_range
+    # A position that is a join has no field of this name, and is unsigned.
     signed_fields = [field for field in layout.fields if field.name == measurement.of and field.number.signed]
     return PositionRange(
         measurement=measurement.within(own_range),
@@ -132,8 +138,10 @@ def _equals_quantity(device: Device, parameter: Parameter) -> bool:
     It must equal the same of these two for all of them. Order codes without the parameter, or without a number of
     counts, are ignored.
     """
-    equal_in_all: set[str] | None = None  # Quantities that equal the parameter for all order codes so far.
+    # Quantities that equal the parameter for all order codes so far. None before the first of them.
+    equal_in_all: set[str] | None = None
     for variant in device.variants:
+        # Without an interface, the parameter belongs to all of them.
         if parameter.interface not in ("", variant.interface):
             continue
         parameter_value = variant.parameters.get(parameter.name)
@@ -145,11 +153,13 @@ def _equals_quantity(device: Device, parameter: Parameter) -> bool:
         if len(position_ranges(device, device.interface(variant.interface))) > 1:
             return False
         # The order code alone does not determine the quantity.
-        if any(name not in variant.parameters for factor in factors for name in factor.parameters):
+        needed_names = {name for factor in factors for name in factor.parameters}
+        if not needed_names <= variant.parameters.keys():
             return False
         equal_quantities: set[str] = set()
         total = prod(factor.value(variant.parameters) for factor in factors)
-        counts_per_turn = total  # without revolutions
+        # Without revolutions, the one quantity is the other.
+        counts_per_turn = total
         if measurement.counts_per_turn is not None:
             counts_per_turn = measurement.counts_per_turn.value(variant.parameters)
         if parameter_value == counts_per_turn:

@@ -191,6 +191,7 @@ def _verdict_by_answer(flag: Flag) -> Iterator[tuple[Verdict, Only | None]]:
     if flag.verdict_if_set is None:
         yield flag.makes_position, None
         return
+    # The answer sets this parameter to 1 or 0.
     yield flag.makes_position, Only(flag.verdict_parameter, holds=False)
     yield flag.verdict_if_set, Only(flag.verdict_parameter, holds=True)
 
@@ -211,7 +212,7 @@ def _always_leads_to(part: Part, verdict: Verdict, parts: Mapping[str, Part]) ->
 
 
 def verdict_of(field: Field) -> Verdict | None:
-    """Return the verdict on the position while a flag is active or unused bits differ.
+    """Return the verdict on the position while a flag is active or unused bits differ from the manual.
 
     Return None for all other fields, and for those in a frame without the position.
     """
@@ -234,7 +235,7 @@ def by_order_code(field: Field) -> Iterator[tuple[Field, Only | None]]:
     """Yield the field with the order codes for which it applies, or with None for all of them.
 
     If the manual explains a flag only for some order codes, yield it with these, and then the unexplained flag with the
-    others.
+    others: ``overheat`` and ``overheat_unexplained``.
     """
     match field.kind:
         case Flag(only_while=parameter, only=codes) if parameter:
@@ -374,7 +375,7 @@ def _reported_fields(device: Device) -> list[_ReportedField]:
     unexplained_fields: list[_ReportedField] = []
     for interface, layout in _sent_layouts(device):
         for field, only in _fields_by_code(layout):
-            reported_field = _ReportedField(interface.name, layout.name, field)
+            reported_field = _ReportedField(interface=interface.name, frame=layout.name, field=field)
             # ``holds`` is true for the order codes for which the manual explains the flag.
             if only is None or only.holds:
                 explained_fields.append(reported_field)

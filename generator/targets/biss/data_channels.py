@@ -40,9 +40,12 @@ def ascii_only(text: object) -> str:
 def comment_text(text: object) -> Markup:
     """Return ``text`` for a comment, without double hyphens, which would end it."""
     comment_line = ascii_only(text)
+    # Of three hyphens, one pass leaves two next to each other.
     while "--" in comment_line:
         comment_line = comment_line.replace("--", "- -")
-    return Markup(comment_line + " " if comment_line.endswith("-") else comment_line)
+    if comment_line.endswith("-"):
+        comment_line += " "
+    return Markup(comment_line)
 
 
 def comment(text: object, indent: str) -> Markup:
@@ -74,8 +77,9 @@ def _wrapped_lines(paragraph: str, width: int) -> Sequence[str]:
 
 
 def ascii_text(text: object) -> Markup:
-    """Return ``text`` for an element, in ASCII and with character references."""
-    return Markup(str(escape(without_invalid_characters(plain(text)))).encode("ascii", "xmlcharrefreplace").decode())
+    """Return ``text`` for an element, in ASCII, with character references such as ``&#176;`` for other characters."""
+    escaped_text = str(escape(without_invalid_characters(plain(text))))
+    return Markup(escaped_text.encode("ascii", "xmlcharrefreplace").decode())
 
 
 @dataclass(frozen=True)
@@ -100,7 +104,10 @@ class Node:
 def channels_by_length(
     device: Device, layout: Layout, ids: tuple[IdBits, ...], lengths: Sequence[DataLength]
 ) -> tuple[Node, ...]:
-    """Return the element with the data length, or an empty tuple unless all order codes have the same length."""
+    """Return the element with the data length, or an empty tuple unless all order codes have the same length.
+
+    ``ids`` are the bits that identify the encoder. ``lengths`` can have several entries with the same number of bits.
+    """
     if _number_of_lengths(lengths) != 1:
         return ()
     channel = Node(
@@ -171,7 +178,8 @@ def master_settings(
 ) -> str:
     """Return the other master settings as the lines of a comment.
 
-    ``crc`` is None if order codes differ in it. Each length then states its own CRC.
+    ``crc`` is None if order codes differ in it. Each length then states its own CRC. ``ids`` are the bits of registers
+    that identify the encoder. ``one_encoder`` is true if the file is for a single order code.
     """
     heading = "Further settings of the master:" if one_encoder else _first_settings_line(device, layout, lengths)
     lines = [heading, *_lengths_by_profile(device, lengths)]
@@ -202,7 +210,9 @@ def _length_line(length: DataLength) -> str:
 
 def _own_crc_text(device: Device, length: DataLength) -> str:
     """Return the end of the line of a length with its own CRC: ``, CRC of 6 bits, …`` or ``, without a CRC``."""
-    return f", CRC of {_crc_text(device, length.crc)}" if length.crc is not None else ", without a CRC"
+    if length.crc is None:
+        return ", without a CRC"
+    return f", CRC of {_crc_text(device, length.crc)}"
 
 
 def _codes_and_answers_text(length: DataLength) -> str:
@@ -248,6 +258,7 @@ def _one_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
 
     If the models differ in data length, the line also lists those whose length is the low byte of the profile ID.
     """
+    # The order codes by their profile ID.
     profiles = profile_ids(device)
     if len(profiles) != 1:
         return []
@@ -259,6 +270,7 @@ def _one_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
         low_byte = profile_id & 0xFF
         matching_encoders = [_codes_and_answers_text(length) for length in lengths if length.data_bits == low_byte]
         line += ", for all lengths"
+        # In some manuals, the low byte of a profile ID encodes the data length.
         if matching_encoders:
             line += f". Its low byte, {low_byte}, is the data length of {', '.join(matching_encoders)} only"
     return [line]
@@ -335,6 +347,7 @@ def _selected_code(device: Device, layout: Layout) -> str:
     """
     factory_codes = {_factory_code(variant, layout) for variant in device.variants_over(Biss.name)}
     factory_code = factory_codes.pop() if len(factory_codes) == 1 else "by order code"
+    # The numbers are in Gray code if the parameter ``gray_when`` is not 0. It can follow from others.
     deciding_parameters = device.needed_parameters([layout.gray_when])
     register_fields = []
     for parameter in device.run_time_parameters:

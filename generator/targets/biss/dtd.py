@@ -34,12 +34,13 @@ class _OneFile(etree.Resolver):
         A request consists of address, public ID and context. The published type stubs do not declare the context.
         """
         address, public_id, context = request
-        answer: Any = self.resolve_string
+        supply: Any = self.resolve_string
         if not self.answered:
             self.answered = True
-            return answer(self.text, context, base_url=self.path)
+            return supply(self.text, context, base_url=self.path)
+        # The first refused file is the one in the message.
         self.refused = self.refused or address or public_id or "another file"
-        return answer(b"", context)
+        return supply(b"", context)
 
 
 def read_dtd(path: Path) -> bytes:
@@ -90,4 +91,6 @@ def faults(document: str, name: str, dtd: bytes, dtd_name: str) -> list[str]:
         if logged.filename == dtd_name:
             raise DtdError(f"{dtd_name}:{logged.line}: {message}")
         located_messages.append(f"{name}:{logged.line}: {message}")
-    return located_messages or ([f"{name}: {syntax_error}"] if syntax_error else [])
+    if not located_messages and syntax_error:
+        return [f"{name}: {syntax_error}"]
+    return located_messages

@@ -146,10 +146,11 @@ def _encoder_xml(
     """Return the file of an order code with these answers to its open questions."""
     maker = device.manufacturer
     node = _device_element(_one_encoder(device, variant, decided), device_bits(device), one_encoder=True)
+    nodes = [node] if node is not None else []
     about = [f"{maker.title}: {variant.code}.", _ONE_ENCODER_NOTE]
     questions = {question.name: question for question in device.alternatives}
     about += [_about_answer(questions[name], answer) for name, answer in decided.items()]
-    return _render_identifier(maker, biss_id, about, [node] if node is not None else [], library)
+    return _render_identifier(maker, biss_id, about, nodes, library)
 
 
 def _encoder_name(variant: Variant, answers: Iterable[Answer]) -> str:
@@ -158,7 +159,10 @@ def _encoder_name(variant: Variant, answers: Iterable[Answer]) -> str:
 
 
 def _one_encoder(device: Device, variant: Variant, decided: Mapping[str, Answer]) -> Device:
-    """Return the device with one order code, and with one answer to each of the decided questions."""
+    """Return the device with one order code, and with one answer to each of the decided questions.
+
+    ``decided`` has the answer to each question, by the name of the question.
+    """
     alternatives = list(device.alternatives)
     for index, alternative in enumerate(alternatives):
         if alternative.name in decided:

@@ -38,11 +38,17 @@ class IdBits:
     @property
     def digits(self) -> str:
         """All bits as a binary literal with the prefix ``0b``."""
-        return f"0b{self.number:0{self.high - self.low + 1}b}"
+        return f"0b{self.number:0{self._width}b}"
 
     @property
     def hexadecimal(self) -> str:
-        return f"{self.number:0{(self.high - self.low + 4) // 4}X}h"
+        # A hexadecimal digit for each 4 bits, rounded up.
+        digits = (self._width + 3) // 4
+        return f"{self.number:0{digits}X}h"
+
+    @property
+    def _width(self) -> int:
+        return self.high - self.low + 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,13 +76,15 @@ class DataLength:
 
 def manufacturer_bits(biss_id: int) -> IdBits:
     """Return the manufacturer ID, which is often two ASCII characters."""
+    # A byte that is not ASCII becomes a sign that is not ASCII either.
     characters = biss_id.to_bytes(2, "big").decode("ascii", "replace")
+    is_text = characters.isprintable() and characters.isascii()
     return IdBits(
         high=_MANUFACTURER_BITS - 1,
         low=0,
         number=biss_id,
         what="64-bit identity: manufacturer ID, registers 7Eh and 7Fh",
-        text=characters if characters.isprintable() and characters.isascii() else "",
+        text=characters if is_text else "",
     )
 
 
@@ -90,12 +98,14 @@ def device_bits(device: Device) -> tuple[IdBits, ...]:
 
 def _holds_identity(register: Register) -> bool:
     """Return True for a BiSS register in 78h to 7Fh whose bytes are in the order of the 64-bit identity."""
-    ordered = register.length == 1 or register.byte_order == "high_byte_first"
-    return register.interface == Biss.name and register.address >= FIRST and register.last_address <= LAST and ordered
+    is_in_identity = register.address >= FIRST and register.last_address <= LAST
+    has_high_byte_first = register.length == 1 or register.byte_order == "high_byte_first"
+    return register.interface == Biss.name and is_in_identity and has_high_byte_first
 
 
 def _register_bits(register: Register) -> Iterator[IdBits]:
     """Yield the fixed bits of a register, at their places in the 64-bit identity."""
+    # The registers after this one have the lower bits of the identity.
     bits_below = 8 * (LAST - register.last_address)
     for field in register.layout.fields:
         number = _fixed_value(register.layout, field)
@@ -180,7 +190,8 @@ def profile_ids(device: Device) -> dict[int, tuple[str, ...]]:
     without a default, and without such a register with its high byte first.
     """
     registers = device.registers_over(Biss.name)
-    register = next((register for register in registers if register.address == PROFILE and register.length == 2), None)
+    profile_registers = (register for register in registers if register.address == PROFILE and register.length == 2)
+    register = next(profile_registers, None)
     if register is None or register.byte_order != "high_byte_first":
         return {}
     variants = device.variants_over(Biss.name)
@@ -215,10 +226,8 @@ def _data_length(
 ) -> DataLength:
     """Return the data and status bits of a placed frame, and its CRC. The CRC field counts as neither."""
     status_names = [field.name for field in placed_layout.layout.status_fields]
-    data_fields = [
-        field for field in placed_layout.fields if field != placed_layout.crc_field and field.name not in status_names
-    ]
-    data_widths = {field.name: field.width for field in data_fields}
+    fields_before_crc = [field for field in placed_layout.fields if field != placed_layout.crc_field]
+    data_widths = {field.name: field.width for field in fields_before_crc if field.name not in status_names}
     return DataLength(
         codes=order_codes,
         answers=answers,

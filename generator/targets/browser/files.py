@@ -134,6 +134,7 @@ def family_data(device: Device) -> Data:
     parameter_names = [parameter.name for parameter in device.parameters if parameter.equals is None]
     interface_names = [interface.name for interface in device.interfaces]
     held = [parameter for register in held_parameters(device) for parameter in register.parameters]
+    # Building the interfaces fills it, so that ``interfaces`` comes before ``shared``.
     shared = SharedParts()
     return without_empty(
         name=device.name,
@@ -224,8 +225,8 @@ def _crc_parameters(crc: Crc) -> Data:
 def _interface_data(device: Device, interface: Interface, shared: SharedParts) -> Data:
     """Return an interface with its frames and registers. Their parts are in ``shared``, and indexes in place of them.
 
-    ``exact`` has the senders whose frames differ in length, so that their bytes imply no leading zeros. ``told`` has
-    the selectors that distinguish frames.
+    ``exact`` has the senders whose frames differ in length: a number of bytes then stands for a frame of this length,
+    not for a longer one without its leading zeros. ``told`` has the selectors that distinguish frames.
     """
     reportings_by_name = {reporting.codec.layout.name: reporting for reporting in reportings(device)}
     frames: list[Data] = []
@@ -422,8 +423,12 @@ def _family_data(device: Device, library: Library, options: Options) -> Data:
 
 
 def sha256(part: str) -> str:
-    """Return the source expression for a Content-Security-Policy that allows this inline part of a page."""
-    return f"sha256-{base64.b64encode(hashlib.sha256(part.encode()).digest()).decode()}"
+    """Return the source expression for a Content-Security-Policy that allows this inline part of a page.
+
+    It is the hash of the part in Base64, such as ``sha256-47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU=``.
+    """
+    digest = hashlib.sha256(part.encode()).digest()
+    return f"sha256-{base64.b64encode(digest).decode()}"
 
 
 TEMPLATES = Templates(

@@ -135,8 +135,10 @@ class SharedParts:
 
     def _index_of_part(self, part: Data) -> int:
         """Return the index of a part, which is added unless there is an equal one. Equal parts have the same JSON."""
-        index = self._indexes.setdefault(script_json(part), len(self.parts))
-        if index == len(self.parts):
+        next_index = len(self.parts)
+        index = self._indexes.setdefault(script_json(part), next_index)
+        is_new = index == next_index
+        if is_new:
             self.parts.append(part)
         return index
 
@@ -151,12 +153,13 @@ def channel_data(device: Device, interface: Interface) -> Data:
     if frame is None:
         return {}
     has_position = [device.sends_position(interface.name, layout) for layout in frame.layouts]
+    index_of_position = has_position.index(True)
     return without_empty(
         order=[interface.layouts.index(layout) for layout in frame.layouts],
         compared=[[frame.layouts.index(field.layout), field.name] for field in frame.compared],
         compared_bits=optional_expression_data(frame.compared_bits if frame.compared else None),
         tolerance=frame.tolerance,
-    ) | {"position": has_position.index(True)}
+    ) | {"position": index_of_position}
 
 
 def frame_data(device: Device, interface: str, layout: Layout, reporting: Reporting | None) -> Data:
@@ -320,7 +323,8 @@ def _documented_value(field: Field) -> Any:
     value = field.equals
     if value is None or isinstance(value, str):
         return value
-    return [expression_data(value if isinstance(value, Expression) else Expression(value))]
+    expression = value if isinstance(value, Expression) else Expression(value)
+    return [expression_data(expression)]
 
 
 def _encoding_data(value: object) -> Data:

@@ -49,8 +49,10 @@ _PLACE = 30
 
 def _paragraphs_with_heading(name: str, items: Iterable[Statement]) -> list[Paragraph]:
     """Return the statements, with the name before the first one. Without statements, it is the name alone."""
-    lines = list(map(HEADER_STYLE.sentence, items))
-    return [f"{name}: {lines[0]}", *lines[1:]] if lines else [f"{name}."]
+    sentences = list(map(HEADER_STYLE.sentence, items))
+    if not sentences:
+        return [f"{name}."]
+    return [f"{name}: {sentences[0]}", *sentences[1:]]
 
 
 # -- order codes, parameters and facts
@@ -78,9 +80,9 @@ def about_order_codes(device: Device) -> list[Paragraph]:
 def about_parameter(device: Device, prefix: str, parameter: Parameter) -> str:
     """Return the comment on a parameter. If its function computes it, the comment leaves out how it is computed."""
     update = f" {prefix}_take_{parameter.register}() updates it." if parameter.read_from else ""
-    in_code = list(say_parameter.parameter_origin(device, parameter)) if parameter.equals is not None else ()
+    statements_in_code = list(say_parameter.parameter_origin(device, parameter)) if parameter.equals is not None else ()
     statements = say_parameter.parameter(device, parameter)
-    return HEADER_STYLE.paragraph(statement for statement in statements if statement not in in_code) + update
+    return HEADER_STYLE.paragraph(statement for statement in statements if statement not in statements_in_code) + update
 
 
 def about_alarm(device: Device, alarm: Alarm) -> list[Paragraph]:
@@ -119,13 +121,15 @@ def _explain_derivation(crc: Crc) -> str:
     Without a middle term, the polynomial is x^width + 1.
     """
     width = crc.width
+    # The exponent of the middle term. ``poly`` has the terms below x^width.
     middle = (crc.poly >> 1).bit_length()
     if not middle:
         return (
             f"How it folds: the remainder of x^{width} is 1, so the bits from {width} up are XORed into those "
             f"{width} places lower, until {width} bits are left."
         )
-    powers = [f"of {_format_power(width << up)} is {_format_power(middle << up)} + 1" for up in range(3)]
+    # Each squaring doubles the exponents: the remainders of x^width, x^(2 * width) and x^(4 * width).
+    powers = [f"of {_format_power(width << times)} is {_format_power(middle << times)} + 1" for times in range(3)]
     return (
         f"How it folds: the remainder {powers[0]}. By squaring, the remainder {powers[1]}, and {powers[2]}. "
         f"With h = v >> {4 * width}, v becomes (v mod 2^{4 * width}) ^ h ^ (h << {4 * middle}). The same is done with "
@@ -156,10 +160,12 @@ def about_layout(device: Device, interface: Interface, struct: Struct) -> list[P
 def about_member(struct: Struct, member: Field) -> str:
     """Return the facts of a field that its enumeration does not show, or its title if there are none."""
     choice = struct.enumeration(member)
+    shown_statements = choice.statements if choice is not None else ()
     statements = say_field.field(struct.device, member)
-    about = [statement for statement in statements if choice is None or statement not in choice.statements]
+    about = HEADER_STYLE.paragraph(statement for statement in statements if statement not in shown_statements)
+    # A string in C ends with a zero byte, the array of the struct does not.
     ending = "No terminator." if isinstance(meaning_of(member), Characters) else ""
-    return " ".join(filter(None, (HEADER_STYLE.paragraph(about) or f"{title(member)}.", ending)))
+    return " ".join(filter(None, (about or f"{title(member)}.", ending)))
 
 
 def about_unused(struct: Struct) -> str:
@@ -196,7 +202,10 @@ def _table_rows(struct: Struct) -> Iterator[tuple[str, str, str]]:
 
 
 def table(struct: Struct) -> Iterator[Paragraph]:
-    """Yield one line for each field: its place, its name, and the facts that no member shows."""
+    """Yield one line for each field: its place, its name, and the facts that no member shows.
+
+    An example is ``  bits 46:31  position  Absolute position.``
+    """
     rows = list(_table_rows(struct))
     # The text of a long place goes below it, so that it does not widen the column for the others.
     place_widths = (len(place_text) for place_text, _, _ in rows)
@@ -228,10 +237,13 @@ def about_access(device: Device, register: Register, writes: bool, read_state: s
 
     ``read_state`` is the function that updates the variant, or empty if the register has no part of it.
     """
-    waits = f", then wait {register.wait_at_least_ms} ms" if writes and register.wait_at_least_ms is not None else ""
+    has_wait = writes and register.wait_at_least_ms is not None
+    wait = f", then wait {register.wait_at_least_ms} ms" if has_wait else ""
     register_title = title(register)
-    kind = "" if register_title.lower().endswith(("register", "registers")) else " register"
-    yield f"{'Write' if writes else 'Read'} the {register_title}{kind} ({addresses(register)}){waits}."
+    ends_with_kind = register_title.lower().endswith(("register", "registers"))
+    kind = "" if ends_with_kind else " register"
+    verb = "Write" if writes else "Read"
+    yield f"{verb} the {register_title}{kind} ({addresses(register)}){wait}."
     selector = device.bank_selector(register)
     if selector:
         yield f"It first writes to {title(device.register(selector))} to select bank {register.bank}."

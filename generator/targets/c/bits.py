@@ -37,6 +37,7 @@ def of_bytes(pieces: tuple[Piece, ...]) -> tuple[str, Expr]:
     """
     if not pieces:
         return unsigned(1), Number(0)
+    # The mask of a piece begins at bit 0, so that its length is the number of bits.
     width = sum(piece.mask.bit_length() for piece in pieces)
     type_ = unsigned(width)
     if len(pieces) == 1:
@@ -55,6 +56,7 @@ def of_bytes(pieces: tuple[Piece, ...]) -> tuple[str, Expr]:
 def _bits_of_piece(piece: Piece) -> Expr:
     """Return the bits of a byte that belong to a field, shifted to bit 0, such as ``(bytes[2] >> 3) & 0x07U``."""
     shifted_byte = shifted_right(Name(f"bytes[{piece.byte}]"), piece.low_in_byte)
+    # Without bits above the piece, no mask is needed.
     reaches_top = piece.low_in_byte + piece.mask.bit_length() == 8
     return shifted_byte if reaches_top else masked(shifted_byte, piece.mask)
 
@@ -96,25 +98,29 @@ class Reader:
         return type_, number if has_64_bits else Cast(type_, number)
 
     def in_word(self, bits: Bits) -> Expr:
-        """Return bits of the word, shifted to bit 0. If their place is fixed and in the lower half, they have 32 bits.
+        """Return bits of the word, shifted to bit 0, such as ``((uint32_t)word >> 6) & 0xFFFU``.
 
-        At a place that depends on the order code, the runtime extracts them, or a shift if no bits are above them.
+        If their place is fixed and in the lower half, the number has 32 bits. At a place that depends on the order
+        code, ``cw_field`` extracts them, or if no bits are above them, a shift or ``cw_above``.
         """
         if bits.are_fixed:
             low = bits.low.constant
             width = bits.width.constant
-            return masked(shifted_right(self.lower(low + width), low), (1 << width) - 1)
+            mask = (1 << width) - 1
+            return masked(shifted_right(self.lower(low + width), low), mask)
         if not bits.on_top:
-            return Call(
-                "cw_field", (self.word, self.scope.expression_of(bits.low), self.scope.expression_of(bits.width))
-            )
+            low_and_width = (self.scope.expression_of(bits.low), self.scope.expression_of(bits.width))
+            return Call("cw_field", (self.word, *low_and_width))
         # There are no bits above it: the length has been checked.
         if bits.low.is_constant:
             return shifted_right(self.lower(self.word_size), bits.low.constant)
         return Call("cw_above", (self.word, self.scope.expression_of(bits.low)))
 
     def flag(self, bits: Bits) -> Expr:
-        """Return the bit of a flag at its position: in the word, or in the byte ``flags``."""
+        """Return the bit of a flag at its position: ``word & 0x80U``, or in a frame of bytes ``flags & 0x80U``.
+
+        ``flags`` is the local for the byte. A flag at a place that depends on the order code is shifted to bit 0.
+        """
         if not self.plan.by_word:
             (piece,) = bits.pieces
             return masked(Name("flags"), piece.mask << piece.low_in_byte)
@@ -123,9 +129,14 @@ class Reader:
         return masked(self.lower(bits.low.constant + 1), 1 << bits.low.constant)
 
     def lower(self, high: int) -> Expr:
-        """Return the word, or its lower half if the bits below ``high`` are enough."""
+        """Return the word, or its lower half ``(uint32_t)word`` if the bits below ``high`` are enough.
+
+        Operations in 32 bits are faster on small processors. A word that has only 32 bits needs no cast.
+        """
+        # A word with Gray code is converted in 64 bits.
         has_32_bits = self.word_size == 32 and self.plan.gray is None
-        return Cast("uint32_t", self.word) if high <= 32 and not has_32_bits else self.word
+        is_lower_half_enough = high <= 32
+        return Cast("uint32_t", self.word) if is_lower_half_enough and not has_32_bits else self.word
 
     def number_of_join(self, joined_number: JoinedNumber, name_of: Callable[[Field], Expr]) -> Expr:
         """Return a join as one number: from the word if its fields are adjacent, otherwise from its fields by name."""
@@ -228,12 +239,15 @@ class Unused:
 
         The bits come from the word, or from bytes if the fields are extracted one by one.
         """
+        # One of ``moved`` and ``single`` is empty.
         all_bits = (*map(self._moved_bits, self.moved), *map(self._single_bits, self.single))
+        # The values have no common bits. Those of single fields are already inverted in ``_single_bits``.
         documented = _express_documented_value(sum(moved.value for moved in self.moved))
         return Cast(self.type, _with_inverted(join_operands("|", all_bits), documented))
 
     def at_place(self, moved: ShiftedBits, byte: Expr) -> Expr:
-        """Return a byte shifted to the place of its bits in the member, which is never lower than in the byte."""
+        """Return a byte shifted to the place of its bits in the member, such as ``(uint32_t)bytes[2] << 8``."""
+        # In bytes, ``shift`` is 0 or negative: the place in the member is never lower than in the byte.
         return shifted_left(Cast(self.work_type, byte), -moved.shift) if moved.shift else byte
 
     def member_from(self, bits: Expr) -> Expr:
@@ -281,10 +295,12 @@ class Unused:
         if not varying_fields:
             all_bits_of_type = (1 << size_of(self.width)) - 1
             other_bits = fixed_mask ^ all_bits_of_type
-            return Operation("!=", (masked(_MEMBER, other_bits), Number(0))) if fixed_mask and other_bits else None
+            can_have_other_bits = bool(fixed_mask and other_bits)
+            return Operation("!=", (masked(_MEMBER, other_bits), Number(0))) if can_have_other_bits else None
         masks: list[Expr] = []
         for reserved in varying_fields:
-            masks.append(shifted_left(self.reader.scope.mask(reserved.bits.width), reserved.place))
+            mask_of_width = self.reader.scope.mask(reserved.bits.width)
+            masks.append(shifted_left(mask_of_width, reserved.place))
         if fixed_mask:
             masks.append(Number(fixed_mask, hexadecimal=True))
         unused_bits_of_member = Operation("&", (_MEMBER, join_operands("|", tuple(masks))))
@@ -301,9 +317,10 @@ class Unused:
             # Bit 0 of the member is bit ``shift`` of the word.
             yield _shift_bits(Cast(self.reader.encoded_type, bits), -moved.shift)
         for reserved in self.single:
-            bits = (
-                _with_inverted(_MEMBER, self._express_documented(reserved)) if is_all else self._bits_to_send(reserved)
-            )
+            if is_all:
+                bits = _with_inverted(_MEMBER, self._express_documented(reserved))
+            else:
+                bits = self._bits_to_send(reserved)
             low = reserved.bits.low
             distance = low.constant if low.is_constant else self.reader.scope.expression_of(low)
             yield shifted_left(Cast(self.reader.encoded_type, bits), distance)
@@ -322,11 +339,13 @@ class Unused:
     def _moved_bits_to_send(self, moved: ShiftedBits) -> Expr:
         """Return bits of the member, shifted to their places in the frame and combined with the documented ones."""
         # In bytes, ``shift`` is 0 or negative: bit -shift of the member is bit 0 of the byte.
-        bits = _masked_byte(shifted_right(_MEMBER, -moved.shift), moved.mask >> -moved.shift)
+        bit_in_member = -moved.shift
+        bits = _masked_byte(shifted_right(_MEMBER, bit_in_member), moved.mask >> bit_in_member)
+        # The member itself, if it was neither shifted nor masked.
         is_wider_than_byte = bits is _MEMBER and self.width > 8
         if is_wider_than_byte:
             bits = Cast("uint8_t", bits)
-        return _with_inverted(bits, _express_documented_value(moved.value >> -moved.shift))
+        return _with_inverted(bits, _express_documented_value(moved.value >> bit_in_member))
 
     def bits_of(self, field: Field) -> Expr:
         """Return the bits to send for one unused field, shifted to bit 0."""

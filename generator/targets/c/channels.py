@@ -69,6 +69,7 @@ class ChannelCode:
         interface = self._context.interface.name
         layouts = (layout for layout in self._frame.layouts if self._context.device.sends_position(interface, layout))
         layout = first_of(layouts, "channel with the position")
+        # The codecs are in the order of the layouts.
         return self.codecs[self._frame.layouts.index(layout)]
 
     @property

@@ -50,8 +50,12 @@ def chosen_variant(device: Device, interface: Interface) -> Variant:
     # An example without an order code holds for every one.
     number_of_examples = Counter(getattr(example, "order_code", "") for example in examples if not example.erratum)
     variants = device.variants_over(interface.name) or device.variants
-    # With equal numbers of examples, take the finest resolution: the largest sum of the parameters.
-    return max(variants, key=lambda variant: (number_of_examples[variant.code], sum(variant.parameters.values())))
+
+    def preference(variant: Variant) -> tuple[int, int]:
+        # With equal numbers of examples, take the finest resolution: the largest sum of the parameters.
+        return number_of_examples[variant.code], sum(variant.parameters.values())
+
+    return max(variants, key=preference)
 
 
 def _is_over_interface(device: Device, interface: Interface, example: Example) -> bool:
@@ -98,8 +102,10 @@ class Chosen:
         """The registers with an example, by name, each with its first one. Those in banks cannot be simulated."""
         registers: dict[str, tuple[Register, RegisterExample]] = {}
         for example in self.examples:
-            if isinstance(example, RegisterExample) and self.device.register(example.register).bank is None:
-                registers.setdefault(example.register, (self.device.register(example.register), example))
+            if isinstance(example, RegisterExample):
+                register = self.device.register(example.register)
+                if register.bank is None:
+                    registers.setdefault(register.name, (register, example))
         return registers
 
     @property
@@ -156,7 +162,8 @@ class Chosen:
             NoFrame: The device has no sample of the frame.
         """
         layouts = [layout for layout in self.interface.layouts if layout.sender == "encoder"]
-        # Prefer one that needs no choice by the user. Order codes have the first answer of each alternative.
+        # Prefer one with the position, and then one that needs no choice by the user. Order codes have the first answer
+        # of each alternative.
         layouts.sort(key=lambda layout: (not self.has_position(layout), bool(self.device.alternatives_of(layout))))
         layout = layouts[0]
         sample = self.device.sample_of(layout)

@@ -120,26 +120,34 @@ class CodeFacts:
             yield from timing_macros(time, row.macro)
 
     def _timeout_macros(self, row: CodeRow, timeout: Timeout | None) -> Iterator[Macro]:
+        """Yield the macros of the time-out of an order code, and its function if the time-out depends on the clock.
+
+        A new function is added to ``timeouts``. Order codes with the same rule share it.
+        """
         if timeout is None:
             return
         for name, time_ns in timeout_limits(timeout):
             yield Macro(f"{row.macro}_{name}", number(time_ns), "time-out in nanoseconds")
         product = timeout_product(timeout)
         if product:
-            names = {function.product: function.name for function in self.timeouts}
-            if product not in names:
-                names[product] = self._function_name("timeout_ns", row)
-                self.timeouts.append(TimeoutFunction(names[product], product))
-            yield Macro(f"{row.macro}_TIMEOUT_NS", names[product], "function that returns its time-out")
+            name_by_product = {function.product: function.name for function in self.timeouts}
+            if product not in name_by_product:
+                name_by_product[product] = self._function_name("timeout_ns", row)
+                self.timeouts.append(TimeoutFunction(name_by_product[product], product))
+            yield Macro(f"{row.macro}_TIMEOUT_NS", name_by_product[product], "function that returns its time-out")
 
     def _clock_limit_macros(self, row: CodeRow, cable_rows: tuple[CableLength, ...]) -> Iterator[Macro]:
+        """Yield the macro that names the function of an order code for the clock limit by cable length.
+
+        A new function is added to ``clock_limits``. Order codes with the same clocks share it.
+        """
         if not cable_rows:
             return
-        names = {function.rows: function.name for function in self.clock_limits}
-        if cable_rows not in names:
-            names[cable_rows] = self._function_name("clock_limit_hz", row)
-            self.clock_limits.append(ClockLimitFunction(names[cable_rows], cable_rows))
-        yield Macro(f"{row.macro}_CLOCK_LIMIT_HZ", names[cable_rows], "function that returns its clock limit")
+        name_by_rows = {function.rows: function.name for function in self.clock_limits}
+        if cable_rows not in name_by_rows:
+            name_by_rows[cable_rows] = self._function_name("clock_limit_hz", row)
+            self.clock_limits.append(ClockLimitFunction(name_by_rows[cable_rows], cable_rows))
+        yield Macro(f"{row.macro}_CLOCK_LIMIT_HZ", name_by_rows[cable_rows], "function that returns its clock limit")
 
     def _function_name(self, ending: str, row: CodeRow) -> str:
         """Return the name of a function that is called after the first order code that it applies to."""
@@ -147,7 +155,7 @@ class CodeFacts:
 
 
 def _repeated_times(times: Sequence[Timing]) -> list[Timing]:
-    """Return the times whose name several have, each for other order codes."""
+    """Return the times that share their name with others. Each of them applies to other order codes."""
     shared_names = repeated_names(times)
     return [time for time in times if time.name in shared_names]
 

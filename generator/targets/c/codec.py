@@ -116,7 +116,8 @@ class StructCodec:
     def whole_frame(self) -> ChannelFrame | None:
         """The frame with several data channels to which this one belongs, or None."""
         frame = channel_frame(self.struct.context.interface) if self.struct.register is None else None
-        return frame if frame is not None and self.struct.layout in frame.layouts else None
+        is_channel = frame is not None and self.struct.layout in frame.layouts
+        return frame if is_channel else None
 
     @property
     def length_alternatives(self) -> tuple[AlternativeCode, ...]:
@@ -144,7 +145,8 @@ class StructCodec:
     def may_be_longer(self) -> bool:
         """True if the type of the word has more bits than some frame."""
         bits = self.plan.layout.bits
-        return not (bits.is_constant and bits.constant == self.struct.reader.word_size)
+        always_fills_word = bits.is_constant and bits.constant == self.struct.reader.word_size
+        return not always_fills_word
 
     @property
     def order_of_bytes(self) -> str:

@@ -29,6 +29,7 @@ def ascii_text(text: object) -> str:
 def in_comment(text: object) -> str:
     """Make ``text`` safe for a comment: nothing in it ends or opens one, continues a line or is a trigraph."""
     safe = ascii_text(text).replace("\\", "|")
+    # Of three question marks, one pass leaves two next to each other.
     while "??" in safe:
         safe = safe.replace("??", "? ?")
     return _separate_comment_marks(safe)
@@ -153,10 +154,12 @@ def mark_for_doxygen(text: str) -> str:
     lines: list[str] = []
     in_body = False
     for line in text.splitlines():
+        # The braces of a function are at the start of a line.
         in_body = line == "{" or (in_body and line != "}")
         if in_body:
             lines.append(line)
         elif line == "/*" and not lines:
+            # The first comment is that on the file.
             lines.append("/** @file")
         else:
             lines += _mark_for_doxygen(line)
@@ -237,7 +240,8 @@ def _broken_code(c_code: str, margin: str, further_margin: str) -> Sequence[str]
     # It has the length of the code, so that places in it are places in the code.
     without_strings = _STRING.sub(lambda string: "x" * len(string[0]), c_code)
     left_side, mark, _ = without_strings.partition(" ? ")
-    is_inside_brackets = left_side.count("(") > left_side.count(")") + 1
+    open_brackets = left_side.count("(") - left_side.count(")")
+    is_inside_brackets = open_brackets > 1
     if not mark or is_inside_brackets:
         left_side, mark, _ = without_strings.partition(" = ")
     # The second line begins here. The space before it is left out.

@@ -61,7 +61,11 @@ class Context:
         limit: Expression,
         variant: str = "variant",
     ) -> str:
-        """Return a limit of a register, or of one of its meanings: a macro if it is the same for all order codes."""
+        """Return a limit of a register, or of one of its meanings: a macro if it is the same for all order codes.
+
+        Otherwise it is a call of a function, such as ``acme_x_reg_preset_max(variant)``. ``side`` is ``min`` or
+        ``max``.
+        """
         stem = f"{self.prefix}_reg_{register.name}"
         name = f"{stem}_{side}" if meaning is None else f"{stem}_{meaning.name}_{side}"
         return name.upper() if limit.is_constant else f"{name}({variant})"
@@ -147,6 +151,7 @@ def scale_macros(layout: Layout, stem: str) -> Iterator[Macro]:
         if scale is not None:
             note = f"{field.name} in {scale.unit}: ({field.name} * NUMERATOR + OFFSET) / DENOMINATOR"
             yield Macro(f"{name}_NUMERATOR", f"INT64_C({scale.numerator})", note)
-            offset = f"INT64_C({abs(scale.offset)})"
-            yield Macro(f"{name}_OFFSET", f"(-{offset})" if scale.offset < 0 else offset)
+            magnitude = f"INT64_C({abs(scale.offset)})"
+            offset = f"(-{magnitude})" if scale.offset < 0 else magnitude
+            yield Macro(f"{name}_OFFSET", offset)
             yield Macro(f"{name}_DENOMINATOR", f"INT64_C({scale.denominator})")

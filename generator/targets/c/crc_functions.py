@@ -58,11 +58,13 @@ def fold_operations(steps: Sequence[FoldStep], bits: int, source: str) -> Iterat
     """
     # ``source`` and ``bits`` are those of the number before each step.
     for step in steps:
-        bits_left = max(step.shift, bits - step.shift + step.back)
+        # The bits below ``shift`` stay. Those from there up are XORed in twice, once moved up by ``back``.
+        moved_bits = bits - step.shift
+        bits_left = max(step.shift, moved_bits + step.back)
         if source == "v":
             yield Fold(step)
-        elif bits_left > 32 or bits - step.shift > 32:
-            yield FoldWide(step, source, source == "wide")
+        elif bits_left > 32 or moved_bits > 32:
+            yield FoldWide(step, source, again=source == "wide")
             source = "wide"
         elif bits <= 32:
             yield from (Narrow(source, last=False), Fold(step))
@@ -77,7 +79,10 @@ def fold_operations(steps: Sequence[FoldStep], bits: int, source: str) -> Iterat
 
 @dataclass(frozen=True, slots=True)
 class HalfByte:
-    """A byte of a word in one of its halves, ``low`` or ``high``, which small processors access faster."""
+    """A byte of a word in one of its halves, ``low`` or ``high``, which small processors access faster.
+
+    ``left`` is the position of its lowest bit in the half.
+    """
 
     half: str
     left: int
@@ -142,4 +147,7 @@ class WordCrc:
 
 
 def _locate_half_byte(byte_index: int) -> HalfByte:
-    return HalfByte("high", 8 * (byte_index - 4)) if byte_index > 3 else HalfByte("low", 8 * byte_index)
+    """Return a byte of a word, counted from its lowest one. Bytes 0 to 3 are in ``low``, the others in ``high``."""
+    if byte_index > 3:
+        return HalfByte("high", left=8 * (byte_index - 4))
+    return HalfByte("low", left=8 * byte_index)

@@ -12,7 +12,7 @@ from ...model.record import dataclass
 _NAME = re.compile(r"[A-Za-z_]\w*")
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _DEFINED = re.compile(r"^#define (\w+)", re.MULTILINE)
-#: The member of an enumeration, and its value.
+#: The constant of an enumeration, in the line with its value.
 _MEMBER = re.compile(r"^ +(\w+) = ", re.MULTILINE)
 _CONDITION = re.compile(r"#(if|el|endif)")
 _FUNCTION = re.compile(r"(\w+)\(")
@@ -51,21 +51,28 @@ class Declaration:
         """
         code = self.plain_code
         if code.startswith("#if"):
+            # With the comments, which separate the declarations inside.
             inner_lines = [line for line in self.code.splitlines(keepends=True) if not _CONDITION.match(line)]
             return tuple(sorted(names_of(_parse_declarations(inner_lines))))
+        # #define X_BITS 12
         macros = tuple(_DEFINED.findall(code))
         if macros:
             return macros
+        # typedef enum { X_READ = 1 } x_mode;
         if code.startswith("typedef"):
             last_line = code.rstrip().splitlines()[-1]
-            members = _MEMBER.findall(code) if code.startswith("typedef enum") else []
-            return (*_NAME.findall(last_line)[-1:], *members)
+            type_name = _NAME.findall(last_line)[-1:]
+            constants = _MEMBER.findall(code) if code.startswith("typedef enum") else []
+            return (*type_name, *constants)
+        # static inline uint8_t x_crc(uint32_t bits) {
         head = code.partition("{")[0].partition("=")[0]
         function = _FUNCTION.search(head)
         if function is not None and "static inline" in head:
             return (function[1],)
-        constant = _NAME.findall(head.partition("[")[0])
-        return tuple(constant[-1:])
+        # static const uint8_t x_table[2] = {0x00U, 0x13U};
+        words_before_length = _NAME.findall(head.partition("[")[0])
+        constant_name = words_before_length[-1:]
+        return tuple(constant_name)
 
     @property
     def used_names(self) -> frozenset[str]:
@@ -130,12 +137,12 @@ def _end_of_code(lines: Sequence[str], start: int) -> int:
     if lines[start].startswith("#if"):
         return _end_of_condition(lines, start)
     end = start
-    depth = 0
+    open_braces = 0
     while True:
         code = _COMMENT.sub("", lines[end]).rstrip()
-        depth += code.count("{") - code.count("}")
+        open_braces += code.count("{") - code.count("}")
         end += 1
-        if depth == 0 and (code.endswith(";") or code == "}"):
+        if open_braces == 0 and (code.endswith(";") or code == "}"):
             return end
 
 
@@ -150,11 +157,11 @@ def _end_of_macro(lines: Sequence[str], start: int) -> int:
 def _end_of_condition(lines: Sequence[str], start: int) -> int:
     """Return the index after the ``#endif`` of a condition that begins at ``start``."""
     end = start
-    depth = 0
+    open_conditions = 0
     while True:
-        depth += lines[end].startswith("#if") - lines[end].startswith("#endif")
+        open_conditions += lines[end].startswith("#if") - lines[end].startswith("#endif")
         end += 1
-        if depth == 0:
+        if open_conditions == 0:
             return end
 
 

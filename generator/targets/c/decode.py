@@ -136,7 +136,8 @@ class Decoder:
     def parity_pair_in_word(self) -> tuple[ParityIs, ...]:
         """The two parity bits over odd and over even bits of the word, which are checked together. Empty if none."""
         masks = [self._word_parities[parity.field.name] for parity in self._checked_in_word]
-        if len(masks) != 2 or len({parity.odd for parity in self._checked_in_word}) != 1:
+        have_same_parity = len({parity.odd for parity in self._checked_in_word}) == 1
+        if len(masks) != 2 or not have_same_parity:
             return ()
         first_mask, second_mask = masks
         is_pair = not (first_mask & _EVEN_BITS or second_mask & _ODD_BITS)
@@ -158,9 +159,10 @@ class Decoder:
         """
         checks = self.plan.checks
         parities = [check for check in checks if isinstance(check, ParityIs)]
+        # A parity is known if it covers only the selector, which has one value in this frame.
         parities_of_selector = [parity for parity in parities if parity.known_parity is not None]
-        other_parities = [parity for parity in parities if parity.known_parity is None]
-        other_parities = [parity for parity in other_parities if parity.field.name not in self._word_parities]
+        unknown_parities = [parity for parity in parities if parity.known_parity is None]
+        other_parities = [parity for parity in unknown_parities if parity.field.name not in self._word_parities]
         selector_names = {parity.selector.name for parity in parities_of_selector}
         if self.plan.by_word:
             yield from (check for check in checks if isinstance(check, AlwaysIs))
@@ -170,13 +172,15 @@ class Decoder:
         yield from other_parities
         yield from parities_of_selector
         for check in checks:
-            if not isinstance(check, (AlwaysIs, ZerosAbove, ParityIs)) and check.field.name not in selector_names:
+            is_of_value = not isinstance(check, (AlwaysIs, ZerosAbove, ParityIs))
+            if is_of_value and check.field.name not in selector_names:
                 yield check
 
     def is_of_other_frame(self, parity: ParityIs) -> Expr:
         """Return the condition that the selector or its parity bit is not that of this frame.
 
-        A byte that holds both is compared once, such as ``(bytes[0] & 0x9FU) != 0x1AU``.
+        A byte that holds both is compared once, together with the constants in it, such as
+        ``(bytes[0] & 0x9FU) != 0x1AU``.
         """
         assert parity.known_parity is not None
         # With a known parity, one value selects the frame, and the parity is that of the selector alone.
@@ -190,7 +194,7 @@ class Decoder:
         (byte,) = bytes_of_pieces
         mask = 0
         expected_value = 0
-        # The other constants in it have been checked.
+        # The constants in it have been checked. With them, a byte without other bits needs no mask.
         for constant in _constant_bytes(self.plan.checks):
             if constant.byte == byte:
                 mask = constant.mask
@@ -218,12 +222,14 @@ class Decoder:
         if not self.plan.by_word or self.plan.gray is not None or parity.known_parity is not None:
             return 0
         all_bits = (parity.bits, *parity.of_bits)
-        names = {name for bits in all_bits for name in (*bits.low.parameters, *bits.width.parameters)}
-        if not names.isdisjoint(self._names_beyond_codes()):
+        parameters = {name for bits in all_bits for name in (*bits.low.parameters, *bits.width.parameters)}
+        if not parameters.isdisjoint(self._names_beyond_codes()):
             return 0
         masks = {_mask_for_code(parity, variant.parameters) for variant in self.struct.device.variants}
         mask = masks.pop()
-        return mask if not masks and mask.bit_length() <= 32 else 0
+        # No further mask is left in the set if all order codes have the same.
+        is_same_for_all_codes = not masks
+        return mask if is_same_for_all_codes and mask.bit_length() <= 32 else 0
 
     def _names_beyond_codes(self) -> set[str]:
         """Return the names of the parameters that an order code alone does not set."""
@@ -276,9 +282,11 @@ class Decoder:
         The byte is removed from ``ungathered``, which has the unused bits of each byte that is still to come.
         """
         unused = self.struct.unused
+        # None of the bytes has been removed.
         is_first = len(ungathered) == len(unused.moved)
         moved = ungathered.pop(byte)
-        if len(unused.moved) == 1:
+        is_only_byte = len(unused.moved) == 1
+        if is_only_byte:
             yield UnusedAre(unused.member_from(bits_of_byte))
             return
         yield UnusedIn(unused.at_place(moved, bits_of_byte), is_first=is_first)
@@ -310,7 +318,8 @@ class Decoder:
         is_only = len(byte_by_first_flag) == 1
         flags_in: dict[str, FlagsIn] = {}
         for name, byte in byte_by_first_flag.items():
-            flags_in[name] = FlagsIn(byte, is_first=not flags_in, is_only=is_only)
+            is_first = not flags_in
+            flags_in[name] = FlagsIn(byte, is_first=is_first, is_only=is_only)
         return flags_in
 
     def members(self, part: Part) -> Iterator[tuple[str, Expr]]:
@@ -350,7 +359,8 @@ class Decoder:
         """
         if low_is_active and not part.field.width.is_constant:
             return Operation("!=", (bit, self.struct.scope.expression_of(part.field.width)))
-        return Operation("==" if low_is_active else "!=", (bit, Number(0)))
+        operator = "==" if low_is_active else "!="
+        return Operation(operator, (bit, Number(0)))
 
     def _bits_as(self, type_: str, part: Part) -> Expr:
         """Return the bits of a part, with a cast if the member has another type."""
@@ -378,8 +388,9 @@ def _constant_bytes(checks: Iterable[Check]) -> list[ByteIs]:
             case AlwaysIs(bits=bits, value=constant):
                 for piece in bits.pieces:
                     # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
-                    earlier = constant_bytes.get(piece.byte, ByteIs(piece.byte, mask=0, value=0, reasons=()))
                     value_in_byte = ((constant >> piece.low_in_number) & piece.mask) << piece.low_in_byte
+                    # The constants that earlier checks have in the same byte.
+                    earlier = constant_bytes.get(piece.byte, ByteIs(piece.byte, mask=0, value=0, reasons=()))
                     constant_bytes[piece.byte] = ByteIs(
                         piece.byte,
                         mask=earlier.mask | (piece.mask << piece.low_in_byte),
@@ -398,6 +409,10 @@ def _mask_for_code(parity: ParityIs, parameters: Mapping[str, int]) -> int:
 
 
 def _bits_mask(bits: Bits, parameters: Mapping[str, int], mask: int) -> int:
-    """Return the mask of bits in the word, or of those in ``mask`` if it is not 0."""
+    """Return the mask of bits in the word, or of those in ``mask`` if it is not 0.
+
+    ``mask`` is relative to the lowest of the bits: at bit 8, a mask of 0b11 gives 0x300.
+    """
     all_bits = (1 << bits.width.value(parameters)) - 1
-    return (all_bits & mask if mask else all_bits) << bits.low.value(parameters)
+    selected_bits = all_bits & mask if mask else all_bits
+    return selected_bits << bits.low.value(parameters)

@@ -278,8 +278,10 @@ class DeviceView:
         ranges = self.positions.ranges if self.positions is not None else ()
         if layout is not None:
             ranges = tuple(functions for functions in ranges if _is_range_of(functions, layout))
-        wrapping = [functions for functions in ranges if not functions.never_wraps]
-        return f"{self.prefix}_{wrapping[0].scope}modulus({encoder})" if wrapping else "0U"
+        for functions in ranges:
+            if not functions.never_wraps:
+                return f"{self.prefix}_{functions.scope}modulus({encoder})"
+        return "0U"
 
     @property
     def usage(self) -> Usage | None:
@@ -372,7 +374,10 @@ def _views_of(device: Device, passing: Passing) -> Iterator[DeviceView]:
 
 
 def _with_known_register(parameter: Parameter, known_registers: Set[str]) -> Parameter:
-    """Return a parameter, without its register if only another interface reaches that."""
+    """Return a parameter, without its register if only another interface reaches that.
+
+    ``known_registers`` are those of this interface, and the empty name of a parameter without a register.
+    """
     return parameter if parameter.register in known_registers else replace(parameter, read_from="")
 
 

@@ -79,6 +79,7 @@ class Encoder:
 
     def total(self, field: Field) -> Expr:
         """Return the number that a field's runs of digits form, such as ``(uint32_t)in->tens * 10U + in->ones``."""
+        # At least 32 bits, which C does not promote to a signed type.
         type_of_total = unsigned(max(field.widest, 32))
         products: list[Expr] = []
         for run in field.runs:
@@ -105,7 +106,9 @@ class Encoder:
         terms: list[Expr] = []
         for term in self.plan.terms:
             is_added_later = self.plan.parity_covers_gray and isinstance(term.value, ParityOf)
-            if not is_added_later and not isinstance(term.value, ReservedBits) and not self._is_always_zero(term):
+            # ``unused.in_word`` has the terms of unused fields.
+            is_unused = isinstance(term.value, ReservedBits)
+            if not is_added_later and not is_unused and not self._is_always_zero(term):
                 terms.append(self._term_in_word(term))
         return (*terms, *self.struct.unused.in_word)
 
@@ -117,13 +120,14 @@ class Encoder:
         return tuple(self._term_in_word(term) for term in self.plan.terms if isinstance(term.value, ParityOf))
 
     def _term_in_word(self, term: Term) -> Expr:
-        """Return a term shifted to its place in the word."""
+        """Return a term shifted to its place in the word, such as ``(uint64_t)in->position << 8``."""
         value = self._express_value(term)
         low = term.field.low
         is_at_bit_0 = low.is_constant and low.constant == 0
-        # A member of a small type would be promoted to a signed one.
         if is_at_bit_0:
-            return Cast(self.word_type, value) if isinstance(value, Name) else value
+            # A member of a small type would be promoted to a signed one.
+            is_member = isinstance(value, Name)
+            return Cast(self.word_type, value) if is_member else value
         return shifted_left(Cast(self.word_type, value), self.struct.scope.expression_of(low))
 
     def _is_always_zero(self, term: Term) -> bool:
@@ -160,12 +164,16 @@ class Encoder:
         return Operation("&", (bit, self.struct.scope.expression_of(width)))
 
     def _parity_of_members(self, parity: ParityOf) -> Expr:
-        """Return the parity of the members that a parity bit covers, 1 for an odd number of ones."""
+        """Return the parity of the members that a parity bit covers, 1 for an odd number of ones.
+
+        An example is ``cw_parity((uint32_t)in->position)``. ``parity.mask`` has the bits that count, or is 0 if all do.
+        """
         bits_and_widths = [(self._bits_of_member(field), field.widest) for field in parity.of]
-        # The reader casts several members to one type, but not a single one.
+        # The reader casts several members to one type, and a wide one when it splits it into halves of 32 bits.
         if len(bits_and_widths) == 1:
-            ((bits, width),) = bits_and_widths
-            if width <= 32:
+            bits, width = bits_and_widths[0]
+            is_without_cast = width <= 32
+            if is_without_cast:
                 bits_and_widths = [(Cast("uint32_t", bits), width)]
         return self.reader.parity(bits_and_widths, parity.mask)
 
@@ -222,6 +230,7 @@ class Encoder:
                 constants = [Number(constant, hexadecimal=True)] if constant else []
                 yield byte, _as_byte(join_operands("|", (*constants, *expressions[byte])))
             elif byte not in crc_bytes:
+                # A byte of constants alone, or without any field.
                 yield byte, Number(constant, hexadecimal=True)
 
     def _crc_bytes(self) -> set[int]:
@@ -290,10 +299,8 @@ class Encoder:
                 for piece in field.pieces:
                     # Bits above the type of the member are 0.
                     if piece.low_in_number < size_of(widest_value(field)):
-                        yield (
-                            piece.byte,
-                            self._piece_in_byte(field, piece, self._express_value(term), may_be_wider=is_split),
-                        )
+                        value = self._express_value(term)
+                        yield piece.byte, self._piece_in_byte(field, piece, value, may_be_wider=is_split)
             case meaning:
                 assert_never(meaning)
 
@@ -307,6 +314,7 @@ class Encoder:
             bits_of_piece = masked(bits_of_piece, piece.mask)
         if piece.low_in_byte:
             return shifted_left(Cast("uint32_t", bits_of_piece), piece.low_in_byte)
+        # The bits are still a Name if they are the member itself, neither shifted nor masked.
         is_wide_member = isinstance(bits_of_piece, Name) and self.struct.type_of(field) != unsigned(8)
         return Cast("uint32_t", bits_of_piece) if is_wide_member else bits_of_piece
 
@@ -329,7 +337,10 @@ def _as_byte(value: Expr) -> Expr:
 
 
 def _with_powers_first(unordered: Iterable[Refusal]) -> list[Refusal]:
-    """Move each check for a power of two before the check that it follows. Both give the same error."""
+    """Move each check for a power of two before the check that it follows. Both give the same error.
+
+    The check that it follows is whether the number fits in the same field.
+    """
     ordered: list[Refusal] = []
     for refusal in unordered:
         if isinstance(refusal, NoPowerOfTwo):
@@ -343,4 +354,5 @@ def _never_applies(refusal: Refusal) -> bool:
     """Return True if a check for the width refuses nothing, because the field is as wide as the member's type."""
     if not isinstance(refusal, TooWide) or not refusal.width.is_constant:
         return False
-    return size_of(refusal.field.widest) == refusal.field.widest
+    bits_of_type = size_of(refusal.field.widest)
+    return bits_of_type == refusal.field.widest

@@ -211,6 +211,7 @@ class AlternativeCode:
         The last answer is the default branch.
         """
         *other_answers, last_answer = self.alternative.answers
+        # The enumeration has a constant for each answer, in the same order.
         *other_constants, _ = self.enumeration.entries
         expression: Expr = Number(last_answer.sets[parameter])
         for constant, answer in reversed(list(zip(other_constants, other_answers, strict=True))):
@@ -222,6 +223,7 @@ class AlternativeCode:
 def alternatives_in(alternatives: tuple[AlternativeCode, ...], *expressions: Expression) -> tuple[AlternativeCode, ...]:
     """Return the alternatives on whose answers these expressions depend: those that set a parameter in them."""
     names = {name for expression in expressions for name in expression.parameters}
+    # All answers set the same parameters.
     return tuple(
         alternative for alternative in alternatives if not names.isdisjoint(alternative.alternative.answers[0].sets)
     )
@@ -297,13 +299,14 @@ class FrameReports:
         return join_operands("&&", tuple(self._conditions_of(cause)))
 
     def _conditions_of(self, flag_or_match: Part | Match) -> Iterator[Expr]:
-        """Yield the conditions that a flag is active, or that fields have their values."""
+        """Yield the condition of a flag, ``frame->error``, or of a match: ``!frame->ok``, ``frame->mode == A``."""
         if isinstance(flag_or_match, Part):
             yield Name(_struct_member(flag_or_match))
             return
         for part, value in flag_or_match.conditions:
             member = _struct_member(part)
             if isinstance(part.meaning, Active):
+                # The value of a flag is 1 while it is active.
                 yield Name(member if value else f"!{member}")
             else:
                 enumeration = self._choices[self.reporting.codec.layout.name, part.field.name]
@@ -313,8 +316,8 @@ class FrameReports:
     def conditions_of_worse_verdicts(self) -> Iterator[tuple[Expr, Verdict]]:
         """The conditions of verdicts worse than ``otherwise``, worst first, several of the same verdict one by one.
 
-        Compilers that see flags joined by ``||`` load neighbouring members as one number, so that the decoder must
-        store them first. Apart, they become one test of the bits of the frame.
+        Separate conditions become one test of the bits of the frame. Flags joined by ``||`` are slower: compilers load
+        neighbouring members as one number, so that the decoder must store them first.
         """
         if self.judgement is None:
             return
@@ -346,6 +349,7 @@ class FrameReports:
 
     def _differs_in(self, reserved: Sequence[Reserved]) -> Expr:
         """Return the condition that some of these bits differ from the manual, ``frame->unused != 0U`` if it is all."""
+        # The masks have no common bits. The member is the mask of the bits in which the decoder found a difference.
         mask = sum(bits.mask for bits in reserved)
         differing_bits = _UNUSED if mask == self._mask_of_all_unused else masked(_UNUSED, mask)
         return Operation("!=", (differing_bits, Number(0)))
@@ -434,10 +438,9 @@ def _report_note(device: Device, report: Report) -> str:
 
 
 def _express_condition(scope: Scope, parameter_condition: Only) -> Expr:
-    """Return the condition on a parameter of the order code, such as ``variant.has_warning != 0U``."""
-    return Operation(
-        "!=" if parameter_condition.holds else "==", (scope.member(parameter_condition.parameter), Number(0))
-    )
+    """Return the condition on a parameter of the order code: ``variant.has_x != 0U``, or ``== 0U`` if not ``holds``."""
+    operator = "!=" if parameter_condition.holds else "=="
+    return Operation(operator, (scope.member(parameter_condition.parameter), Number(0)))
 
 
 def _struct_member(part: Part) -> str:

@@ -54,18 +54,19 @@ def _family_errata(device: Device) -> FamilyErrata:
 
     ``editions`` has the name of each edition or overlay with its changes, in the order of the errata.
     """
+    errata_of_manual = [erratum for erratum in device.errata if not (erratum.overlay or erratum.edition)]
     # Each of the other errata has its labelled texts as rows, under the name of its edition or overlay.
-    of_manual = [erratum for erratum in device.errata if not (erratum.overlay or erratum.edition)]
-    changes: dict[str, list[Rows]] = {}
+    changes_by_layer: dict[str, list[Rows]] = {}
     for erratum in device.errata:
         if erratum.overlay or erratum.edition:
+            layer = layer_in_words(erratum.overlay, erratum.edition)
             labelled_texts = (*changed(erratum), *_reason_and_source(erratum))
-            changes.setdefault(layer_in_words(erratum.overlay, erratum.edition), []).append(labelled_texts)
+            changes_by_layer.setdefault(layer, []).append(labelled_texts)
     return FamilyErrata(
         title=device.title,
         manual=manual_title(device),
-        errata=tuple(map(_erratum_text, of_manual)),
-        editions=tuple((edition, tuple(labelled_texts)) for edition, labelled_texts in changes.items()),
+        errata=tuple(map(_erratum_text, errata_of_manual)),
+        editions=tuple((layer, tuple(changes)) for layer, changes in changes_by_layer.items()),
     )
 
 

@@ -46,6 +46,8 @@ from .variants import CodeRow
 _TAKEN = frozenset(("bus", "encoder", "failure", "frame", "result"))
 #: Maximum number of characters of explanation after a number.
 _LONGEST_EXPLANATION = 40
+#: Smallest size of the simulated registers in bytes: the addresses 0 to 127, which BiSS can access.
+_FEWEST_REGISTER_BYTES = 128
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,6 +215,7 @@ class ExampleCode:
         bits_macro, bytes_macro = self.view.lengths.macros_of(frame)
         # A 1, the word, and a 0. In the buffer, the first bit received is the highest of the first byte.
         bits_on_line = ((1 << frame.bits) | self.frame.wire) << 1
+        # SSI_AROUND counts the 1 and the 0.
         unused_bits = 8 * frame.bytes - frame.bits - SSI_AROUND
         return ReceivedBytes(
             bits=bits_macro.name,
@@ -235,6 +238,7 @@ class ExampleCode:
             request=request,
             initial=request.initial(parameters),
             macro=f"{self.view.PREFIX}_REQUEST_{request_name}".upper(),
+            # Bits to bytes, rounded up.
             data=self.frame.wire.to_bytes((reply_bits + 7) // 8, "big"),
             size=(request.layout.widest + 7) // 8,
         )
@@ -344,7 +348,8 @@ class ExampleCode:
     @property
     def size(self) -> int:
         """The size of the simulated registers in bytes."""
-        return max((128, *(register.last_address + 1 for register in self.view.device.registers)))
+        sizes_needed = [register.last_address + 1 for register in self.view.device.registers]
+        return max((_FEWEST_REGISTER_BYTES, *sizes_needed))
 
     @property
     def _procedure_steps(self) -> tuple[object, ...]:

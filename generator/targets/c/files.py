@@ -298,8 +298,9 @@ def _single_headers(device: Device, library: Library, passing: Passing) -> Itera
 
     def text(view: DeviceView) -> str:
         # The functions for the texts of the other headers are not called.
-        header = next(text for path, text in _yield_headers(library, view) if path == view.header)
-        return single_header(view, partial(_render_template, library), header())
+        text_functions = (text_function for path, text_function in _yield_headers(library, view) if path == view.header)
+        header = next(text_functions)()
+        return single_header(view, partial(_render_template, library), header)
 
     for view in single_views(device, passing):
         yield f"c/{single_path(view.maker, view.device.variants[0].code)}", partial(text, view)

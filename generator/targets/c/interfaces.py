@@ -151,7 +151,10 @@ class InterfaceCode:
         return [layout for layout in self.interface.layouts if layout.name in names]
 
     def request_of(self, reply: Layout) -> str:
-        """Return the macro of the first data ID over RS-485 that a frame answers, or an empty string."""
+        """Return the macro of the first data ID over RS-485 that a frame answers, such as ``ACME_X_CONTROL_ID0``.
+
+        The result is empty for a frame that answers none.
+        """
         interface = self.interface
         if not isinstance(interface, Rs485):
             return ""
@@ -278,8 +281,9 @@ class InterfaceCode:
                 yield self._define_macro("MODE", fact.mode, about=statement)
                 if len(fact.lengths) == 1 and fact.lengths[0].is_constant:
                     yield self._define_macro("WORD_BITS", fact.lengths[0].constant, about="number of bits of a word")
-                late = int(fact.reply == "next_word")
-                yield self._define_macro("REPLY_WORDS", late, about="number of words from a request to its reply")
+                # The reply comes with the word after the request, or with the same word.
+                delay = 1 if fact.reply == "next_word" else 0
+                yield self._define_macro("REPLY_WORDS", delay, about="number of words from a request to its reply")
             case _:
                 pass  # Code needs no number from it.
 
@@ -291,6 +295,7 @@ class InterfaceCode:
             has_comment_on_all = True
 
     def _yield_port_macros(self, port: Port, statement: Statement) -> Iterator[Macro]:
+        """Yield the settings of a serial port. The first macro has the comment on all of them."""
         yield self._define_macro("BAUD", port.baud, about=statement)
         yield self._define_macro("DATA_BITS", port.data_bits, about="number of data bits")
         yield Macro(f"{self.upper}_PARITY", _PARITIES[port.parity], f"parity: {port.parity}")
@@ -339,8 +344,9 @@ class InterfaceCode:
     @property
     def controls_title(self) -> str:
         """Heading of the constants for requests."""
-        first = "requests: the first byte of each one and of its reply"
-        return first if isinstance(self.interface, Rs485) else "requests, for codewheel/spi.h"
+        if isinstance(self.interface, Rs485):
+            return "requests: the first byte of each one and of its reply"
+        return "requests, for codewheel/spi.h"
 
 
 def _time_on_line_us(port: Port, number_of_bytes: int) -> int:
@@ -348,11 +354,13 @@ def _time_on_line_us(port: Port, number_of_bytes: int) -> int:
     start_bit = 1
     parity_bits = 0 if port.parity == "none" else 1
     bits_per_byte = start_bit + port.data_bits + parity_bits + port.stop_bits
-    return -(-1_000_000 * number_of_bytes * bits_per_byte // port.baud)
+    bits = number_of_bytes * bits_per_byte
+    # -(-a // b) rounds up.
+    return -(-1_000_000 * bits // port.baud)
 
 
 def _take_function(exchanged: Exchanged) -> str:
-    """Return the function that receives a reply."""
+    """Return the function that receives a reply: one that begins like its request, or one with any first byte."""
     return "cw_rs485_take" if exchanged.repeats_first else "cw_rs485_take_any"
 
 

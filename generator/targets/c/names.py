@@ -27,7 +27,8 @@ def errata_page_name(maker: str) -> str:
 
 def c_name(name: str, taken_names: Iterable[str] = ()) -> str:
     """Return ``name`` as the name of a member or argument, with ``_`` at its end if it is reserved or taken."""
-    return name + "_" if name in RESERVED or name in taken_names or name.startswith(PREFIX) else name
+    is_reserved = name in RESERVED or name in taken_names or name.startswith(PREFIX)
+    return f"{name}_" if is_reserved else name
 
 
 _WORDS = {
@@ -71,7 +72,10 @@ def describe_path(path: Path) -> str:
     Its kind is the last step of the path that has a word here, or else the first step.
     """
     kind = next((step for step in reversed(path) if step in _WORDS), path[0])
-    return f"{_WORDS.get(str(kind), str(kind))} '{path[-1]}'" if path[-1] != kind else _WORDS.get(str(kind), str(kind))
+    kind_in_words = _WORDS.get(str(kind), str(kind))
+    name = path[-1]
+    # A path such as ("order_code",) has no name.
+    return f"{kind_in_words} '{name}'" if name != kind else kind_in_words
 
 
 class Names:
@@ -103,7 +107,8 @@ def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
     paths_and_layouts += [(("registers", register.name), register.layout) for register in device.registers]
     for path, layout in paths_and_layouts:
         yield from ((c_name(field.name), path) for field in layout.fields)
-        yield from ((c_name(run.name), path) for field in layout.fields for run in field.runs)
+        for field in layout.fields:
+            yield from ((c_name(run.name), path) for run in field.runs)
         yield from ((c_name(join.name), path) for join in layout.joins)
     for register in device.registers:
         yield c_name(register.name), ("registers", register.name)
@@ -151,7 +156,8 @@ def number(value: int, hexadecimal: bool = False, digits: int = 2) -> str:
     ``digits`` is the least number of hexadecimal digits. More than 8 also make it a constant of 64 bits.
     """
     literal = f"0x{value:0{digits}X}" if hexadecimal else str(value)
-    return f"UINT64_C({literal})" if value > 0xFFFFFFFF or (hexadecimal and digits > 8) else f"{literal}U"
+    has_64_bits = value > 0xFFFFFFFF or (hexadecimal and digits > 8)
+    return f"UINT64_C({literal})" if has_64_bits else f"{literal}U"
 
 
 def signed_number(value: int) -> str:
@@ -245,11 +251,11 @@ class Operation(Expr):
     operands: tuple[Expr, ...]
 
     def __str__(self) -> str:
-        first, *following = self.operands
+        leftmost, *others = self.operands
         # A sum continues without parentheses, from the left: ``a + b - c``.
-        continues_sum = isinstance(first, Operation) and {first.operator, self.operator} <= _SUMS
-        operand_texts = [str(first) if continues_sum else first.operand]
-        operand_texts += [operand.operand for operand in following]
+        continues_sum = isinstance(leftmost, Operation) and {leftmost.operator, self.operator} <= _SUMS
+        operand_texts = [str(leftmost) if continues_sum else leftmost.operand]
+        operand_texts += [operand.operand for operand in others]
         return f" {self.operator} ".join(operand_texts)
 
     @property
@@ -360,6 +366,7 @@ class Scope:
         subtracted = [self._express_term(term) for term in expression.terms if term.multiple < 0]
         is_single_operand = len(expression.terms) == 1 and expression.constant >= 0
         if expression.constant > 0 or not added:
+            # Without terms to add, the subtraction begins with 0.
             added.insert(0, Number(max(expression.constant, 0)))
         elif isinstance(added[0], Name) and not is_single_operand:
             # The member can have 8 bits, which would be promoted to a signed type.
@@ -400,21 +407,23 @@ class Scope:
 
         A single parameter keeps its own type. A power of two has 64 bits already.
         """
-        first, *further = (self._express_factor(factor) for factor in term.factors)
+        first_factor, *further_factors = (self._express_factor(factor) for factor in term.factors)
         if abs(term.multiple) != 1:
-            further.append(Number(abs(term.multiple)))
-        if not further:
-            return first
+            further_factors.append(Number(abs(term.multiple)))
+        if not further_factors:
+            return first_factor
         if not term.factors[0].power:
-            first = Cast("uint64_t" if self._has_64_bits(term) else "uint32_t", first)
-        return Operation("*", (first, *further))
+            first_factor = Cast("uint64_t" if self._has_64_bits(term) else "uint32_t", first_factor)
+        return Operation("*", (first_factor, *further_factors))
 
     def _has_64_bits(self, term: Term) -> bool:
         """Return True if a term is computed in 64 bits: a power of two, or a product that may need more than 32."""
         is_product = len(term.factors) > 1 or abs(term.multiple) != 1
         # A parameter that an order code does not set has up to 32 bits.
-        largest = abs(term.multiple) * prod(self.largest.get(factor.parameter, 1 << 32) for factor in term.factors)
-        return term.is_power or (is_product and largest >> 32 != 0)
+        largest_factors = (self.largest.get(factor.parameter, 1 << 32) for factor in term.factors)
+        largest_product = abs(term.multiple) * prod(largest_factors)
+        needs_more_than_32_bits = largest_product >> 32 != 0
+        return term.is_power or (is_product and needs_more_than_32_bits)
 
     def has_64_bits(self, expression: Expression) -> bool:
         """Return True if the expression is computed in 64 bits, also if its result is small."""

@@ -109,7 +109,8 @@ def _mark_of_characters(unit: str) -> str:
     Another class has no mark, and the result is empty.
     """
     is_escaped_sign = unit[0] == "\\" and not unit[1:].isalnum()
-    own_character = unit[-1] if len(unit) == 1 or is_escaped_sign else ""
+    stands_for_itself = len(unit) == 1 or is_escaped_sign
+    own_character = unit[-1] if stands_for_itself else ""
     return _CLASSES.get(unit, own_character)
 
 
@@ -137,7 +138,7 @@ def open_codes(device: Device) -> tuple[OpenCode, ...]:
             ("order_code",),
         )
     codes = _Codes(device)
-    return tuple(open_code for spelling in spellings for open_code in _open_codes_of(codes, spelling))
+    return tuple(itertools.chain.from_iterable(_open_codes_of(codes, spelling) for spelling in spellings))
 
 
 @dataclass(frozen=True)
@@ -174,7 +175,8 @@ class _Codes:
         listed_texts = tuple(chosen[name].text for name in part_names)
         for index in self._indices_by_texts(part_names).get(listed_texts, ()):
             variant = self._device.variants[index]
-            if all(_open_combinations(self._device.order_code.parts, chosen, variant)):
+            conditions = _open_combinations(self._device.order_code.parts, chosen, variant)
+            if all(conditions):
                 return index
         return None
 
@@ -229,7 +231,8 @@ def _open_choices(choices: Sequence[_Choice]) -> list[_Choice]:
 
 def _choices_of_spelling(part: CodePart, spelling: Spelling) -> list[_Choice]:
     """Return the choices for a part in another spelling: its own texts for the values, or else those of the part."""
-    if any(value.part == part.name for value in spelling.values):
+    has_own_texts = any(value.part == part.name for value in spelling.values)
+    if has_own_texts:
         texts_on_label = values_by_spelling(part, spelling).items()
         choices = [_Choice(value, is_open=False, label=text) for text, value in texts_on_label]
         if choices:
@@ -261,11 +264,13 @@ def _is_matched_by_open_pattern(
 ) -> bool:
     """Return True if a label with the strings ``chosen`` would match an allowed combination with more open parts.
 
-    ``patterns`` contains the patterns of each part, and ``allowed_values`` the combinations that lead to an order code.
+    ``patterns`` contains the patterns of each part, and ``allowed`` the combinations that lead to an order code. If
+    ``A-#`` is allowed, it would match the label ``A-7``.
     """
     if not allowed:
         return False
-    wider = (_wider_choices(choice, part_patterns) for choice, part_patterns in zip(chosen, patterns, strict=True))
+    choices_and_patterns = zip(chosen, patterns, strict=True)
+    wider = (_wider_choices(choice, part_patterns) for choice, part_patterns in choices_and_patterns)
     return any(values in allowed for values in itertools.product(*wider))
 
 
@@ -278,4 +283,6 @@ def _wider_choices(choice: _Choice, patterns: Sequence[_Choice]) -> list[_Choice
 
 @functools.cache
 def _compile_pattern(pattern: str) -> re.Pattern[str]:
-    return re.compile("".join(_FITS.get(letter, re.escape(letter)) for letter in pattern), re.IGNORECASE)
+    """Return a pattern as a regular expression: ``[0-9][0-9]?`` for ``#~``."""
+    expression = "".join(_FITS.get(letter, re.escape(letter)) for letter in pattern)
+    return re.compile(expression, re.IGNORECASE)

@@ -279,12 +279,13 @@ def _package_names(namespace: str, makers: Sequence[Manufacturer]) -> Named:
     Its version is the highest of theirs.
     """
     package = f"{namespace}-encoders"
+    titles = " and ".join(maker.title for maker in makers)
     return {
         "package": package,
         "namespace": namespace,
         "option": package.replace("-", "_").upper(),
         "version": max((maker.version for maker in makers), key=_version_numbers),
-        "title": without_special_characters(f"Headers for encoders by {' and '.join(maker.title for maker in makers)}"),
+        "title": without_special_characters(f"Headers for encoders by {titles}"),
     }
 
 
@@ -303,6 +304,7 @@ def own_programs(
 
 
 def _program_template(program: ExampleCode | ReceiverCode) -> str:
+    """Return the template of a program: a receiver, a main loop that polls, or worked examples one after the other."""
     if isinstance(program, ReceiverCode):
         return "receiver.c.jinja"
     return "poller.c.jinja" if program.can_poll else "example.c.jinja"
@@ -310,7 +312,8 @@ def _program_template(program: ExampleCode | ReceiverCode) -> str:
 
 def _makers_with_crc(views: Iterable[DeviceView], is_wanted: Callable[[CrcCode], bool]) -> list[str]:
     """Return the uppercase names of the manufacturers with a CRC for which ``is_wanted`` is true, sorted."""
-    return sorted({view.maker.name.upper() for view in views if any(map(is_wanted, view.crcs))})
+    views_with_crc = (view for view in views if any(map(is_wanted, view.crcs)))
+    return sorted({view.maker.name.upper() for view in views_with_crc})
 
 
 @dataclass(frozen=True)
@@ -375,18 +378,20 @@ def choose_guide(examples: Sequence[ExampleCode]) -> Guide | None:
     family_sizes = Counter(program.view.device.name for program in examples)
 
     def preference(program: ExampleCode) -> tuple[int, int]:
-        step_count = program.run.code.count if program.run else 0
-        return family_sizes[program.view.device.name], step_count
+        number_of_steps = program.run.code.count if program.run else 0
+        return family_sizes[program.view.device.name], number_of_steps
 
     example = max(examples, key=preference)
-    whole_reads = [register for register in example.reads if register.access.struct]
-    run = example.run if example.run is not None and not example.run.code.reads else None
-    ordered_programs = sorted(examples, key=lambda program: program is not example)
+    family = example.view.device.name
+    # A register that is one plain byte has no struct.
+    registers_with_struct = [register for register in example.reads if register.access.struct]
+    only_writes = example.run is not None and not example.run.code.reads
+    example_first = sorted(examples, key=lambda program: program is not example)
     return Guide(
         example=example,
-        reads=max(whole_reads, key=lambda register: register.members, default=None),
-        runs=run,
-        wires=tuple(program for program in ordered_programs if program.view.device.name == example.view.device.name),
+        reads=max(registers_with_struct, key=lambda register: register.members, default=None),
+        runs=example.run if only_writes else None,
+        wires=tuple(program for program in example_first if program.view.device.name == family),
     )
 
 
@@ -395,5 +400,6 @@ def _version_numbers(version: str) -> tuple[int, ...]:
 
 
 def without_special_characters(text: str) -> str:
-    """Remove from ``text`` all characters that are special to CMake, Kconfig or pkg-config."""
-    return " ".join(re.sub(r"[^A-Za-z0-9 .,:/+&-]+", " ", ascii_text(text)).split())
+    """Remove from ``text`` all characters that are special to CMake, Kconfig or pkg-config, and repeated spaces."""
+    plain_text = re.sub(r"[^A-Za-z0-9 .,:/+&-]+", " ", ascii_text(text))
+    return " ".join(plain_text.split())

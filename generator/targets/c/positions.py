@@ -191,8 +191,6 @@ def _build_modulus(context: Context, position_range: PositionRange, name: str) -
 
 def _cast_to_signed(scope: Scope, expression: Expression) -> Expr:
     """Return an expression as a number with a sign, such as ``(int64_t)variant.step``."""
-    return (
-        Number(expression.constant, signed=True)
-        if expression.is_constant
-        else Cast("int64_t", scope.expression_of(expression))
-    )
+    if expression.is_constant:
+        return Number(expression.constant, signed=True)
+    return Cast("int64_t", scope.expression_of(expression))

@@ -364,9 +364,9 @@ class ProcedureCode:
         """Return the value that a step writes to a byte, waits for, or reads back. The other bits of the byte are 0."""
         if isinstance(step, Reads) or not piece.mask:
             return _ZERO
-        write = step.write if isinstance(step, Verifies) else step
+        write_or_poll = step.write if isinstance(step, Verifies) else step
+        value = FixedNumber(write_or_poll.step.value) if isinstance(write_or_poll, Polls) else write_or_poll.value
         # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
-        value = FixedNumber(write.step.value) if isinstance(write, Polls) else write.value
         if isinstance(value, FixedNumber):
             bits_of_piece = (value.number >> piece.low_in_number) & piece.mask
             return Number(bits_of_piece << piece.low_in_byte, hexadecimal=True)
@@ -430,7 +430,7 @@ def _number_of_rows(step: Operation) -> int:
 
 
 def _is_excluded_by_type(refusal: ArgumentRefusal) -> bool:
-    """Return True if the type of the argument already excludes the value."""
+    """Return True if the type of the argument already excludes the value, as ``uint8_t`` does for a field of 8 bits."""
     return isinstance(refusal, TooWide) and size_of(refusal.field.widest) == refusal.field.widest
 
 

@@ -63,7 +63,11 @@ class ReadCode:
         return "sizeof(rx)"
 
     def buffer_macro(self, frame: StructCodec) -> str:
-        """Return the name of the size of a buffer, which a macro pastes: ``ACME_X_SSI_##code##_##width##_RX_BYTES``."""
+        """Return the name of the size of a buffer, which a macro pastes: ``ACME_X_SSI_##code##_##width##_RX_BYTES``.
+
+        ``code`` and ``width`` are arguments of the macro: the order code, and the answer to a choice.
+        """
+        # With several frames, the name has that of the frame.
         layout_names = [frame.struct.layout.name.upper()] if len(self._lengths.layouts) > 1 else []
         answers = [f"##{question.argument}##" for question in frame.length_alternatives]
         return "_".join((f"{self._context.PREFIX}_##code##", *layout_names, *answers, "RX_BYTES"))
@@ -77,7 +81,8 @@ class ReadCode:
         if buffer_size == "sizeof(rx)":
             return ""
         for question in self.questions:
-            buffer_size = buffer_size.replace(f"##{question.argument}##", question.alternative.answers[0].name.upper())
+            first_answer = question.alternative.answers[0].name.upper()
+            buffer_size = buffer_size.replace(f"##{question.argument}##", first_answer)
         return buffer_size.replace("##code##", order_code)
 
     def arguments_of(self, order_code: str) -> str:

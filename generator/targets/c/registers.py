@@ -49,6 +49,7 @@ class Access:
         self.stem = layout.name.upper()
         self.struct = layout.name if has_struct else ""
         self._layout = layout
+        #: The only field of a plain byte.
         self._field = register.layout.fields[0]
         #: The named values of the byte, empty if it can have any value.
         self.values: tuple[int, ...] = ()
@@ -142,6 +143,7 @@ def _alarm_mask(device: Device, alarm: Alarm) -> tuple[int, str]:
     if frame_field is not None and len(frame_field.pieces) == 1:
         (piece,) = frame_field.pieces
         group = member_named(device.field_groups, alarm.group, "field group")
+        # A group of several bytes has several bits with the same mask.
         note = "in its byte" if group.bits > 8 else ""
         return piece.mask << piece.low_in_byte, note
     if not alarm.register:
@@ -249,7 +251,9 @@ class RegisterCode:
     @property
     def is_plain(self) -> bool:
         """True if the byte itself is the value, so that it needs no struct."""
-        return len(self.layout.fields) == self.register.length == 1 and _is_byte(self.struct.plan)
+        has_one_byte = self.register.length == 1
+        has_one_field = len(self.layout.fields) == 1
+        return has_one_byte and has_one_field and _is_byte(self.struct.plan)
 
     @property
     def title(self) -> str:

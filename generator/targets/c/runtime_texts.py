@@ -30,6 +30,7 @@ def runtime_version() -> tuple[int, int]:
 
 
 def _read_texts(folder: str) -> dict[str, str]:
+    """Return the texts of the files in a folder of the C runtime, by their file names in alphabetical order."""
     texts_folder = resources.files("codewheel.runtime") / "c" / folder
     paths = sorted(texts_folder.iterdir(), key=lambda path: path.name)
     return {path.name: path.read_text(encoding="utf-8") for path in paths}

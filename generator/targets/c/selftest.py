@@ -126,9 +126,13 @@ class SelfTest:
     def is_used(self) -> Mapping[str, bool]:
         """The helpers for comparing bytes, texts and writes, each with True if a check needs it."""
         frames = [check.work for check in self.checks if isinstance(check.work, FrameCheck)]
+        expected_members: list[Expected] = []
+        for frame in frames:
+            expected_members += frame.expected
         return {
+            # A frame that is rejected is not encoded, so that there are no bytes to compare.
             "bytes": any(frame.data and not frame.fault for frame in frames),
-            "texts": any(member.text for frame in frames for member in frame.expected),
+            "texts": any(member.text for member in expected_members),
             "writes": any(isinstance(check.work, ProcedureCheck) for check in self.checks),
         }
 
@@ -176,8 +180,8 @@ class SelfTest:
 
     def _procedure_check(self, example: ProcedureExample) -> ProcedureCheck:
         """Return the check that a procedure writes the bytes of the example."""
-        codes = {code.run.procedure.name: code for code in self.view.procedures}
-        code = codes[example.procedure]
+        code_by_procedure = {code.run.procedure.name: code for code in self.view.procedures}
+        code = code_by_procedure[example.procedure]
         argument_names = [argument.checked.argument.name for argument in code.arguments]
         written_bytes: list[tuple[str, str]] = []
         for write in example.writes:
@@ -219,7 +223,8 @@ class SelfTest:
         """Yield the codec of the example's layout, or all of its sender if it has no layout."""
         for codec in self.view.interface.codecs:
             layout = codec.struct.layout
-            if layout.name == example.layout or (not example.layout and layout.sender == example.sender):
+            is_from_sender = not example.layout and layout.sender == example.sender
+            if layout.name == example.layout or is_from_sender:
                 yield codec
 
     def _frame_checks(self, example: FrameExample) -> Iterator[Work]:
@@ -235,6 +240,7 @@ class SelfTest:
             if codec.plan.in_bytes:
                 is_in_form_of_codec = bool(example.bytes)
             else:
+                # An example has bits or bytes.
                 is_in_form_of_codec = bool(example.bits) or not has_wrong_length
             if is_in_form_of_codec:
                 yield self._frame_check(codec, example)
@@ -263,8 +269,9 @@ class SelfTest:
         """
         if example.bits:
             return number(len(example.bits))
-        arguments = self._format_answers(codec.length_alternatives, example).removesuffix(", ")
-        return f"{codec.name}_bits({', '.join(filter(None, ('variant', arguments)))})"
+        answers = self._format_answers(codec.length_alternatives, example).removesuffix(", ")
+        arguments = ", ".join(filter(None, ("variant", answers)))
+        return f"{codec.name}_bits({arguments})"
 
     def _format_answers(self, questions: Sequence[AlternativeCode], example: FrameExample) -> str:
         """Return the answers for the example as arguments, such as ``CODE_GRAY, ``. The default is the first."""
@@ -272,6 +279,7 @@ class SelfTest:
         for question in questions:
             answer_names = [answer.name for answer in question.alternative.answers]
             chosen_name = example.alternatives.get(question.alternative.name, answer_names[0])
+            # The enumeration has a constant for each answer, in the same order.
             constant = question.enumeration.entries[answer_names.index(chosen_name)]
             arguments += f"{constant.name}, "
         return arguments
@@ -332,10 +340,11 @@ class SelfTest:
                 yield CrcCheck(
                     function.name, data=_format_bytes(example.bytes), word="", crc=_format_hex(example.check)
                 )
-        data = int.from_bytes(example.bytes, "big")
-        for word_crc in (codec.word_crc for codec in self.view.interface.codecs):
+        covered_bits = int.from_bytes(example.bytes, "big")
+        for codec in self.view.interface.codecs:
+            word_crc = codec.word_crc
             if word_crc is not None and word_crc.crc.name == example.crc:
-                yield from _word_check(word_crc, data, example.check)
+                yield from _word_check(word_crc, covered_bits, example.check)
 
     def _measure_checks(self, example: MeasureExample) -> Iterator[Work]:
         """Yield the check of a position in counts as a length, for a linear encoder."""
@@ -356,7 +365,10 @@ def _member_names(codec: StructCodec) -> Iterator[str]:
 
 
 def _word_check(crc: WordCrc, data: int, check: int) -> Iterator[Work]:
-    """Yield the check that the CRC function returns 0 for a word that ends in its CRC, if a frame can be as long."""
+    """Yield the check that the CRC function returns 0 for a word that ends in its CRC, if a frame can be as long.
+
+    ``data`` are the bits that the CRC covers, and ``check`` is the CRC.
+    """
     word = (data << crc.crc.width) | check
     if word.bit_length() <= crc.bits:
         yield CrcCheck(crc.name, data=(), word=_format_hex(word, 64), crc=_format_hex(0))

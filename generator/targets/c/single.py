@@ -44,6 +44,8 @@ _OTHER_PARAGRAPHS = (
 )
 #: Sentences of the same kind.
 _OTHER_SENTENCES = ("Steps: ", "With 0 in place of the CRC")
+#: Width of a line of a comment after its `` * ``.
+_COMMENT_WIDTH = COLUMNS - 3
 _WORD = re.compile(r"\b[A-Za-z_]\w*\b")
 _SENTENCE_END = re.compile(r"(?<=[.:])\s(?=[A-Z])")
 #: A condition on one line, after which the function only returns a result.
@@ -133,7 +135,8 @@ class SingleCode:
         for declaration in self.declarations:
             declaration_text = self._format_declaration(declaration)
             is_short_function = declaration_text.startswith("/** ") and declaration.is_function
-            if texts and not is_short_function and not (follows_macro and declaration_text.startswith("#define")):
+            is_further_macro = follows_macro and declaration_text.startswith("#define")
+            if texts and not is_short_function and not is_further_macro:
                 texts.append("\n")
             texts.append(declaration_text)
             follows_macro = declaration.has_macro
@@ -202,8 +205,8 @@ class SingleCode:
     def _new_names(self, kept_names: Iterable[str]) -> Mapping[str, str]:
         """Return the names in this header by those in the tree, or raise an error if two of them are equal."""
         new_names = {name: self._new_name(name) for name in kept_names}
-        for new_name, count in Counter(new_names.values()).items():
-            if count > 1:
+        for new_name, number_of_parts in Counter(new_names.values()).items():
+            if number_of_parts > 1:
                 raise TargetError(f"{self.order_code}: two parts of its header have the C name {new_name}")
         return new_names
 
@@ -360,14 +363,8 @@ def _refilled_macro(c_code: str) -> str:
     if len(body) < 2:
         return c_code
     joined_body = " ".join(line.strip() for line in body)
-    lines = textwrap.wrap(
-        joined_body,
-        COLUMNS - 2,
-        initial_indent=" " * 4,
-        subsequent_indent=" " * 8,
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
+    # 2 characters are the space and the backslash at the end of a line.
+    lines = _wrap_text(joined_body, COLUMNS - 2, first_margin=" " * 4, margin=" " * 8)
     return " \\\n".join((head, *lines)) + "\n"
 
 
@@ -377,15 +374,9 @@ def _member_comment(text: str, margin: str) -> str:
     # Its line break counts too, which leaves room for Doxygen's mark, longer by one character.
     if len(single_line) <= COLUMNS:
         return single_line
-    joint = "\0"  # keeps the mark at the end on the line of the last word
-    lines = textwrap.wrap(
-        f"{text}{joint}*/",
-        COLUMNS - 1,
-        initial_indent=f"{margin}/* ",
-        subsequent_indent=f"{margin} * ",
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
+    # A joint instead of a space keeps the mark at the end on the line of the last word.
+    joint = "\0"
+    lines = _wrap_text(f"{text}{joint}*/", COLUMNS - 1, first_margin=f"{margin}/* ", margin=f"{margin} * ")
     return "".join(f"{line}\n" for line in lines).replace(joint, " ")
 
 
@@ -394,19 +385,26 @@ def _first_paragraph(comment: str) -> str:
 
     A picture follows ``:`` and a blank line. If it is an example that calls the runtime, it is left out.
     """
-    text_before_picture, _, picture = "\n".join(_comment_lines(comment)).partition(":\n\n")
-    if picture and "cw_" in picture.partition("\n\n")[0]:
-        return _as_comment(_wrap_text(text_before_picture.replace("\n", " ") + "."))
-    if picture:
-        picture_lines = picture.partition("\n\n")[0].splitlines()
-        return _as_comment([*_wrap_text(text_before_picture.replace("\n", " ") + ":"), "", *picture_lines])
-    sentences = _SENTENCE_END.split(text_before_picture.partition("\n\n")[0].partition("\n@")[0].replace("\n", " "))
-    return _as_comment(_wrap_text(sentences[0]))
+    text_before_picture, _, picture_and_rest = "\n".join(_comment_lines(comment)).partition(":\n\n")
+    # An empty line ends a picture, and a paragraph.
+    picture, _, _ = picture_and_rest.partition("\n\n")
+    text_on_one_line = text_before_picture.replace("\n", " ")
+    if picture_and_rest and "cw_" in picture:
+        return _as_comment(_wrap_text(f"{text_on_one_line}."))
+    if picture_and_rest:
+        return _as_comment([*_wrap_text(f"{text_on_one_line}:"), "", *picture.splitlines()])
+    first_paragraph, _, _ = text_before_picture.partition("\n\n")
+    # The parameters of a function can follow on the next line.
+    description, _, _ = first_paragraph.partition("\n@")
+    first_sentence, *_ = _SENTENCE_END.split(description.replace("\n", " "))
+    return _as_comment(_wrap_text(first_sentence))
 
 
-def _wrap_text(text: str) -> list[str]:
-    """Return the lines of a text. Each will have `` * `` before it."""
-    return textwrap.wrap(text, COLUMNS - 3, break_long_words=False, break_on_hyphens=False)
+def _wrap_text(text: str, width: int = _COMMENT_WIDTH, first_margin: str = "", margin: str = "") -> list[str]:
+    """Return the lines of a text with whole words. ``first_margin`` begins the first line, ``margin`` the others."""
+    wrapper = textwrap.TextWrapper(width, initial_indent=first_margin, subsequent_indent=margin)
+    wrapper.break_long_words = wrapper.break_on_hyphens = False
+    return wrapper.wrap(text)
 
 
 def _comment_lines(comment: str) -> list[str]:
@@ -425,9 +423,10 @@ def _split_paragraphs(lines: Iterable[str]) -> Iterator[list[str]]:
     paragraph: list[str] = []
     for line in lines:
         first_word = line.partition(" ")[0]
-        # COLUMNS - 3 is the width without " * ", and 1 the space before the word.
-        goes_on = bool(paragraph) and len(paragraph[-1]) + 1 + len(first_word) > COLUMNS - 3
-        if paragraph and not (goes_on and first_word and not line.startswith("@")):
+        # 1 is the space before the word.
+        is_line_full = bool(paragraph) and len(paragraph[-1]) + 1 + len(first_word) > _COMMENT_WIDTH
+        goes_on = is_line_full and bool(first_word) and not line.startswith("@")
+        if paragraph and not goes_on:
             yield paragraph
             paragraph = []
         paragraph.append(line)

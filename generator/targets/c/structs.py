@@ -109,11 +109,15 @@ class Struct:
         return unsigned(self.reader.word_size)
 
     def covered(self, crc: FrameCrc) -> Expr:
-        """Return the bits of the word that a CRC covers, as they are sent, with bit 0 the last of them."""
+        """Return the bits of the word that a CRC covers, as they are sent, with bit 0 the last of them.
+
+        An example is ``(uint32_t)(word >> 6)``.
+        """
         word_size = self.reader.word_size
-        highest = crc.low + crc.covered.constant if covers_32_bits(crc) else word_size
-        bits = shifted_right(self.reader.before_conversion.lower(highest), crc.low)
-        is_across_halves = covers_32_bits(crc) and highest > 32
+        # The bit above the covered ones. ``covered`` is their number.
+        end = crc.low + crc.covered.constant if covers_32_bits(crc) else word_size
+        bits = shifted_right(self.reader.before_conversion.lower(end), crc.low)
+        is_across_halves = covers_32_bits(crc) and end > 32
         return Cast("uint32_t", bits) if is_across_halves else bits
 
     def received(self, crc: FrameCrc) -> Expr:
@@ -125,6 +129,7 @@ class Struct:
 
     def choice(self, field: Field) -> Enumeration | None:
         """Return the named values of a field as an enumeration or as macros, or None if its values have no names."""
+        # A register can have the name of a frame.
         owner = self.layout.name if self.register is None else f"reg_{self.register.name}"
         return self.context.choices.get((owner, field.name))
 
@@ -244,9 +249,10 @@ def word_size(context: Context, layout: Layout) -> int:
 
 
 def _default_value(field: Field) -> int:
-    """Return the default of a field, or else a value that its encoder accepts.
+    """Return the default of a field, or else a value that its encoder accepts, mostly 0.
 
-    That is 1 for a power of two, the lowest named value, the number that 0 stands for, and 0 for all others.
+    It is 1 for a power of two, and the lowest of named values. A field whose bits 0 mean a number, such as 256, rejects
+    the value 0. It gets that number.
     """
     if field.default is not None:
         return field.default
@@ -255,7 +261,7 @@ def _default_value(field: Field) -> int:
     match meaning_of(field):
         case Named(values):
             return min(value.value for value in values)
-        case ZeroMeans(zero):
-            return zero
+        case ZeroMeans(number_for_zero):
+            return number_for_zero
         case _:
             return 0

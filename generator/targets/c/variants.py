@@ -102,7 +102,9 @@ def _yield_switches(held_values: Sequence[HeldValue]) -> Iterator[CodeSwitch]:
     values_by_field: dict[str, list[HeldValue]] = {}
     for value in held_values:
         if value.is_coded:
-            values_by_field.setdefault(value.held_parameter.parameter.read_from, []).append(value)
+            # The register and the field that hold the parameter.
+            path_of_field = value.held_parameter.parameter.read_from
+            values_by_field.setdefault(path_of_field, []).append(value)
     for field_values in values_by_field.values():
         common_codes = set.intersection(*map(_codes_of_held_value, field_values))
         cases = tuple(_switch_case(code, field_values) for code in sorted(common_codes))
@@ -239,7 +241,9 @@ class VariantCode:
         """
         family = self.device.name.upper()
         order_code = variant.code.upper()
-        if all(other.code.upper().startswith(family) for other in self.device.variants):
+        begin_with_family = all(other.code.upper().startswith(family) for other in self.device.variants)
+        if begin_with_family:
+            # An order code that is only the name of the family keeps it.
             order_code = order_code.removeprefix(family) or order_code
         constant_name = re.sub("[^A-Z0-9]+", "_", order_code).strip("_")
         return CodeRow(
@@ -257,6 +261,7 @@ def _needs_none_of(parameter: Parameter, names: Set[str]) -> bool:
 
 def _parameter_value(parameter: Parameter, variant: Variant) -> str:
     """Return a parameter of an order code, such as ``24U``. Codes are in hexadecimal, as in the manuals."""
+    # A large number without a unit is a code, such as a profile ID.
     is_code = not parameter.unit and parameter.largest > 0xFF
     return number(variant.parameters.get(parameter.name, 0), hexadecimal=is_code, digits=4)
 
@@ -363,7 +368,8 @@ def _register_access(device: Device, interface: Interface, frames: Sequence[Fram
         delay_text = f"at least {delay_text}"
     limits_hz = [limit_hz for limit_hz in (clock.max_hz, clock.min_hz) if limit_hz is not None]
     delays_at_clocks = []
-    for clock_hz in limits_hz or clock.used_hz[-1:]:
+    last_used_hz = clock.used_hz[-1:]
+    for clock_hz in limits_hz or last_used_hz:
         delay_ns = shortest_bits * 1_000_000_000 // clock_hz
         delays_at_clocks.append(f"{nanoseconds(delay_ns)} at {hertz(clock_hz)}")
     if delays_at_clocks:

@@ -185,13 +185,14 @@ def _how_to_write_other_positions(register: Register, variant: Variant) -> str:
 
     Return an empty string if the order code lacks the field of the position.
     """
-    # The position may begin above bit 0 of the register.
+    # The limits of a preset register apply to its position, which may begin above bit 0 of the register.
     low, width = register.layout.place(variant.parameters).place_of(register.limits_of)
     if not width:
         return ""
     order = register.byte_order.replace("_", " ")
     shift = f" × 2^{low}" if low else ""
-    example_position = min(1000, (1 << width) - 1)
+    highest_position = (1 << width) - 1
+    example_position = min(1000, highest_position)
     example_bytes = register.bytes_of(example_position << low).hex(" ").upper()
     return (
         f"Another position: write position{shift} as {counted(register.length, 'byte')}, {order}, to "
@@ -225,8 +226,8 @@ def _exchange_row(exchange: Exchanged) -> Row:
 def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: Callable[..., str]) -> Row:
     """Return a row of request → reply, meaning.
 
-    The request is its control byte and the names of its further parts. The meaning is followed by the repetitions in
-    procedures that send only this request, by the data ID, and by errata.
+    The request is its control byte and the names of its further parts, such as ``C2, address, data``. The meaning is
+    followed by the repetitions in procedures that send only this request, by the data ID, and by errata.
     """
     request = _layout_with_data_id(interface, "master", data_id.id)
     reply = _layout_with_data_id(interface, "encoder", data_id.id)
@@ -339,7 +340,9 @@ def _step_in_bytes(device: Device, step: Step, variant: Variant) -> str:
 def _bytes_to_write(device: Device, register: Register, value: int | None, variant: Variant) -> str:
     """Return the bytes of a value, or those of the position 0 for a preset without a value."""
     register_bytes = bytes_of_zero_position(device, register, variant) if value is None else register.bytes_of(value)
-    return code(register_bytes.hex(" ").upper()) if register_bytes is not None else "the new value"
+    if register_bytes is None:
+        return "the new value"
+    return code(register_bytes.hex(" ").upper())
 
 
 def _bits_of_field(register: Register, name: str, variant: Variant) -> str:

@@ -76,6 +76,7 @@ def _grouped_by_interface(rows: Iterable[Row]) -> list[Row]:
     """Group the rows by interface, in the order in which the interfaces first occur."""
     rows_by_interface: dict[str, list[Row]] = {}
     for row in rows:
+        # The first cell of these rows.
         interface_title = row[0]
         rows_by_interface.setdefault(interface_title, []).append(row)
     return list(chain.from_iterable(rows_by_interface.values()))
@@ -88,7 +89,7 @@ def _family_link(device: Device) -> str:
 def _label_row(device: Device) -> Row:
     """Return a row of family, title, patterns of its order codes, interfaces, supply.
 
-    It has each supply that one of the order codes needs.
+    The supplies are those of all order codes, each once, such as ``4.5 V to 5.5 V``.
     """
     supplies_of_variants = [device.supply_of(variant) for variant in device.variants]
     supplies = dict.fromkeys(supply for supply in supplies_of_variants if supply is not None)
@@ -127,8 +128,9 @@ def _documented_content(field: Field) -> str:
     """Return the content of an identifying field, such as ```1Bh```, or an empty string if the manual gives none."""
     match field.equals:
         case int():
-            # One hexadecimal digit holds four bits.
-            return f"`{field.equals:0{(field.widest + 3) // 4}X}h`"
+            # A hexadecimal digit for each 4 bits, rounded up.
+            digits = (field.widest + 3) // 4
+            return f"`{field.equals:0{digits}X}h`"
         case str():
             return code(field.equals)
         case None:
@@ -193,6 +195,7 @@ def _resolution_rows(device: Device) -> Iterator[Row]:
         variants = [variant for variant in device.variants if parameter.name in variant.parameters]
         different_values = sorted({variant.parameters[parameter.name] for variant in variants})
         values_cell = ", ".join(parameter_value(parameter, count) for count in different_values)
+        # A value is a number of counts in the unit of the parameter.
         yield (
             _family_link(device),
             escape(parameter.meaning),
@@ -277,11 +280,11 @@ def _led_rows(device: Device) -> Iterator[Row]:
 
 def _alarms_with_interfaces(device: Device) -> list[tuple[Alarm, Device, Interface]]:
     """Return each alarm with the first interface that has it, whose page explains it."""
-    first_interfaces: dict[str, Interface] = {}
+    interface_by_alarm: dict[str, Interface] = {}
     for interface in device.interfaces:
         for alarm in for_interface(device, interface.name).alarms:
-            first_interfaces.setdefault(alarm.name, interface)
-    return [(alarm, device, first_interfaces[alarm.name]) for alarm in device.alarms]
+            interface_by_alarm.setdefault(alarm.name, interface)
+    return [(alarm, device, interface_by_alarm[alarm.name]) for alarm in device.alarms]
 
 
 def _title_and_family(explained_alarm: tuple[Alarm, Device, Interface]) -> tuple[str, str]:
@@ -354,13 +357,16 @@ def _anchor_of_term(term: Term, page: _InterfacePage) -> str:
     the term, or else the first name that contains one as a whole word.
     """
     if term.over is not None:
+        # The name of a section is also its anchor.
         is_on_page = isinstance(page.interface, term.over) and _has_section(page, term.section)
         return term.section if is_on_page else ""
     for lowercase_name, anchor in page.names:
         if lowercase_name in term.spelled:
             return anchor
     for lowercase_name, anchor in page.names:
-        if any(f" {word} " in f" {lowercase_name} " for word in term.spelled):
+        # With spaces around both, a spelling is found only as a whole word.
+        contains_term = any(f" {spelling} " in f" {lowercase_name} " for spelling in term.spelled)
+        if contains_term:
             return anchor
     return ""
 
@@ -368,6 +374,7 @@ def _anchor_of_term(term: Term, page: _InterfacePage) -> str:
 def _has_section(page: _InterfacePage, section: str) -> bool:
     """Return whether an interface page has a section. Sections not in ``contents`` are on every page."""
     contents = {
+        # Only BiSS has control data.
         "control-data": getattr(page.interface, "control_data", ()),
         "procedures": page.device.procedures,
         "wiring": page.device.connectors,

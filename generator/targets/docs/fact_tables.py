@@ -102,6 +102,7 @@ def timing_rows(timings: tuple[Timing, ...]) -> Iterator[tuple[str, ...]]:
 def crc_rows(device: Device, crc: Crc) -> Iterator[tuple[str, str]]:
     """Yield the parameters, and the polynomial in every notation that masters expect."""
     with_top_bit = crc.poly_with_top_bit
+    # The notation with x^n, such as "x^6 + x + 1".
     yield "Polynomial", escape(crc.polynomial)
     yield "with its top bit", f"`0x{with_top_bit:X}` = {with_top_bit} = `{with_top_bit:b}b`"
     yield "without its top bit", f"`0x{crc.poly:02X}`"
@@ -165,6 +166,7 @@ def _facts_of_kind(device: Device, example: Example) -> Iterator[tuple[str, str]
             yield "Procedure", link(code(example.procedure), f"#procedure-{example.procedure}")
             yield "Order code", code(example.order_code)
             for name, value in example.arguments.items():
+                # A single digit is the same in both notations.
                 in_hexadecimal = f" ({hexadecimal(value)})" if value > 9 else ""
                 yield f"Argument {code(name)}", f"{number(value)}{in_hexadecimal}"
             yield "Writes", ", ".join(f"`{write.address:02X}h: {write.value:02X}`" for write in example.writes)
@@ -193,7 +195,9 @@ def _value_text(value: int | str | bool, scale: Scale | None) -> str:
         return _yes_or_no(value)
     if not isinstance(value, int):
         return code(value)
-    return number(value) + (f" ({escape(quantity(scale, value))})" if scale is not None else "")
+    if scale is None:
+        return number(value)
+    return f"{number(value)} ({escape(quantity(scale, value))})"
 
 
 def printed_and_used_rows(erratum: Erratum) -> Iterator[tuple[str, str]]:

@@ -144,8 +144,8 @@ def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
     """Return a row of interface, order codes, clock or port, links to the pages of its subjects."""
     codes = [variant.code for variant in device.variants_over(interface.name)]
     # The first settings are the clocks of the master, or the port of a serial interface.
-    count = len(interface.clocks) if isinstance(interface, Clocked) else 1
-    first_settings = list(settings(device, interface))[:count]
+    number_of_clocks_or_ports = len(interface.clocks) if isinstance(interface, Clocked) else 1
+    first_settings = list(settings(device, interface))[:number_of_clocks_or_ports]
     return (
         link(interface.title, page_links.interface_page_path(device, interface)),
         order_codes(device, codes),
@@ -179,7 +179,8 @@ def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
         yield "Read the position", ", ".join(frame_links)
     yield "Check whether the position is usable", link("usable or not", verdict_page.file_name(device))
     for section, task in _TASKS_BY_SECTION.items():
-        if section_links := list(_section_links(device, section)):
+        section_links = list(_section_links(device, section))
+        if section_links:
             yield task, ", ".join(section_links)
     for procedure in device.procedures:
         yield escape(procedure.title), page_links.link_to_procedure(device, procedure)
@@ -188,7 +189,8 @@ def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
         yield escape(manual_procedure.title), link("by hand", f"{device.name}/hardware.md#{anchor_of_steps}")
     if device.characteristics:
         yield "Mount it, look up its limits", link("mounting and characteristics", f"{device.name}/hardware.md")
-    if master_links := masters_page.page_links(device):
+    master_links = masters_page.page_links(device)
+    if master_links:
         yield "Set up a BiSS or SSI master", "master settings: " + ", ".join(master_links)
 
 
@@ -246,8 +248,7 @@ def manual_values(device: Device) -> ManualPage:
     tests = [edition_test(edition.revision, test) for edition in device.editions for test in edition.tests]
     return {
         "device": device,
-        # Rows without content are left out.
-        "manual_rows": [row for row in _manual_rows(device) if row[1]],
+        "manual_rows": [(label, content) for label, content in _manual_rows(device) if content],
         "edition_rows": list(_edition_rows(device)),
         "edition_tests": list(map(style.sentence, tests)),
         "lost_rows": [(escape(figure.content), citation(figure.source)) for figure in device.lost_figures],
@@ -268,7 +269,7 @@ def _history_row(revision: Revision) -> tuple[str, ...]:
 
 
 def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
-    """Yield the facts about the manual, each with its label."""
+    """Yield the facts about the manual, each with its label. The content is empty if the spec does not give it."""
     manual = device.manual
     yield "Manual", escape(manual.title)
     yield "Revision", revision_and_date(manual)

@@ -178,7 +178,8 @@ def _without_surplus_spaces(page_text: str) -> str:
     kept_lines: list[str] = []
     for text_line in page_text.splitlines():
         # An empty line is kept only after a line with text.
-        if text_line.strip() or (kept_lines and kept_lines[-1]):
+        follows_text = bool(kept_lines) and kept_lines[-1] != ""
+        if text_line.strip() or follows_text:
             kept_lines.append(text_line.rstrip())
     return "\n".join(kept_lines).rstrip() + "\n"
 
@@ -201,10 +202,11 @@ def _order_code_sections(family_codes: order_code_page.OrderCodes) -> Iterator[S
 def _index_values(library: Library, order_codes: list[Section]) -> Index:
     """Return the values of the index of all families."""
     rows = [_index_row(device) for device in library.devices]
-    trademarks = list(
-        dict.fromkeys(note for manufacturer, _ in library.by_manufacturer() for note in manufacturer.trademarks)
-    )
-    return {"rows": rows, "usable_page": verdict_page.PAGE, "order_codes": order_codes, "trademarks": trademarks}
+    # Each notice once, in the order of the manufacturers.
+    trademarks: dict[str, None] = {}
+    for manufacturer, _ in library.by_manufacturer():
+        trademarks |= dict.fromkeys(manufacturer.trademarks)
+    return {"rows": rows, "usable_page": verdict_page.PAGE, "order_codes": order_codes, "trademarks": list(trademarks)}
 
 
 def _index_row(device: Device) -> tuple[str, ...]:

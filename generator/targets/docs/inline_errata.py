@@ -122,13 +122,17 @@ class ErrataLinks:
             if with_status:
                 counts.append(f"{mark} {len(with_status)} {status}")
                 links.append(f"{mark} {status}: {link_list(map(_html_link, with_status))}")
-        return f"<details><summary>{', '.join(counts)} errata</summary>{' '.join(links)}</details>" if links else ""
+        if not links:
+            return ""
+        return f"<details><summary>{', '.join(counts)} errata</summary>{' '.join(links)}</details>"
 
     def count_by_status(self) -> str:
         """Return the number of errata on the page so far, such as ``1 open, 3 settled``, or that there are none."""
         counts = Counter(erratum.status for erratum in self._errata.values())
-        no_errata = "none that change these facts" if self._device.errata else "none known"
-        return ", ".join(f"{counts[status]} {status}" for status in _MARKS if counts[status]) or no_errata
+        texts_of_counts = [f"{counts[status]} {status}" for status in _MARKS if counts[status]]
+        if texts_of_counts:
+            return ", ".join(texts_of_counts)
+        return "none that change these facts" if self._device.errata else "none known"
 
     def list_of_errata(self) -> str:
         """Return the errata on the page so far, open ones first, and links to the differences in other editions."""
@@ -153,8 +157,10 @@ def _html_link(erratum: Erratum) -> str:
 
 def _numbered_links(label: str, pages: Sequence[str]) -> str:
     """Return links to several pages: the first with the label, the others with their numbers."""
-    first_link = link(escape(label), pages[0])
-    return ", ".join([first_link, *(link(f"{number}", page) for number, page in enumerate(pages[1:], 2))])
+    first_page, *further_pages = pages
+    first_link = link(escape(label), first_page)
+    numbered_links = [link(f"{number}", page) for number, page in enumerate(further_pages, 2)]
+    return ", ".join([first_link, *numbered_links])
 
 
 #: Marks of the links, by status.
@@ -224,7 +230,9 @@ def page_values(device: Device) -> ErrataPage:
 
 def _erratum_section(erratum: Erratum) -> dict[str, Any]:
     """Return one erratum for the page of errata: a summary, and its texts as a table of one row."""
-    head, cells = zip(*fact_tables.printed_and_used_rows(erratum), ("Why", escape(erratum.why)), strict=True)
+    labels_and_texts = (*fact_tables.printed_and_used_rows(erratum), ("Why", escape(erratum.why)))
+    # The labels are the head of the table, and the texts are its only row.
+    head, cells = zip(*labels_and_texts, strict=True)
     affected = ", ".join(map(code, erratum.affects))
     kind = f"{status_badge(erratum)}, {fact_tables.severity_text(erratum.severity)}"
     summary = f"{kind}. Source: {citation(erratum.source)}. Affects {affected}."

@@ -117,10 +117,11 @@ def _example_section(device: Device, example: Example) -> Section:
 
 def _led_rows(led: Led) -> Iterator[tuple[str, ...]]:
     """Yield a row for each state of an LED. The first row has the name and the source of the LED."""
-    for index, state in enumerate(led.states):
-        name, source = (escape(led.title), citation(led.source)) if index == 0 else ("", "")
+    name_cell, source_cell = escape(led.title), citation(led.source)
+    for state in led.states:
         meaning = join_filled([escape(state.meaning), *links_to_steps("", state.by_hand)])
-        yield name, escape(state.state), meaning, code(state.only), source
+        yield name_cell, escape(state.state), meaning, code(state.only), source_cell
+        name_cell, source_cell = "", ""
 
 
 #: Keys of an interface whose errata are listed with its facts.
@@ -246,6 +247,7 @@ def _register_section(device: Device, register: Register) -> Section:
     """
     fields = register.layout.fields
     rows = list(layout_tables.field_rows(device, register.layout))
+    # A row has the field, its place, its width, its meaning and its source.
     _, _, _, meaning_cell, source_cell = rows[0]
     is_single_number = len(fields) == 1 and fields[0].name == register.name
     repeats_register = is_single_number and not meaning_cell and not source_cell
@@ -437,8 +439,8 @@ def _parts_with_names(device: Device) -> Iterator[Named]:
     """Yield the parts of an interface that may have other names. Of fields or values with one name, yield the last."""
     (interface,) = device.interfaces
     layouts = [*interface.layouts, *(register.layout for register in device.registers)]
-    all_fields = [field for layout in layouts for field in layout.fields]
-    named_values = [named_value for field in all_fields for named_value in field.values]
+    all_fields = list(chain.from_iterable(layout.fields for layout in layouts))
+    named_values = chain.from_iterable(field.values for field in all_fields)
     yield from {field.name: field for field in all_fields if field.names}.values()
     yield from {named_value.name: named_value for named_value in named_values if named_value.names}.values()
     yield from device.registers

@@ -93,7 +93,8 @@ def draw_text(
     ``anchor`` is ``start``, ``end`` or ``middle``.
     """
     weight = ' font-weight="600"' if bold else ""
-    look = f'font-size="{size}" text-anchor="{anchor}" class="{"faint" if faint else "ink"}"{weight}'
+    colour = "faint" if faint else "ink"
+    look = f'font-size="{size}" text-anchor="{anchor}" class="{colour}"{weight}'
     return f'<text x="{number(x)}" y="{number(y)}" {look}>{_escape_xml(words)}</text>'
 
 
@@ -103,8 +104,9 @@ def text_width(words: str, size: float) -> float:
 
 
 def wrap_to_width(words: str, room: float, size: float) -> list[str]:
-    """Return text as lines no wider than ``room``."""
-    return wrap(plain(words), max(1, int(room / (size * _LETTER_WIDTH))))
+    """Return text as lines no wider than ``room``, with at least one character in each."""
+    letters_per_line = int(room / (size * _LETTER_WIDTH))
+    return wrap(plain(words), max(1, letters_per_line))
 
 
 def number(value: float) -> str:
@@ -212,6 +214,7 @@ def byte_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
     is_low_byte_first = placed_layout.layout.byte_order == "low_byte_first"
     byte_rows = []
     descriptions = []
+    # ``byte_low`` is the lowest bit of the byte in the number that the frame forms.
     for index, byte_low in enumerate(_lowest_bits(placed_layout.bits, is_low_byte_first)):
         boxes = tuple(_box_in_byte(run, byte_low) for run in runs if run.is_in_byte(byte_low))
         byte_rows.append(ByteRow(f"byte {index}", boxes))
@@ -226,10 +229,12 @@ def _box_in_byte(run: _BitRun, byte_low: int) -> Box:
     Its bit numbers are those in the byte or, if the run spans several bytes, those in the run. It has none if the run
     is this byte.
     """
-    is_within = run.high < byte_low + 8 and run.low >= byte_low
-    if is_within and run.high - run.low == 7:
-        return run.box(byte_low, "")
-    return run.box(byte_low, run.bits_in_byte(byte_low, byte_low if is_within else run.low))
+    is_within_byte = run.high < byte_low + 8 and run.low >= byte_low
+    is_whole_byte = is_within_byte and run.high - run.low == 7
+    if is_whole_byte:
+        return run.box(byte_low, place="")
+    origin = byte_low if is_within_byte else run.low
+    return run.box(byte_low, run.bits_in_byte(byte_low, origin))
 
 
 def group_stack(caption: str, fields: Sequence[tuple[Field, int, int]], bits: int) -> Stack:
@@ -258,8 +263,9 @@ def _stack_text(stack: Stack) -> str:
     if not stack.caption:
         return stack.text
     # The caption of a frame ends with its number of bits, and so its text need not begin with it.
-    bits = stack.caption.rpartition(": ")[2]
-    return f"{stack.caption}: {stack.text.removeprefix(f'{bits}: ')}"
+    number_of_bits = stack.caption.rpartition(": ")[2]
+    text_without_number = stack.text.removeprefix(f"{number_of_bits}: ")
+    return f"{stack.caption}: {text_without_number}"
 
 
 def _lowest_bits(bits: int, low_byte_first: bool) -> range:
@@ -268,7 +274,10 @@ def _lowest_bits(bits: int, low_byte_first: bool) -> range:
 
 
 def _byte_rows(runs: Sequence[_BitRun], lows: Sequence[int], labels: Sequence[str]) -> tuple[ByteRow, ...]:
-    """Return a row for each lowest bit of a byte. Boxes have bit numbers in the whole layout."""
+    """Return a row for each byte. Boxes have bit numbers in the whole layout.
+
+    ``lows`` are the lowest bits of the bytes, such as 8 and 0, and ``labels`` their names, which can be empty.
+    """
     byte_rows = []
     for low, row_label in zip(lows, labels, strict=True):
         boxes = tuple(run.box(low, run.bits_in_byte(low)) for run in runs if run.is_in_byte(low))
@@ -282,8 +291,10 @@ def _runs_text(runs: Sequence[_BitRun]) -> str:
 
 def _box_text(name: str, place: str, active_low: bool) -> str:
     """Return the bits of a box in words, such as ``error 7 (0 = active)``. Constant bits are ``always 0``."""
+    # The name of constant bits is their value.
     spoken_name = f"always {name}" if name.isdecimal() else name
-    return " ".join(filter(None, (spoken_name, place, "(0 = active)" if active_low else "")))
+    level = "(0 = active)" if active_low else ""
+    return " ".join(filter(None, (spoken_name, place, level)))
 
 
 def runs_of(placed_layout: PlacedLayout) -> list[_BitRun]:
@@ -303,6 +314,7 @@ def _runs_with_groups_merged(placed_layout: PlacedLayout) -> list[_BitRun]:
     fields_by_group_or_field: dict[str, list[PlacedField]] = {}
     for placed_field in placed_layout.fields:
         field = placed_field.field
+        # Padding belongs to the field that it pads, unless the order code lacks that field.
         padded_field = field.padding_of if field.padding_of in field_names else ""
         group_or_field = field.group or padded_field or field.name
         fields_by_group_or_field.setdefault(group_or_field, []).append(placed_field)
@@ -401,8 +413,9 @@ def _lines_inside(box: Box) -> list[str]:
     if box.active_low:
         return []
     name_lines = wrap_to_width(box.name, _width_of_box(box) - 4, _SMALL)
-    fits = len(name_lines) == 1 or (len(name_lines) == 2 and not box.place and " ".join(name_lines) == box.name)
-    return name_lines if fits else []
+    has_whole_words = " ".join(name_lines) == box.name
+    fits_on_two_lines = len(name_lines) == 2 and not box.place and has_whole_words
+    return name_lines if len(name_lines) == 1 or fits_on_two_lines else []
 
 
 def _lines_below(row: ByteRow) -> list[tuple[str, str]]:
@@ -420,8 +433,10 @@ def _lines_below(row: ByteRow) -> list[tuple[str, str]]:
 
 
 def _name_below(box: Box) -> str:
-    """Return the name with its bit numbers, and the level of an active-low flag."""
-    bits_text = f"bit{'s' * (':' in box.place)} {box.place}" if box.place else ""
+    """Return the name with its bit numbers, and the level of an active-low flag: ``error (bit 7, 0 = active)``."""
+    # A range of bits is like ``7:4``.
+    noun = "bits" if ":" in box.place else "bit"
+    bits_text = f"{noun} {box.place}" if box.place else ""
     level = "0 = active" if box.active_low else ""
     place_and_level = ", ".join(filter(None, (bits_text, level)))
     return f"{box.name} ({place_and_level})" if place_and_level else box.name

@@ -111,9 +111,10 @@ def has_value_table(field: Field) -> bool:
 
 def value_rows(field: Field) -> Iterator[tuple[str, ...]]:
     """Yield rows of value, name, meaning, source."""
+    # A hexadecimal digit for each 4 bits, rounded up.
+    digits = (field.widest + 3) // 4
     for named_value in field.values:
-        # A hexadecimal digit is four bits.
-        number = hexadecimal(named_value.value, (field.widest + 3) // 4)
+        number = hexadecimal(named_value.value, digits)
         yield number, name_cell(named_value), escape(named_value.meaning), citation(named_value.source)
 
 
@@ -162,8 +163,10 @@ def fields_and_groups(device: Device, layout: Layout) -> Iterator[Field | FieldG
 
 def group_place(device: Device, layout: Layout, field_group: FieldGroup) -> str:
     """Return the bytes of the longest frame that hold a group of fields, with the first answers to questions."""
-    low = _first_bit((field for field in layout.fields if field.group == field_group.name), _first_answers(device))
-    return frame_bytes(layout, layout.widest, low + field_group.bits - 1, low)
+    fields_of_group = (field for field in layout.fields if field.group == field_group.name)
+    low = _first_bit(fields_of_group, _first_answers(device))
+    high = low + field_group.bits - 1
+    return frame_bytes(layout, layout.widest, high, low)
 
 
 def field_place_cell(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> str:
@@ -171,10 +174,12 @@ def field_place_cell(layout: Layout, field: Field, alternatives: Sequence[Altern
 
 
 def _first_answers(device: Device) -> Mapping[str, int]:
+    """Return the parameters with the values that the first answer to each question sets."""
     return next(parameters for _, parameters in choices(device.alternatives))
 
 
 def _first_bit(fields: Iterable[Field], parameters: Mapping[str, int]) -> int:
+    """Return the lowest bit of several fields, for an order code with these parameters."""
     return min(field.low.value(parameters) for field in fields)
 
 
@@ -195,10 +200,17 @@ def group_shapes(device: Device, name: str) -> list[tuple[tuple[Answer, ...], Gr
         group_fields: GroupFields = []
         for field in fields:
             low = field.low.value(parameters) - group_low
-            group_fields.append((field, low + field.width.constant - 1, low))
-        group_fields.sort(key=lambda group_field: -group_field[1])
+            high = low + field.width.constant - 1
+            group_fields.append((field, high, low))
+        group_fields.sort(key=_highest_first)
         shapes.append((answers, group_fields))
     return shapes
+
+
+def _highest_first(group_field: tuple[Field, int, int]) -> int:
+    """Return the sort key of a field with its highest and lowest bit."""
+    _, high, _ = group_field
+    return -high
 
 
 def _has_group(layout: Layout, name: str) -> bool:
@@ -207,6 +219,7 @@ def _has_group(layout: Layout, name: str) -> bool:
 
 def _decides_place_of_any(fields: Iterable[Field], alternative: Alternative) -> bool:
     """Return whether an alternative decides the place of any of these fields."""
+    # All answers set the same parameters.
     parameters = alternative.answers[0].sets.keys()
     return any(not parameters.isdisjoint((*field.low.parameters, *field.width.parameters)) for field in fields)
 
@@ -262,6 +275,7 @@ def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
     Only choices that change the length are included. The row of a field shows its places for all other choices.
     """
     questions = [question for question in device.alternatives_of(layout) if _decides_length(layout, question)]
+    # ``parameters`` are those that the answers set.
     answers_and_placements: list[tuple[tuple[Answer, ...], Placement]] = []
     for answers, parameters in choices(questions):
         for placement in distinct_placements(device, layout, interface_name, parameters):
@@ -324,7 +338,8 @@ def _decides_length(layout: Layout, alternative: Alternative) -> bool:
 
 def _depends_on_order_code(field: Field, set_by_answers: Container[str]) -> bool:
     """Return whether the position or width of a field depends on the order code, not only on answers."""
-    return any(name not in set_by_answers for name in (*field.low.parameters, *field.width.parameters))
+    parameters_of_place = (*field.low.parameters, *field.width.parameters)
+    return any(name not in set_by_answers for name in parameters_of_place)
 
 
 # -- picture contents
@@ -341,7 +356,9 @@ def layout_stacks(device: Device, interface: Interface, layout: Layout) -> list[
             captioned_stack = replace(stack, caption=_caption_with_answers(answers, stack.caption))
             stacks_by_rows.setdefault(stack.rows, captioned_stack)
     stacks = list(stacks_by_rows.values())
-    return [replace(stacks[0], caption="")] if layout.in_bytes and len(stacks) == 1 else stacks
+    if layout.in_bytes and len(stacks) == 1:
+        return [replace(stacks[0], caption="")]
+    return stacks
 
 
 def _stacks_of_shapes(layout: Layout, shapes: Sequence[Placement]) -> Iterator[Stack]:
@@ -350,6 +367,7 @@ def _stacks_of_shapes(layout: Layout, shapes: Sequence[Placement]) -> Iterator[S
     There, the boxes of fields include their padding, so that shapes hardly differ.
     """
     if layout.in_bytes:
+        # The shortest shape is first, the longest is last.
         yield byte_stack("", shapes[-1].placed_layout)
         return
     for shape in shapes:
@@ -377,8 +395,9 @@ def _caption_with_answers(answers: Sequence[Answer], caption: str) -> str:
 
 def _codes_caption(placement: Placement) -> str:
     """Return the first two order codes, and the number of further ones: ``X-12, X-13 and 4 more``."""
-    further_codes = f" and {len(placement.codes) - 2} more" if len(placement.codes) > 2 else ""
-    return f"{', '.join(placement.codes[:2])}{further_codes}"
+    first_codes, further_codes = placement.codes[:2], placement.codes[2:]
+    number_of_further_codes = f" and {len(further_codes)} more" if further_codes else ""
+    return f"{', '.join(first_codes)}{number_of_further_codes}"
 
 
 def group_stacks(device: Device, field_group: FieldGroup) -> list[Stack]:

@@ -30,7 +30,7 @@ Row = tuple[str, ...]
 Table = dict[str, Any]
 
 
-#: Groups of order codes, each with its rows, which are keyed by setting.
+#: Groups of order codes, each with its rows by the name of the fact. A row has the name and the value.
 Columns = Sequence[tuple[Group, Mapping[Any, Row]]]
 #: Settings of one master for each group.
 GroupSettings = Sequence[tuple[Group, Sheet]]
@@ -88,6 +88,7 @@ def _interface_section(device: Device, group_sheets: GroupSheets) -> dict[str, A
     ``tables`` has the facts that differ between order codes. ``silent`` lists the masters without this interface.
     """
     interface = group_sheets.interface
+    # Each group is a record of facts with the order codes that share it. A master has a sheet for each group.
     groups = group_sheets.groups
     common_rows, tables = _common_rows_and_tables([(group, _fact_rows(group)) for group in groups])
     order_code_rows = [] if tables else [("Order codes", _codes_label(groups))]
@@ -149,7 +150,8 @@ def _follows_supply(fact_key: Any, columns: Columns) -> bool:
     rows_by_supply: dict[tuple[int | None, int | None], set[Row | None]] = {}
     for group, rows in columns:
         numbers = group.record.numbers
-        rows_by_supply.setdefault((numbers["supply_min_mv"], numbers["supply_max_mv"]), set()).add(rows.get(fact_key))
+        supply = (numbers["supply_min_mv"], numbers["supply_max_mv"])
+        rows_by_supply.setdefault(supply, set()).add(rows.get(fact_key))
     return all(len(rows) == 1 for rows in rows_by_supply.values())
 
 
@@ -170,11 +172,17 @@ def _table_of_differences(keys: Sequence[Any], columns: Columns) -> Table:
 
 
 def _row_name(fact_key: Any, columns: Columns) -> str:
-    return next(rows[fact_key][0] for _, rows in columns if fact_key in rows)
+    """Return the name of a fact: the first cell of its row in the first group that has it."""
+    name, _ = next(rows[fact_key] for _, rows in columns if fact_key in rows)
+    return name
 
 
 def _value_cell(fact_key: Any, rows: Mapping[Any, Row]) -> str:
-    return rows[fact_key][1] if fact_key in rows else "–"
+    """Return the value of a fact, or a dash if the group lacks it."""
+    if fact_key not in rows:
+        return "–"
+    _, value = rows[fact_key]
+    return value
 
 
 def _codes_label(groups: Sequence[Group]) -> str:
@@ -190,7 +198,8 @@ def _codes_label(groups: Sequence[Group]) -> str:
     alternatives = [alternative for alternative in device.alternatives if alternative.name in record_answers]
     number_of_combinations = prod(len(alternative.answers) for alternative in alternatives)
     different_codes = {frozenset(codes) for codes in codes_by_answers.values()}
-    if len(codes_by_answers) == number_of_combinations and len(different_codes) == 1:
+    has_all_combinations = len(codes_by_answers) == number_of_combinations
+    if has_all_combinations and len(different_codes) == 1:
         return order_codes(device, next(iter(codes_by_answers.values())))
     labels = []
     for answers, codes in codes_by_answers.items():

@@ -67,7 +67,8 @@ def with_widths_of_order_code(family_device: Device, device: Device, variant: Va
     widths: dict[str, str] = {}
     for parameter, family_range in zip(parameters, ranges, strict=True):
         # In a text, two quantities with the same range look alike.
-        if family_range and ranges.count(family_range) == 1:
+        is_unique = ranges.count(family_range) == 1
+        if family_range and is_unique:
             widths[family_range] = str(variant.parameters[parameter.name])
     interfaces = [_interface_with_widths(interface, widths) for interface in device.interfaces]
     return replace(device, interfaces=tuple(interfaces))
@@ -322,8 +323,7 @@ def lead_sentences(note: str) -> str:
     """Return the first sentences of a text, as many as fit at the top of a page but at least one."""
     if not note:
         return ""
-    first, *further_sentences = note.split(". ")
-    sentences = first
+    sentences, *further_sentences = note.split(". ")
     for further_sentence in further_sentences:
         longer_text = f"{sentences}. {further_sentence}"
         if len(longer_text) > _LONGEST_LEAD:
@@ -334,13 +334,14 @@ def lead_sentences(note: str) -> str:
 
 def _frame_section(code_group: CodeGroup, layout: Layout, pictures: Pictures) -> Section:
     """Return the frame with the position: its picture, fields, facts and verdicts."""
-    crc = code_group.family.crc_of(layout.place(code_group.variants[0].parameters))
+    # All order codes of a group set the same quantities, so that the first stands for all.
+    variant = code_group.variants[0]
+    crc = code_group.family.crc_of(layout.place(variant.parameters))
     choices = [alternative.name for alternative in code_group.device.alternatives]
     # The layout of the page has other notes. Verdicts are known for that of the family.
-    family_layout = member_named(code_group.family.interface(code_group.interface.name).layouts, layout.name, "layout")
-    verdict_head, verdict_rows = verdict_table(
-        code_group.family, code_group.device, family_layout, code_group.variants[0]
-    )
+    layouts_of_family = code_group.family.interface(code_group.interface.name).layouts
+    family_layout = member_named(layouts_of_family, layout.name, "layout")
+    verdict_head, verdict_rows = verdict_table(code_group.family, code_group.device, family_layout, variant)
     return {
         "title": title(layout),
         "name": layout.name,
@@ -350,7 +351,7 @@ def _frame_section(code_group: CodeGroup, layout: Layout, pictures: Pictures) ->
         # Widest screen that shows the narrow picture.
         "narrower": wide_pictures.SCREEN - 1,
         "questions": list(order_code_tables.open_questions(code_group.device, layout)),
-        "facts": list(order_code_tables.frame_facts(code_group.family, layout, code_group.variants[0], choices)),
+        "facts": list(order_code_tables.frame_facts(code_group.family, layout, variant, choices)),
         "verdict_head": verdict_head,
         "verdict_rows": verdict_rows,
         "crc_path": [f"crcs.{crc.name}"] if crc is not None else [],
@@ -394,14 +395,13 @@ def _quantity_rows(code_group: CodeGroup) -> Iterator[Row]:
 
 
 def _quantity_row(code_group: CodeGroup, parameter: Parameter, is_set_by_registers: bool) -> Row:
-    """Return a row for a quantity that the order code or a register sets."""
+    """Return a row of value, meaning for a quantity that the order code or a register sets."""
+    # All order codes of a group set the same quantities, so that the first stands for all.
     quantity = parameter_value(parameter, code_group.variants[0].parameters[parameter.name])
     meaning = escape(sentence(meaning_without_range(code_group.family, parameter)))
     origin = _origin_of_quantity(code_group.family, parameter, is_set_by_registers)
-    about_quantity = (
-        f"{meaning}{origin} <small>{code(parameter.name)}</small> <small>{citation(parameter.source)}</small>"
-    )
-    return with_unit(quantity, escape(parameter.unit)), about_quantity
+    name_and_source = f"<small>{code(parameter.name)}</small> <small>{citation(parameter.source)}</small>"
+    return with_unit(quantity, escape(parameter.unit)), f"{meaning}{origin} {name_and_source}"
 
 
 def _origin_of_quantity(family_device: Device, parameter: Parameter, is_set_by_registers: bool) -> str:

@@ -228,8 +228,9 @@ def _texts_of_parts(variant: Variant, part_names: Sequence[str]) -> PartTexts:
 
 def _code_pattern(order_code: OrderCode, part_names: Sequence[str], texts_of_parts: Sequence[Sequence[str]]) -> str:
     """Return the codes with these texts for each part, in order, such as ```` `A-x/B` with x = 1 or 2````."""
-    # A letter that the pattern or a text contains would be ambiguous.
-    fixed_letters = set(re.sub(r"\{\w+\}", "", order_code.pattern)).union(*map("".join, texts_of_parts))
+    # A letter that the pattern or a text contains would be ambiguous. In the pattern, ``{part}`` is replaced.
+    pattern_without_parts = re.sub(r"\{\w+\}", "", order_code.pattern)
+    fixed_letters = set(pattern_without_parts).union(*map("".join, texts_of_parts))
     letters = _unused_letters(fixed_letters)
     text_or_letter_by_part: dict[str, str] = {}
     letter_meanings: list[str] = []
@@ -237,9 +238,10 @@ def _code_pattern(order_code: OrderCode, part_names: Sequence[str], texts_of_par
         if len(texts) == 1:
             text_or_letter_by_part[part_name] = texts[0]
             continue
-        text_or_letter_by_part[part_name] = next(letters)
+        letter = next(letters)
+        text_or_letter_by_part[part_name] = letter
         choice = f"{', '.join(texts[:-1])} or {texts[-1]}"
-        letter_meanings.append(f"{text_or_letter_by_part[part_name]} = {choice}")
+        letter_meanings.append(f"{letter} = {choice}")
     pattern = code(fill_pattern(order_code.pattern, text_or_letter_by_part))
     return f"{pattern} with {', '.join(letter_meanings)}" if letter_meanings else pattern
 
@@ -254,7 +256,7 @@ def _group_into_products(combinations: Sequence[PartTexts]) -> Iterator[list[lis
     """Yield the combinations as products: a list of texts for each part, ``[["A"], ["1", "2"]]`` for A-1 and A-2.
 
     If the texts of a part combine with different other parts, the combinations are first split by such a part, namely
-    by one that gives the fewest groups.
+    by one that gives the fewest groups. A-1, A-2 and B-1 are split into A-1 and A-2, and B-1.
     """
     number_of_parts = len(combinations[0])
     groups_by_part = [_divided_by_part(combinations, index) for index in range(number_of_parts)]
@@ -275,7 +277,8 @@ def _divided_by_part(combinations: Sequence[PartTexts], index: int) -> list[list
         other_parts_by_text.setdefault(part_texts[index], set()).add(other_parts)
     groups: dict[frozenset[PartTexts], list[PartTexts]] = {}
     for part_texts in combinations:
-        groups.setdefault(frozenset(other_parts_by_text[part_texts[index]]), []).append(part_texts)
+        combinable_parts = frozenset(other_parts_by_text[part_texts[index]])
+        groups.setdefault(combinable_parts, []).append(part_texts)
     return list(groups.values())
 
 
@@ -291,7 +294,8 @@ def position_frame(family_device: Device, interface: Interface) -> Layout | None
     parts_of_position = family_device.position_names(interface.name)
 
     def information(layout: Layout) -> tuple[int, int, int]:
-        number_of_parts = len(parts_of_position & {field.name for field in layout.fields})
+        field_names = {field.name for field in layout.fields}
+        number_of_parts = len(parts_of_position & field_names)
         number_of_flags = sum(isinstance(meaning_of(field), Active) for field in layout.fields)
         return number_of_parts, number_of_flags, -layout.widest
 
@@ -345,6 +349,7 @@ def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
     flags_by_label: dict[str, list[tuple[str, str]]] = {}
     for placed_field in placed_layout.fields:
         flag = (code(placed_field.name), _place(placed_field, placed_layout))
+        # The active level of a flag, or what differs from the manual: ``0`` or ``1`` for a single unused bit.
         level = deciding_bits(placed_field.field)
         if isinstance(meaning_of(placed_field.field), Active):
             flags_by_label.setdefault(f"Active at {level}", []).append(flag)
@@ -381,16 +386,19 @@ def _range_of_signed_number(family_device: Device, placed_field: PlacedField, pl
 def _place(placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
     """Return the bits of a field, such as ``bit 7``, with their byte if the frame consists of bytes."""
     high, low = placed_field.high, placed_field.low
-    in_bytes = placed_layout.layout.in_bytes
-    return frame_bytes(placed_layout.layout, placed_layout.bits, high, low) if in_bytes else bits(high, low)
+    if placed_layout.layout.in_bytes:
+        return frame_bytes(placed_layout.layout, placed_layout.bits, high, low)
+    return bits(high, low)
 
 
 def _flags_with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
     """Yield flags with their places: ``error (byte 1, bit 0)``, then ``warning (bit 1)`` in the same byte."""
     previous_byte = ""
     for flag_name, place in flags:
+        # The byte is empty for a frame of bits, whose places are like ``bit 7``.
         byte, _, bit = place.rpartition(", ")
-        yield f"{flag_name} ({bit if byte == previous_byte else place})"
+        short_place = bit if byte == previous_byte else place
+        yield f"{flag_name} ({short_place})"
         previous_byte = byte
 
 

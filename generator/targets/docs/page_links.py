@@ -91,7 +91,9 @@ def with_errata_linked(device: Device, page: str, page_text: str) -> str:
     """Return a page of a family with links to the errata that its sentences name, as in ``See erratum crc_start.``"""
     if not device.errata:
         return page_text
-    folder = "" if page.startswith(f"{device.name}/") else f"{device.name}/"
+    # ``page`` is a path. Pages of the family are in its folder or next to it.
+    is_in_folder = page.startswith(f"{device.name}/")
+    folder = "" if is_in_folder else f"{device.name}/"
     titles = {erratum.name: erratum.title for erratum in device.errata}
     # Otherwise a name that another one begins with would match first.
     longest_first = sorted(titles, key=len, reverse=True)

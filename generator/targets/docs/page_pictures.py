@@ -41,7 +41,9 @@ def connector_text(connector: Connector) -> str:
 
 
 def _contact_text(contact: Contact) -> str:
-    return f"{contact.contact} {contact.signal}" + (f" (only {contact.only})" if contact.only else "")
+    """Return a contact in words, such as ``3 CLOCK+ (only X-24)``."""
+    order_codes = f" (only {contact.only})" if contact.only else ""
+    return f"{contact.contact} {contact.signal}{order_codes}"
 
 
 def connector_picture(connector: Connector) -> str:

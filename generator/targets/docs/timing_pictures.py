@@ -236,8 +236,10 @@ def _data_boxes(codec: Codec, position_names: Container[str]) -> Iterator[tuple[
 def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
     """Return a request with its reply, and a repetition of the request."""
     request_lengths, reply_lengths = _byte_counts(interface, "master"), _byte_counts(interface, "encoder")
-    request_size = f"{'at least ' if len(request_lengths) > 1 else ''}{counted(request_lengths[0], 'byte')}"
-    reply_size = f"{'up to ' if len(reply_lengths) > 1 else ''}{counted(reply_lengths[-1], 'byte')}"
+    at_least = "at least " if len(request_lengths) > 1 else ""
+    request_size = f"{at_least}{counted(request_lengths[0], 'byte')}"
+    up_to = "up to " if len(reply_lengths) > 1 else ""
+    reply_size = f"{up_to}{counted(reply_lengths[-1], 'byte')}"
     request_label = f"request, {request_size}"
     master = [
         Part(Trace.UP, width=40),
@@ -257,13 +259,8 @@ def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
             Part(Trace.EITHER, width=repetition_width, label=name, fill="choice") for name in ("1st", "2nd")
         )
         # Both lines end 490 pixels after the request.
-        master += [
-            Part(Trace.UP, width=270),
-            first,
-            Part(Trace.UP, width=repetition_width),
-            second,
-            Part(Trace.GAP, width=40),
-        ]
+        pause_part = Part(Trace.UP, width=repetition_width)
+        master += [Part(Trace.UP, width=270), first, pause_part, second, Part(Trace.GAP, width=40)]
         encoder.append(Part(Trace.UP, width=240))
         spans = (Span(start=first_repetition_end, end=first_repetition_end + repetition_width, label=pause),)
         description += f" {pause.capitalize()}."
@@ -324,7 +321,9 @@ def _line_elements(parts: Sequence[Part], left: float, top: float) -> Iterator[s
         match part.trace:
             case Trace.UP | Trace.DOWN:
                 y = top if part.trace is Trace.UP else top + _HIGH
-                path.append(f"{'L' if path else 'M'}{number(part_start)} {number(y)}H{number(part_start + part.width)}")
+                # The path begins with M (move), and each level continues it with L (line).
+                command = "L" if path else "M"
+                path.append(f"{command}{number(part_start)} {number(y)}H{number(part_start + part.width)}")
                 if part.label:
                     yield draw_text(
                         part_start + part.width / 2, top + _HIGH - 8, part.label, size=11, anchor="middle", faint=True
@@ -348,10 +347,12 @@ def _line_elements(parts: Sequence[Part], left: float, top: float) -> Iterator[s
 
 def _pulse_path(pulses_start: float, top: float, part: Part, *, starts: bool) -> Iterator[str]:
     """Yield the path of adjacent pulses. Each pulse is first low and then high."""
-    count = round(part.width / _PERIOD)
-    half = part.width / count / 2
+    number_of_pulses = round(part.width / _PERIOD)
+    half_period = part.width / number_of_pulses / 2
     if starts:
         yield f"M{number(pulses_start)} {number(top)}"
-    for index in range(count):
-        x = pulses_start + 2 * half * index
-        yield f"L{number(x)} {number(top + _HIGH)}H{number(x + half)}V{number(top)}H{number(x + 2 * half)}"
+    for index in range(number_of_pulses):
+        x = pulses_start + 2 * half_period * index
+        low_part = f"L{number(x)} {number(top + _HIGH)}H{number(x + half_period)}"
+        high_part = f"V{number(top)}H{number(x + 2 * half_period)}"
+        yield low_part + high_part

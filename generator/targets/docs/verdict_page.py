@@ -120,6 +120,7 @@ def _deciding_fields(layout: Layout, judgement: Judgement) -> list[_Decider]:
         not_better = (Verdict.USABLE_WITH_WARNING, Verdict.UNKNOWN)
         warning_fields = [field for field in layout.fields if verdict_of(field) in not_better]
         deciders += [_Decider(judgement.otherwise, field) for field in warning_fields]
+    # The enumeration lists the verdicts from the worst to the best.
     worst_first = list(Verdict)
     field_names = [field.name for field in fields_and_signs]
 
@@ -161,16 +162,17 @@ def _answer_text(device: Device, question: Alternative, parameter_condition: Onl
 
     The link leads to the page of the first interface with a frame whose verdict depends on it.
     """
-    answers = [
-        answer
-        for answer in question.answers
-        if bool(answer.sets[parameter_condition.parameter]) == parameter_condition.holds
-    ]
-    answer_names = " or ".join(code(answer.name) for answer in answers)
+    answer_codes = []
+    for answer in question.answers:
+        is_set = answer.sets[parameter_condition.parameter] != 0
+        if is_set == parameter_condition.holds:
+            answer_codes.append(code(answer.name))
+    answer_names = " or ".join(answer_codes)
     frames = device.layouts()
     interfaces = (interface for interface, layout in frames if question in device.verdict_alternatives(layout))
     interface = first_of(interfaces, f"frame whose verdict '{question.name}' decides")
     page = f"{device.name}/{interface.name}.md#alternative-{question.name}"
+    # The default answer sets the parameter to 0.
     default = "" if parameter_condition.holds else ", the default"
     return f"and {link('your choice', page)} is {answer_names}{default}"
 
@@ -240,15 +242,17 @@ def _layout_links(device: Device, layouts: Sequence[Layout]) -> str:
 
 def _errata_links(device: Device, interface: Interface, layout: Layout, field: Field, sign: Sign | None) -> str:
     """Return links to the errata about a field and, for a flag, about its group. A sign has those of its fields."""
-    frame = f"interfaces.{interface.name}.{layout.name}"
-    spec_paths = {f"{frame}.{field.name}"}
+    path_of_frame = f"interfaces.{interface.name}.{layout.name}"
+    spec_paths = {f"{path_of_frame}.{field.name}"}
     deciding_fields = [field]
     if sign is not None:
         deciding_fields = [layout.field(name) for name, _ in sign.conditions]
     for deciding_field in deciding_fields:
-        spec_paths |= {f"{frame}.{deciding_field.name}", f"field_groups.{deciding_field.group}.{deciding_field.name}"}
-        if deciding_field.group and isinstance(meaning_of(deciding_field), Active):
-            spec_paths.add(f"field_groups.{deciding_field.group}")
+        name, group = deciding_field.name, deciding_field.group
+        spec_paths |= {f"{path_of_frame}.{name}", f"field_groups.{group}.{name}"}
+        if group and isinstance(meaning_of(deciding_field), Active):
+            spec_paths.add(f"field_groups.{group}")
     errata = [erratum for erratum in device.errata if not erratum.edition and erratum.severity != "wording"]
+    # ``affects`` are paths in the spec.
     affecting_errata = [erratum for erratum in errata if not spec_paths.isdisjoint(erratum.affects)]
     return link_list(link_to_erratum(device, erratum) for erratum in affecting_errata)

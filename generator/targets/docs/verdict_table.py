@@ -137,7 +137,7 @@ def _names_of_field(field: Field) -> str:
 
 
 def _row_of_match(placed_layout: PlacedLayout, match: Match, effect: str) -> Row:
-    """Return the row of values that lead to a verdict together."""
+    """Return the row of values that lead to a verdict together: their places, the values, and the verdict."""
     places = ", ".join(_place_of_field(placed_layout, part.field.name) for part, _ in match.conditions)
     phrase = MARKDOWN.phrase(conditions((part.field, value) for part, value in match.conditions))
     return places, phrase, "", effect, ""
@@ -155,8 +155,14 @@ def _while_inactive(cause: VerdictCause) -> str:
     """Return the flags that must be inactive: ``, while `error` is inactive``. Empty if the cause combines none."""
     if not cause.unless:
         return ""
+    return f", {_while_flags_are_inactive(cause)}"
+
+
+def _while_flags_are_inactive(cause: VerdictCause) -> str:
+    """Return the flags that a cause combines as a clause: ``while `error` and `fault` are inactive``."""
     flags = " and ".join(code(part.field.name) for part in cause.unless)
-    return f", while {flags} {'is' if len(cause.unless) == 1 else 'are'} inactive"
+    verb = "is" if len(cause.unless) == 1 else "are"
+    return f"while {flags} {verb} inactive"
 
 
 def applicable_causes(judgement: Judgement, variant: Variant) -> dict[Verdict, list[VerdictCause]]:
@@ -171,7 +177,12 @@ def applicable_causes(judgement: Judgement, variant: Variant) -> dict[Verdict, l
 
 def _holds_for_variant(cause: VerdictCause, variant: Variant) -> bool:
     """Return whether all conditions of a cause hold for an order code and the answers chosen for it."""
-    return all(bool(variant.parameters.get(only.parameter, 0)) == only.holds for only in cause.conditions)
+    for only in cause.conditions:
+        # The condition is that the parameter is not 0 or, without ``holds``, that it is 0.
+        is_set = variant.parameters.get(only.parameter, 0) != 0
+        if is_set != only.holds:
+            return False
+    return True
 
 
 def join_as_any_of(names: Sequence[str]) -> str:
@@ -224,5 +235,4 @@ def _cause_text(cause: VerdictCause) -> str:
     flag_name = code(cause.by.field.name)
     if not cause.unless:
         return flag_name
-    flags = " and ".join(code(part.field.name) for part in cause.unless)
-    return f"{flag_name} (while {flags} {'is' if len(cause.unless) == 1 else 'are'} inactive)"
+    return f"{flag_name} ({_while_flags_are_inactive(cause)})"

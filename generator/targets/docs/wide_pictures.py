@@ -46,11 +46,11 @@ class _Cell:
         There are none if a word is wider than the box, or if the name needs more than two lines.
         """
         # The text keeps 2 pixels from each side.
-        letters = int((self.right - self.left - 4) / (_SIZE * _LETTER_WIDTH))
+        letters_per_line = int((self.right - self.left - 4) / (_SIZE * _LETTER_WIDTH))
         longest_word = max(len(word) for word in (*self.name.split(" "), self.place))
-        if longest_word > letters:
+        if longest_word > letters_per_line:
             return []
-        name_lines = wrap(self.name, letters)
+        name_lines = wrap(self.name, letters_per_line)
         if len(name_lines) > 2:
             return []
         return [*name_lines, self.place] if self.place else name_lines
@@ -113,7 +113,8 @@ def _bit_cells(placed_layout: PlacedLayout) -> Iterator[_Cell]:
     for run in runs_of(placed_layout):
         left = _MARGIN + (placed_layout.bits - 1 - run.high) * bit_width
         # The ruler above the box shows its bits, which are only named below the line.
-        place = f"bit{'s' * (run.high > run.low)} {bit_range(run.high, run.low)}"
+        noun = "bits" if run.high > run.low else "bit"
+        place = f"{noun} {bit_range(run.high, run.low)}"
         level = ", 0 = active" if run.active_low else ""
         yield _Cell(
             left=left,
@@ -133,6 +134,7 @@ def _byte_cells(stack: Stack) -> Iterator[_Cell]:
     byte_width = _byte_width(stack)
     for index, row in enumerate(stack.rows):
         for box in row.boxes:
+            # Bit 7 is at the left of its byte.
             left = _MARGIN + byte_width * (index + (7 - box.high) / 8)
             spaced_place = f" {box.place}" if box.place else ""
             yield _Cell(

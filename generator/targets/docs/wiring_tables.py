@@ -55,6 +55,7 @@ def wiring_table(device: Device, order_codes: Sequence[str]) -> Wiring:
     columns = _connectors_by_column(device.connectors, order_codes)
     heads = _column_heads(columns)
     contacts = [contact for connector in device.connectors for contact in connector.contacts]
+    # Each signal once, in the order of its first contact.
     signals = dict.fromkeys(_signal_cell(contact, order_codes) for contact in contacts)
     about_columns = []
     for head, column in zip(heads, columns, strict=True):
@@ -86,7 +87,9 @@ def _word_for_contact(connector: Connector) -> str:
 
 
 def _build_row(columns: Sequence[Sequence[Connector]], signal: str, order_codes: Sequence[str]) -> Row:
-    return (*(_contacts_cell(column, signal, order_codes) for column in columns), signal)
+    """Return a row with the contacts of a signal in each column, and the signal: ``("3", "wh", "CLOCK+")``."""
+    contact_cells = [_contacts_cell(column, signal, order_codes) for column in columns]
+    return (*contact_cells, signal)
 
 
 def _common_sentences(connectors: Sequence[Connector]) -> list[str]:
@@ -125,7 +128,8 @@ def _have_similar_contacts(connector: Connector, other: Connector, order_codes: 
     other_contacts = _contacts_by_signal(other, order_codes)
     equal_signals = [signal for signal in other_contacts if contacts.get(signal) == other_contacts[signal]]
     fewest_signals = min(len(contacts), len(other_contacts))
-    return connector.kind == other.kind and 2 * len(equal_signals) > fewest_signals
+    are_mostly_equal = 2 * len(equal_signals) > fewest_signals
+    return connector.kind == other.kind and are_mostly_equal
 
 
 def _contacts_by_signal(connector: Connector, order_codes: Sequence[str]) -> dict[str, list[str]]:
@@ -183,7 +187,8 @@ def _short_names(titles: Sequence[str]) -> list[str]:
         for number_of_words in range(1, longest + 1):
             short_names = [" ".join(phrase_words[:number_of_words]) for phrase_words in phrases_in_words]
             are_unique = len(set(short_names)) == len(short_names)
-            if are_unique and not any(name.isdecimal() for name in short_names):
+            has_number = any(name.isdecimal() for name in short_names)
+            if are_unique and not has_number:
                 return short_names
     return [f"connector {index}" for index, _ in enumerate(titles, 1)]
 
@@ -191,7 +196,8 @@ def _short_names(titles: Sequence[str]) -> list[str]:
 def _contact_list(contacts: Sequence[str]) -> str:
     """Return contacts as a list, with three or more consecutive numbers as a range."""
     numbers = [int(contact) for contact in contacts if contact.isdecimal()]
-    if len(numbers) == len(contacts) > 2 and numbers == list(range(numbers[0], numbers[-1] + 1)):
+    are_several_numbers = len(numbers) == len(contacts) > 2
+    if are_several_numbers and numbers == list(range(numbers[0], numbers[-1] + 1)):
         return f"{numbers[0]} to {numbers[-1]}"
     return ", ".join(contacts)
 
@@ -225,10 +231,10 @@ def unstated_facts(family_device: Device, interface: Interface, subjects: Mappin
     ``subjects`` are the facts by label. ``family_device`` has the texts about all order codes, because a text about
     others may be valid for this one too.
     """
+    sentences = []
     unmentioned = [label for label, subject in subjects.items() if not mentions(family_device, interface, subject)]
-    sentences = (
-        [f"{_join_capitalized(unmentioned)}: the {document(family_device)} does not say."] if unmentioned else []
-    )
+    if unmentioned:
+        sentences.append(f"{_join_capitalized(unmentioned)}: the {document(family_device)} does not say.")
     mentioned = [label for label in subjects if label not in unmentioned]
     if mentioned:
         places = [link("times", "#timings")]
@@ -253,7 +259,7 @@ def no_leds(family_device: Device, device: Device, interface: Interface) -> str:
 
 
 def no_supply(family_device: Device, interface: Interface) -> str:
-    """Return what a page says in place of a supply."""
+    """Return the text in place of a supply: a link to the characteristics that may have it, or that none is known."""
     if mentions(family_device, interface, Subject.SUPPLY):
         return f"see {link('characteristics', 'hardware.md#characteristics')}"
     return f"the {document(family_device)} does not say"
@@ -301,7 +307,8 @@ def _clock_section(family_device: Device, device: Device, interface: Ssi | Biss,
     The table has no cables whose clock is below the lowest one of the encoder. Faster clocks than its fastest one are
     replaced by that.
     """
-    clock = interface.clocks[0]  # The order codes of a page share their clock.
+    # The order codes of a page share their clock.
+    clock = interface.clocks[0]
     facts = [f"Clock: {clock_words(clock)} ({citation(clock.source)})."]
     lengths = _frame_lengths(device, layout) if layout is not None else []
     start_bits = _BISS_START_BITS if isinstance(interface, Biss) else 0
@@ -314,8 +321,9 @@ def _clock_section(family_device: Device, device: Device, interface: Ssi | Biss,
     facts += _pause_sentences(family_device, interface)
     cable_clocks = cable_table(device, interface)
     cable_rows: list[Row] = []
+    lowest_hz = clock.min_hz or 0
     for cable in cable_clocks.rows:
-        if clock.fastest_hz is not None and cable.hz >= (clock.min_hz or 0):
+        if clock.fastest_hz is not None and cable.hz >= lowest_hz:
             clock_hz = min(cable.hz, clock.fastest_hz)
             cable_rows.append((f"{cable.metres} m", hertz(clock_hz), _duration_range(clocked_lengths, clock_hz)))
     if cable_rows:
@@ -386,10 +394,12 @@ def _joined_by_or(alternatives: Iterable[str]) -> str:
 
 
 def _duration_range(lengths: Iterable[int], hz: int) -> str:
+    """Return the durations of frames with these numbers of bits, such as ``26 µs or 32 µs``."""
     return _joined_by_or(_duration_text(bits, hz) for bits in lengths)
 
 
 def _duration_text(bits: int, hz: int) -> str:
     """Return the duration of some bits, rounded to 0.1 µs unless it is a multiple of 100 ns."""
     exact_ns = bits * 1_000_000_000 / hz
-    return nanoseconds(round(exact_ns)) if exact_ns % 100 == 0 else f"{exact_ns / 1000:.1f} µs"
+    needs_no_rounding = exact_ns % 100 == 0
+    return nanoseconds(round(exact_ns)) if needs_no_rounding else f"{exact_ns / 1000:.1f} µs"

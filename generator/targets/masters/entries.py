@@ -134,17 +134,20 @@ def content_of_file(sheet: Sheet, rule: Raw, device: str) -> Content:
 def _settings_in_write_order(sheet: Sheet) -> Iterator[tuple[Setting, list[Write], list[Write]]]:
     """Yield the settings in the order of writing, each with the values to write before and after it.
 
-    A rule for several settings adds its values before the first and after the last of them.
+    A rule applies to the settings named in ``rule.of``. The values in ``rule.needs`` come before the first of these
+    settings, and those in ``rule.then`` after the last.
     """
     names_in_order = write_order([setting.name for setting in sheet.settings], sheet.writing)
     settings = sorted(sheet.settings, key=lambda setting: names_in_order.index(setting.name))
+    # Like the settings, these are in the order of writing, so that a rule has its first and last name in this order.
     setting_names = [setting.name for setting in settings]
     for setting in settings:
         writes_before: list[Write] = []
         writes_after: list[Write] = []
         for rule in sheet.writing:
-            # Without names, a rule applies to all settings. The names are in the order of writing.
-            names_of_rule = [name for name in setting_names if name in (rule.of or setting_names)]
+            # Without names, a rule applies to all settings. A rule with names has at least one from the sheet.
+            applies_to = rule.of or setting_names
+            names_of_rule = [name for name in setting_names if name in applies_to]
             if setting.name == names_of_rule[0]:
                 writes_before += rule.needs
             if setting.name == names_of_rule[-1]:

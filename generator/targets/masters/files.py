@@ -145,12 +145,13 @@ def _names_with_mark(file_content: Content, mark: str) -> list[str]:
 def comment(paragraphs: Sequence[str], prefix: str) -> str:
     """Return paragraphs as a comment whose lines begin with ``prefix``, which is ``<!--`` in XML."""
     if prefix == "<!--":
-        lines = (wrapped(note(paragraph), _WIDTH, "       ", "     ") for paragraph in paragraphs)
+        lines = [wrapped(note(paragraph), _WIDTH, prefix="       ", first="     ") for paragraph in paragraphs]
         return "\n".join(["<!--", *lines, "-->"])
     if prefix == "//":
         # A backslash at the end of a line would continue it.
         paragraphs = [paragraph.replace("\\", "/") for paragraph in paragraphs]
-    return "\n".join(wrapped(paragraph, _WIDTH, f"{prefix}   ", f"{prefix} ") for paragraph in paragraphs)
+    lines = [wrapped(paragraph, _WIDTH, prefix=f"{prefix}   ", first=f"{prefix} ") for paragraph in paragraphs]
+    return "\n".join(lines)
 
 
 def note(text: object) -> str:
@@ -159,7 +160,10 @@ def note(text: object) -> str:
 
 
 def fill_pattern(pattern: str, file_content: Content) -> str:
-    """Return the pattern with each key in braces replaced by its value: ``-b {bits}`` becomes ``-b 24``."""
+    """Return the pattern with each key in braces replaced by its value: ``-b {bits}`` becomes ``-b 24``.
+
+    The keys and values are those of the first channel.
+    """
     for file_value in file_content.entries:
         pattern = pattern.replace(f"{{{file_value.key}}}", file_value.word)
     return pattern
@@ -192,8 +196,10 @@ def _files_of_family(device: Device, library: Library, options: Options) -> Iter
                 master_devices |= dict.fromkeys(sheet.devices_with(rule))
             for master_device in master_devices:
                 start = _start_of_path(master, rule, master_device)
-                # The first of each triple is the sheet.
-                sheets = [usable for usable in usable_sheets if master_device not in usable[0].unusable_devices]
+                sheets = []
+                for sheet, record, order_codes in usable_sheets:
+                    if master_device not in sheet.unusable_devices:
+                        sheets.append((sheet, record, order_codes))
                 yield from files_of_device(start, device, sheets, rule, master_device, library)
 
 

@@ -15,6 +15,9 @@ from ...say.plain_text import plain
 from .literals import Atom, Expr, Not, Operation, Scope, call, join_operands, mask, multiply, number, shift_value
 from .names import ClassNames, byte_order
 
+#: Number of characters from which a comment is too long for the end of a line.
+_LONG_COMMENT = 60
+
 
 class BitsEncoder:
     """Expressions of joined numbers. They use the attributes of a class."""
@@ -43,17 +46,21 @@ class BitsEncoder:
             case Active(low) if field.width.is_constant:
                 return Not(attribute) if low else call("bool", attribute)
             case Active():
-                # A flag of a joined number is active high.
+                # A flag of a joined number is active high. Its width is 1 or, by order code, 0.
                 return call("check_width", quoted_name, call("int", attribute), width)
             case DigitRuns():
                 return self.digits(field)
             case Characters():
-                return call("text_number", f'"{field.name}"', attribute, str(field.width.constant // 8))
+                number_of_characters = field.width.constant // 8
+                return call("text_number", quoted_name, attribute, str(number_of_characters))
             case meaning:
                 assert_never(meaning)
 
     def digits(self, field: Field) -> Expr:
-        """Return the number that the runs of decimal digits of a field form, each times its divisor."""
+        """Return the number that the runs of decimal digits of a field form: ``index(self.turns) * 100 + …``.
+
+        Each run is multiplied by its divisor, the value of 1 in its lowest digit.
+        """
         return join_operands("+", (multiply(self._index_of_choice(run.name), run.divisor) for run in field.runs))
 
     def checked_bits(self, joined_number: JoinedNumber) -> list[tuple[str, Expr]]:
@@ -66,9 +73,11 @@ class BitsEncoder:
         ``expression_of`` returns the expression for an attribute. An example is ``turns << 12 | angle``.
         """
         shifted_attributes = []
+        # ``low`` is the position of the field's lowest bit in the joined number.
         for field, low in joined_number.from_low:
             attribute = Atom(expression_of(self.names.attribute(field.name)))
             shifted_attributes.append(shift_value(attribute, "<<", scope.expression_of(low)))
+        # The highest field comes first.
         return join_operands("|", reversed(shifted_attributes))
 
     def parts(self, whole: JoinedNumber) -> list[tuple[Field, Expr]]:
@@ -79,6 +88,7 @@ class BitsEncoder:
         joined_number = Atom(self.names.attribute(whole.join.name))
         highest_field = whole.fields[0]
         fields_and_bits: list[tuple[Field, Expr]] = []
+        # ``low`` is the position of the field's lowest bit in the joined number.
         for field, low in whole.from_low:
             bits = shift_value(joined_number, ">>", self.scope.expression_of(low))
             # No bits are above the highest field, so it needs no mask.
@@ -148,14 +158,17 @@ class Reader:
         return bit_numbers(bits.low.constant, bits.width.constant) if bits.are_fixed else ""
 
     def exclusive_or(self, parts: Sequence[Bits], counted: int) -> Expr:
-        """Return an expression with the parity of all bits of these fields, or of those in the mask ``counted``.
+        """Return a number with the same parity as the bits of these fields, or as those in the mask ``counted``.
 
-        Without a mask, fixed bits of a word are the word with all other bits cleared. In other cases it is the XOR of
-        the fields, and ``counted`` is a mask of it.
+        For fields at fixed places in a word, it is the word with all other bits cleared, such as ``word & 0xFF3``. In
+        other cases it is the XOR of the fields, such as ``data[0] ^ data[2]``. ``counted`` is a mask of this XOR, or 0
+        if all bits count.
         """
-        if not counted and self.codec.by_word and all(bits.are_fixed for bits in parts):
-            # The fields need no XOR, since their bits are apart in the word.
-            return Operation(Atom(self.source), "&", mask(sum(mask_in_place(bits) for bits in parts)))
+        are_at_fixed_places = self.codec.by_word and all(bits.are_fixed for bits in parts)
+        if not counted and are_at_fixed_places:
+            # The fields have no bit in common, so that the sum of their masks has the bits of all.
+            mask_of_fields = sum(mask_in_place(bits) for bits in parts)
+            return Operation(Atom(self.source), "&", mask(mask_of_fields))
         xor_of_fields = join_operands("^", [self.bits(bits) for bits in parts])
         return Operation(xor_of_fields, "&", mask(counted)) if counted else xor_of_fields
 
@@ -181,7 +194,11 @@ class Reader:
         return Atom(self._byte.format(byte))
 
     def differing_unused_bits(self) -> Expr:
-        """Return the unused bits that differ from the manual, each at its position in one number."""
+        """Return the unused bits that differ from the manual, each at its position in the attribute ``unused``.
+
+        An example is ``b1 & 0xC | (b2 & 0x1) << 4``.
+        """
+        # The byte of the bits of a word is None.
         fixed_bits = sorted(moved_bits(self.codec), key=lambda bits: (bits.byte or 0, bits.shift))
         differing_bits = [self._unused_at_fixed_place(bits) for bits in fixed_bits]
         for reserved in self.codec.reserved:
@@ -190,7 +207,10 @@ class Reader:
         return join_operands("|", differing_bits)
 
     def bits_without_field(self) -> Expr:
-        """Return the bits without a field, at their positions in the number that the bytes form."""
+        """Return the bits without a field, at their positions in the number that the bytes form.
+
+        An example is ``data[0] & 0xF0``.
+        """
         if self.codec.by_word:
             all_bits = self.source
         elif self.codec.length > 1:
@@ -200,12 +220,17 @@ class Reader:
         return Operation(Atom(all_bits), "&", mask_without_field(self.scope, self.codec))
 
     def _unused_at_fixed_place(self, bits: ShiftedBits) -> Expr:
-        """Return the differing bits among those of the word, or of a byte, that are shifted by the same distance."""
+        """Return the differing bits among those of the word, or of a byte, that are shifted by the same distance.
+
+        An example is ``(b1 & 0xC ^ 0x4) << 4``, where ``0x4`` is the value in the manual.
+        """
         source = Atom(self.source) if bits.byte is None else self._byte_variable(bits.byte)
+        # Bits with a negative shift move to the left. One of these distances is 0.
         right_shift = max(bits.shift, 0)
         left_shift = max(-bits.shift, 0)
-        # The mask and the value are those after the shift.
-        mask_in_source, value_in_source = bits.mask >> left_shift, bits.value >> left_shift
+        # ``bits`` has the mask and the value at their places in ``unused``, after the shift to the left.
+        mask_in_source = bits.mask >> left_shift
+        value_in_source = bits.value >> left_shift
         expression = shift_value(source, ">>", number(right_shift))
         is_whole_byte = bits.byte is not None and mask_in_source == 0xFF
         if not is_whole_byte:
@@ -215,11 +240,13 @@ class Reader:
         return shift_value(expression, "<<", number(left_shift))
 
     def _unused_at_moving_place(self, reserved: Reserved) -> Expr:
-        """Return the differing bits among those whose position depends on the order code."""
+        """Return the differing bits of an unused field whose position depends on the order code."""
         bits = shift_value(Atom(self.source), ">>", self.scope.expression_of(reserved.bits.low))
+        # The value in the manual. XOR with it leaves a 1 in each bit that differs.
         if reserved.value:
             bits = Operation(bits, "^", mask(reserved.value))
         differing_bits = Operation(bits, "&", self.scope.ones(reserved.bits.width))
+        # The position of the field in ``unused``.
         return shift_value(differing_bits, "<<", number(reserved.place))
 
     def characters(self, bits: Bits) -> str:
@@ -229,7 +256,8 @@ class Reader:
         """
         # Pieces begin with the lowest bits, strings with the highest.
         whole_bytes = [piece.byte for piece in reversed(bits.pieces) if _is_whole_byte(piece)]
-        if self.codec.by_word or len(whole_bytes) < len(bits.pieces) or not _are_ascending(whole_bytes):
+        has_partial_bytes = len(whole_bytes) < len(bits.pieces)
+        if self.codec.by_word or has_partial_bytes or not _are_ascending(whole_bytes):
             return ""
         return f"data[{whole_bytes[0]}:{whole_bytes[-1] + 1}]"
 
@@ -246,10 +274,12 @@ def place_in_bytes(pieces: Sequence[Piece]) -> str:
     """
     if not pieces:
         return ""
-    first = pieces[0]
+    lowest_piece = pieces[0]
     if len(pieces) > 1:
-        return "low byte first" if first.byte < pieces[-1].byte else "high byte first"
-    return "" if first.mask == 0xFF else bit_numbers(first.low_in_byte, first.mask.bit_length())
+        highest_piece = pieces[-1]
+        return "low byte first" if lowest_piece.byte < highest_piece.byte else "high byte first"
+    fills_byte = lowest_piece.mask == 0xFF
+    return "" if fills_byte else bit_numbers(lowest_piece.low_in_byte, lowest_piece.mask.bit_length())
 
 
 def purpose_of_constant(field: Field, place: str) -> str:
@@ -257,9 +287,11 @@ def purpose_of_constant(field: Field, place: str) -> str:
 
     Return only the place if both are too long for a comment at the end of a line.
     """
-    first_sentence = " ".join(plain(field.meaning).split()).partition(". ")[0].rstrip(".")
+    # Texts of the spec can have several lines.
+    meaning_on_one_line = " ".join(plain(field.meaning).split())
+    first_sentence = meaning_on_one_line.partition(". ")[0].rstrip(".")
     comment = ": ".join(filter(None, [place, first_sentence]))
-    return comment if len(comment) < 60 else place
+    return comment if len(comment) < _LONG_COMMENT else place
 
 
 def bit_numbers(low: int, width: int) -> str:
@@ -272,6 +304,7 @@ def mask_without_field(scope: Scope, codec: Codec) -> Expr:
 
     Fields whose place is fixed are cleared in the first mask, and the others are masked at run time.
     """
+    # All bits at first. The length of a layout with such bits is constant.
     bits_without_fixed_field = (1 << codec.layout.bits.constant) - 1
     masks_of_moving_fields: list[Expr] = []
     for field in codec.layout.fields:
@@ -296,9 +329,10 @@ def _are_ascending(byte_indices: Sequence[int]) -> bool:
 
 
 def from_pieces(pieces: Sequence[Piece], length: int = 0, byte: str = "data[{}]") -> Expr:
-    """Return the number that the pieces form, or 0 if there are none. They begin with the lowest bits.
+    """Return the number that the pieces form, such as ``data[1] | data[2] << 8``, or 0 if there are none.
 
-    ``length`` is the number of bytes, if it is known. ``byte`` is the pattern for the name of a byte.
+    The pieces begin with the lowest bits. ``length`` is the number of bytes, or 0 if it is unknown. ``byte`` is the
+    pattern for the name of a byte.
     """
     if not pieces:
         return number(0)
@@ -307,10 +341,12 @@ def from_pieces(pieces: Sequence[Piece], length: int = 0, byte: str = "data[{}]"
     ascending = pieces if low_byte_first else pieces[::-1]
     # From four bytes on, int.from_bytes is shorter than shifts.
     if len(pieces) > 3 and _are_adjacent_whole_bytes(ascending):
-        first = ascending[0].byte
+        first_byte = ascending[0].byte
         stop = ascending[-1].byte + 1
-        slice_of_data = "data" if (first, stop) == (0, length) else f"data[{first}:{stop}]"
-        return call("int.from_bytes", slice_of_data, '"little"' if low_byte_first else '"big"')
+        are_all_bytes = (first_byte, stop) == (0, length)
+        slice_of_data = "data" if are_all_bytes else f"data[{first_byte}:{stop}]"
+        byte_order_literal = '"little"' if low_byte_first else '"big"'
+        return call("int.from_bytes", slice_of_data, byte_order_literal)
     return join_operands("|", (_from_piece(piece, byte) for piece in ascending))
 
 
@@ -321,6 +357,7 @@ def _are_adjacent_whole_bytes(ascending: Sequence[Piece]) -> bool:
 def _from_piece(piece: Piece, byte: str) -> Expr:
     """Return the bits of one piece at their place in the number, such as ``(b1 & 0x3F) << 8``."""
     bits = shift_value(Atom(byte.format(piece.byte)), ">>", number(piece.low_in_byte))
+    # The mask of the piece is that of its bits after the shift. Without bits above them, they need none.
     reaches_top_of_byte = piece.mask == 0xFF >> piece.low_in_byte
     if not reaches_top_of_byte:
         bits = Operation(bits, "&", mask(piece.mask))

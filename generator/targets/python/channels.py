@@ -12,7 +12,8 @@ from .names import ClassNames, Context
 class ChannelCode:
     """Frame with several data channels: the classes of its channels, and the index of the one with the position.
 
-    ``compared`` has the index of the channel, the attribute and the width of each compared field.
+    ``compared`` has the index of the channel, the attribute and the width of each compared field. The highest
+    ``compared_bits`` bits of these fields must not differ by more than ``tolerance``.
     """
 
     kinds: tuple[str, ...]
@@ -23,19 +24,26 @@ class ChannelCode:
 
 
 def channel_code(context: Context, interface: Interface, scope: Scope) -> ChannelCode | None:
-    """Return the frame with all data channels of an interface, or None if there is none."""
+    """Return the code for the frame with all data channels of an interface, or None if it has no such frame.
+
+    ``scope`` has the expressions of the parameters, such as ``self.bits``, in which widths are written.
+    """
     frame = channel_frame(interface)
     if frame is None:
         return None
-    indices = {layout.name: index for index, layout in enumerate(frame.layouts)}
+    # Each layout is one channel of the frame.
+    index_by_layout = {layout.name: index for index, layout in enumerate(frame.layouts)}
     position_layouts = (layout for layout in frame.layouts if context.device.sends_position(interface.name, layout))
     compared = []
     for field in frame.compared:
-        attribute_name = ClassNames(field.layout, None, ()).attribute(field.name)
-        compared.append((indices[field.layout.name], attribute_name, scope.expression_of(field.width)))
+        # A channel is the layout of a frame, so that neither a register nor CRC functions reserve names.
+        class_names = ClassNames(field.layout, register=None, crcs=())
+        channel_index = index_by_layout[field.layout.name]
+        compared.append((channel_index, class_names.attribute(field.name), scope.expression_of(field.width)))
+    position_layout = first_of(position_layouts, "channel with the position")
     return ChannelCode(
         kinds=tuple(context.frames[layout.name] for layout in frame.layouts),
-        position=indices[first_of(position_layouts, "channel with the position").name],
+        position=index_by_layout[position_layout.name],
         compared=tuple(compared),
         compared_bits=scope.expression_of(frame.compared_bits),
         tolerance=frame.tolerance,

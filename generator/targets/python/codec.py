@@ -154,6 +154,7 @@ class Coder:
 
     @property
     def _unused_attributes(self) -> list[Attribute]:
+        """The attribute ``unused``, alone in a list, or no attribute. It has the bits without a field or a use."""
         if self.plan.keeps_others:
             return [Attribute("unused", type="int", meaning=docstrings.OF_OTHERS, default="0")]
         if self.plan.reserved:
@@ -204,7 +205,7 @@ class Coder:
         return self._field_attribute(field, "int", coded(default) if default is not None else "")
 
     def _field_attribute(self, field: Field, type_: str, default: str = "") -> Attribute:
-        """Return the attribute of a field, whose description says if some order codes lack it."""
+        """Return the attribute of a field, whose description says if some order codes lack it: their width is 0."""
         variants = () if field.width.is_constant else self.context.device.variants
         may_be_absent = any(field.width.value(variant.parameters) == 0 for variant in variants)
         return Attribute(
@@ -365,6 +366,7 @@ class Coder:
 
     @cached_property
     def limits(self) -> Limits | None:
+        """Limits of the register, or None without any. Those of its meanings are in ``limits_functions``."""
         register = self.register
         if register is None or (register.min is None and register.max is None):
             return None
@@ -432,6 +434,7 @@ def _has_run_of_its_name(field: Field) -> bool:
 
 
 def _value_in_words(value: Expression | int | str | None) -> str:
+    """Return a value of the manual in words, such as ``bits + 8``, ``'AB'`` or ``0x1B``."""
     if isinstance(value, Expression):
         return value.render()
     return repr(value) if isinstance(value, str) else coded(value or 0)
@@ -441,5 +444,6 @@ def _with_trailing_defaults(attributes: Sequence[Attribute]) -> list[Attribute]:
     """Return the attributes. An attribute keeps its default only if all attributes after it also have one."""
     indices_without_default = [index for index, attribute in enumerate(attributes) if not attribute.default]
     last_required = max(indices_without_default, default=0)
+    # The attribute at this index has no default either.
     required = [replace(attribute, default="") for attribute in attributes[:last_required]]
     return [*required, *attributes[last_required:]]

@@ -33,6 +33,7 @@ class Decoder:
         self.codec = codec
         self.names = class_names
         self.enum = enum
+        # A register has another scope.
         is_short_frame = isinstance(scope, NamedValues) and 1 < codec.length <= _MAX_BYTE_VARIABLES
         #: True if each byte of the frame has a variable, ``b0`` and so on.
         self.is_unpacked = is_short_frame and codec.in_bytes and not codec.by_word
@@ -88,7 +89,8 @@ class Decoder:
     def listed(name: str, count: int) -> str:
         """Return ``count`` numbered names for a tuple assignment, such as ``b0, b1, b2`` or ``b0,``."""
         numbered_names = ", ".join(f"{name}{index}" for index in range(count))
-        return numbered_names + ("," if count == 1 else "")
+        # A tuple of one element needs a comma.
+        return f"{numbered_names}," if count == 1 else numbered_names
 
     # -- CRC
 
@@ -127,7 +129,10 @@ class Decoder:
     @property
     def tables(self) -> int:
         """Number of tables for the CRC of a word, one for every ``TABLE_BITS`` bits. 0 if it has none."""
-        return -(-self.codec.layout.widest // TABLE_BITS) if self.crc_covers is not None else 0
+        if self.crc_covers is None:
+            return 0
+        # Rounded up.
+        return -(-self.codec.layout.widest // TABLE_BITS)
 
     @property
     def table_lookups(self) -> str:
@@ -139,6 +144,7 @@ class Decoder:
         lookups = ["table_0[low]"]
         top_table = self.tables - 1
         for table in range(1, self.tables):
+            # The lowest bits of the word, which table_0 covers, are not in ``high``.
             shift = TABLE_BITS * (table - 1)
             index = f"high >> {shift}" if shift else "high"
             # No bits are above those of the top table, so it needs no mask.
@@ -168,6 +174,7 @@ class Decoder:
         (covered,) = check.of
         if self.is_padded(covered):
             return None
+        # Fields with data, and those that are checked.
         read_fields = [part.field for part in self.codec.parts] + [other.field for other in self.codec.checks]
         is_read = any(field.name == covered.name for field in read_fields)
         return covered if is_read else None
@@ -202,6 +209,7 @@ class Decoder:
         Bits that must be 0 are a condition themselves, such as ``status >> 4``.
         """
         if isinstance(check, ZerosAbove):
+            # The variable has the bits of the field and those above it.
             return f"{self.local(check.field)} >> {self.number(check.bits.width).operand}"
         bits = self.read.bits(check.bits)
         if isinstance(check, AlwaysIs) and check.value:
@@ -222,7 +230,8 @@ class Decoder:
         """
         field = part.field
         bits = self.bits(part)
-        if self.selects(field) and self.failing_conditions:
+        is_checked_with_first_byte = self.selects(field) and bool(self.failing_conditions)
+        if is_checked_with_first_byte:
             return [Atom("valid_first_bytes[b0]")]
         match meaning_of(field):
             case Raw():
@@ -274,15 +283,16 @@ class Decoder:
 
         The last one is for the unused bits, if the class has an attribute for them.
         """
+        # A variable with the name of the attribute needs no comment.
         decoded = DecodedValues(values=[(name, "") for name, _ in encoder_and_answers])
         for part in self.codec.parts:
             self._add_values(part, decoded)
         if self.codec.reserved:
-            decoded.values.append(
-                (str(self.read.differing_unused_bits()), "unused, 1 where a bit differs from the manual")
-            )
+            differing_bits = str(self.read.differing_unused_bits())
+            decoded.values.append((differing_bits, "unused, 1 where a bit differs from the manual"))
         elif self.codec.keeps_others:
-            decoded.values.append((str(self.read.bits_without_field()), "unused, all other bits"))
+            other_bits = str(self.read.bits_without_field())
+            decoded.values.append((other_bits, "unused, all other bits"))
         return decoded
 
     def _add_values(self, part: Part, decoded: DecodedValues) -> None:
@@ -310,7 +320,8 @@ class Decoder:
             return name
         meaning = meaning_of(part.field)
         is_active_low = isinstance(meaning, Active) and meaning.low
-        return ", ".join(filter(None, [name, self.read.place(part.bits), "active low" if is_active_low else ""]))
+        level = "active low" if is_active_low else ""
+        return ", ".join(filter(None, [name, self.read.place(part.bits), level]))
 
 
 class DecodedValues:

@@ -22,7 +22,7 @@ from ...model import (
     Value,
 )
 from ...model.record import dataclass
-from ...say import commands, layout, names_and_places, register
+from ...say import commands, names_and_places
 from ...say import layout as say_layout
 from ...say import register as say_register
 from ...say.errata import errata, erratum
@@ -56,7 +56,7 @@ def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
     pad = " " * indent
     # Without blocks, the closing quotes are on the line of the summary.
     summary_width = WIDTH if any(blocks) else WIDTH - len('"""')
-    docstring_lines = [wrapped(_in_docstring(summary), summary_width, pad, f'{pad}"""')]
+    docstring_lines = [wrapped(_in_docstring(summary), summary_width, prefix=pad, first=f'{pad}"""')]
     for block in blocks:
         block_lines = _block_lines(block, pad)
         if block_lines:
@@ -64,9 +64,10 @@ def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
     unfinished_docstring = "\n".join(docstring_lines)
     if "\n" in unfinished_docstring:
         return f'{unfinished_docstring}\n{pad}"""'
-    # A quotation mark at the end must be apart from the closing ones.
-    open_quote = _OPEN_QUOTE.search(unfinished_docstring)
-    return (f'{unfinished_docstring[:-1]}\\"' if open_quote else unfinished_docstring) + '"""'
+    # A quotation mark at the end would be read as one of the closing ones, so it is escaped.
+    if _OPEN_QUOTE.search(unfinished_docstring):
+        unfinished_docstring = f'{unfinished_docstring[:-1]}\\"'
+    return unfinished_docstring + '"""'
 
 
 def _block_lines(block: Block, pad: str) -> list[str]:
@@ -82,14 +83,20 @@ def _block_lines(block: Block, pad: str) -> list[str]:
 
 
 def _block_entry(name: str, text: str, pad: str) -> str:
-    """Return an entry of a block. Further lines of a named entry are indented."""
-    start = f"{pad}    {_in_docstring(name)}: " if name else f"{pad}    "
-    return wrapped(_in_docstring(text), WIDTH, f"{pad}        " if name else start, start)
+    """Return an entry of a block, such as ``    bits: Width of the position.`` Its further lines are indented.
+
+    Without a name, the entry is only the text, and all of its lines begin at the same column.
+    """
+    first_prefix = f"{pad}    {_in_docstring(name)}: " if name else f"{pad}    "
+    further_prefix = f"{pad}        " if name else first_prefix
+    return wrapped(_in_docstring(text), WIDTH, prefix=further_prefix, first=first_prefix)
 
 
 def _in_docstring_line(line: str) -> str:
     """Return a line as it is written in a docstring, with its indentation."""
-    return line[: len(line) - len(line.lstrip())] + _in_docstring(line)
+    indentation = line[: len(line) - len(line.lstrip())]
+    # The text is without the spaces at its start.
+    return indentation + _in_docstring(line)
 
 
 def _in_docstring(text: str) -> str:
@@ -239,23 +246,25 @@ def of_parameter(device: Device, quantity: Parameter) -> str:
 def of_layout(device: Device, interface: Interface, frame: Layout) -> tuple[str, list[Block]]:
     """Return the summary of a frame, and the paragraphs below it.
 
-    The last one lists the titles of errata about its groups of fields that are not also about the frame.
+    The last one lists the titles of errata about its groups of fields that are not also about the frame, such as
+    "See also in ERRATA: Title; Other title." It is empty without such errata.
     """
-    summary = DOCSTRING_STYLE.sentence(layout.head(interface, frame, heading(frame.name), device.alternatives))
-    names_of_groups = dict.fromkeys(member.group for member in frame.fields if member.group)
-    group_paths = [f"field_groups.{name}" for name in names_of_groups]
+    summary = DOCSTRING_STYLE.sentence(say_layout.head(interface, frame, heading(frame.name), device.alternatives))
+    group_names = dict.fromkeys(field.group for field in frame.fields if field.group)
+    # These are paths in the spec of the device, where errata refer to them.
+    group_paths = [f"field_groups.{name}" for name in group_names]
     frame_errata = errata(device, f"interfaces.{interface.name}.{frame.name}")
-    group_errata = "; ".join(erratum.title for erratum in errata(device, *group_paths) if erratum not in frame_errata)
-    further_errata = f"See also in ERRATA: {group_errata}." if group_errata else ""
-    return summary, [*paragraphs(layout.layout(device, interface, frame)), further_errata]
+    group_titles = [erratum.title for erratum in errata(device, *group_paths) if erratum not in frame_errata]
+    further_errata = f"See also in ERRATA: {'; '.join(group_titles)}." if group_titles else ""
+    return summary, [*paragraphs(say_layout.layout(device, interface, frame)), further_errata]
 
 
 def of_register(device: Device, device_register: Register) -> tuple[str, list[Block]]:
-    """Return the summary of a register and the paragraphs below it, the rules for its use in one of them.
+    """Return the summary of a register, and the paragraphs below it: meaning, facts with the rules, note and errata.
 
-    A register that is a single choice has the rules of its field.
+    A register that is a single choice also has the rules of its only field.
     """
-    facts = [*register.facts(device, device_register)]
+    facts = [*say_register.facts(device, device_register)]
     if is_one_choice(device_register):
         facts += say_register.rules(device, device_register.layout.fields[0])
     register_errata = of_errata(device, f"registers.{device_register.name}")
@@ -265,7 +274,8 @@ def of_register(device: Device, device_register: Register) -> tuple[str, list[Bl
         sentence(device_register.note),
         *register_errata,
     ]
-    return DOCSTRING_STYLE.sentence(register.head(device, device_register, full_title(device_register))), blocks
+    summary = DOCSTRING_STYLE.sentence(say_register.head(device, device_register, full_title(device_register)))
+    return summary, blocks
 
 
 def of_class(
@@ -322,7 +332,10 @@ OF_OTHERS = "Bits that the manual does not describe, at their positions in the n
 
 
 def of_unused(unused_field: Field, at: int) -> str:
-    """Return the text for a field of unused bits, with its position in ``unused``."""
+    """Return the text for a field of unused bits, such as ``bits 5:4, reserved``.
+
+    ``at`` is the position of its lowest bit in the attribute ``unused``, not that in the frame.
+    """
     return f"{names_and_places.bits(at + unused_field.widest - 1, at)}, {unused_field.name}"
 
 

@@ -110,6 +110,7 @@ def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> Call | None
     dict_items = []
     for part_name, values in allowed.items():
         quoted_values = ", ".join(map(quoted, values))
+        # The comma makes a tuple of a single value.
         dict_items.append(f"{quoted(part_name)}: ({quoted_values},)")
     return Call("ReadOnly", (("", Code(f"{{{', '.join(dict_items)}}}")),))
 

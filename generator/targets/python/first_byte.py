@@ -62,9 +62,11 @@ class FirstByte:
         """
         meaning = meaning_of(selector)
         choices = meaning.values if isinstance(meaning, Named) else ()
-        members = {choice.value: f"{self.enum(selector)}.{choice.name.upper()}" for choice in choices}
-        selectors = self.selectors_by_byte.items()
-        return {byte: members.get(selector_value, coded(selector_value)) for byte, selector_value in selectors}
+        member_by_value = {choice.value: f"{self.enum(selector)}.{choice.name.upper()}" for choice in choices}
+        code_by_byte: dict[int, str] = {}
+        for byte, selector_value in self.selectors_by_byte.items():
+            code_by_byte[byte] = member_by_value.get(selector_value, coded(selector_value))
+        return code_by_byte
 
     @property
     def is_invalid(self) -> str:
@@ -125,4 +127,8 @@ def _expected_parity(check: ParityIs, first_byte: int) -> int:
 
 def _bits_in_byte(pieces: Iterable[Piece], byte: int) -> int:
     """Return the number that these pieces of a byte form."""
-    return sum(((byte >> piece.low_in_byte) & piece.mask) << piece.low_in_number for piece in pieces)
+    number = 0
+    for piece in pieces:
+        bits_of_piece = (byte >> piece.low_in_byte) & piece.mask
+        number |= bits_of_piece << piece.low_in_number
+    return number

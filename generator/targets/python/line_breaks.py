@@ -64,18 +64,21 @@ def _lines_in_brackets(line_start: str, items: Sequence[str]) -> list[str]:
 
 
 def _split_operands(expression: str) -> list[str]:
-    """Return the operands of the loosest operators, each after its operator: ``a``, ``+ b`` and ``- c``.
+    """Return the operands of the loosest operators, each after its operator.
 
-    A conditional expression is one operand, and so is an expression without operators.
+    ``a + f(b + c) - d`` gives ``a``, ``+ f(b + c)`` and ``- d``. A conditional expression is one operand, and so is an
+    expression without operators.
     """
     if " if " in _outer_text(expression):
         return [expression]
-    for operator in _LOOSEST_FIRST:
+    for space_before_operator in _LOOSEST_FIRST:
         operands = [""]
         for token, depth in _tokens_with_depth(expression):
-            first_part, *further_parts = operator.split(token) if _is_outside_brackets(token, depth) else [token]
-            operands[-1] += first_part
-            operands += further_parts
+            # The token ``a + f`` continues the operand so far with ``a``, and begins the operand ``+ f``.
+            token_parts = space_before_operator.split(token) if _is_outside_brackets(token, depth) else [token]
+            continuation, *new_operands = token_parts
+            operands[-1] += continuation
+            operands += new_operands
         if len(operands) > 1:
             return operands
     return [expression]
@@ -91,7 +94,10 @@ def _is_outside_brackets(token: str, depth: int) -> bool:
 
 
 def _tokens_with_depth(line: str) -> Iterator[tuple[str, int]]:
-    """Yield each token with the number of brackets that are open after it, or before a closing bracket."""
+    """Yield each token with the number of brackets that are open after it, or before a closing bracket.
+
+    ``f(a)`` gives ``("f", 0)``, ``("(", 1)``, ``("a", 1)`` and ``(")", 1)``.
+    """
     depth = 0
     for token in _TOKEN.findall(line):
         if token in "([{":
@@ -107,7 +113,7 @@ def _split_bracket_items(line: str) -> tuple[str, list[str], str]:
     The line ``call(a, [b, c]),`` gives ``call(``, the items ``a`` and ``[b, c]``, and ``),``. The last of several
     items is empty if they end with a comma.
     """
-    # Empty before the first bracket.
+    # The line up to its first bracket. It is empty until the loop has passed that bracket.
     start = ""
     items = [""]
     position = 0
@@ -127,12 +133,15 @@ def _split_bracket_items(line: str) -> tuple[str, list[str], str]:
 
 
 def _split_literal(quoted_text: str, indent: int) -> str:
-    """Return a long quoted text as several literals in parentheses, split after spaces."""
+    """Return a long quoted text as several literals in parentheses, split after spaces.
+
+    ``indent`` is the number of spaces before the text. A text of a single word stays as it is.
+    """
     margin = f"{' ' * indent}    "
     pieces = [""]
     for word in quoted_text[1:-1].split(" "):
         line_with_word = f'{margin}"{pieces[-1]}{word}"'
-        # The space after the word is not counted yet.
+        # The line still lacks the space after the word, and the comma after the last literal.
         if pieces[-1] and len(line_with_word) > WIDTH - 2:
             pieces.append("")
         pieces[-1] += f"{word} "

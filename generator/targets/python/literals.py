@@ -39,7 +39,9 @@ class Expr:
         """
         operator_level = _LEVELS[operator]
         binds_looser = self.level <= operator_level if after else self.level < operator_level
-        return self.operand if binds_looser or operator_level < _ARITHMETIC <= self.level else str(self)
+        # The level of a higher number binds more tightly. ``operand`` has the parentheses, except for an atom.
+        is_arithmetic_next_to_bit_operator = operator_level < _ARITHMETIC <= self.level
+        return self.operand if binds_looser or is_arithmetic_next_to_bit_operator else str(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +92,7 @@ class Operation(Expr):
 
     def __str__(self) -> str:
         left = self.left.as_operand_of(self.operator)
+        # Of equal operators, the left one comes first: ``a - b - c`` but ``a - (b - c)``.
         right = self.right.as_operand_of(self.operator, after=True)
         return f"{left} {self.operator} {right}"
 
@@ -145,19 +148,21 @@ class Scope:
         """Return a number that depends on parameters, such as ``variant.position_bits + 8``."""
         if expression.is_constant:
             return number(expression.constant)
-        signs_and_products = [
+        # The summands: the products of the terms, and the constant. Each is positive, with its sign before it.
+        signs_and_summands = [
             (_sign_of(term.multiple), self._product_of_factors(term)) for term in _collect_terms(expression)
         ]
         if expression.constant:
             sign_and_constant = (_sign_of(expression.constant), Atom(str(abs(expression.constant))))
             # A sum should not start with a sign.
-            first_term_sign, _ = signs_and_products[0]
+            first_term_sign, _ = signs_and_summands[0]
             is_first = expression.constant > 0 and first_term_sign < 0
-            signs_and_products.insert(0 if is_first else len(signs_and_products), sign_and_constant)
-        (first_sign, first_product), *following = signs_and_products
-        total: Expr = first_product if first_sign > 0 else Negative(first_product)
-        for sign, product in following:
-            total = Operation(total, "+" if sign > 0 else "-", product)
+            index = 0 if is_first else len(signs_and_summands)
+            signs_and_summands.insert(index, sign_and_constant)
+        (first_sign, first_summand), *further_summands = signs_and_summands
+        total: Expr = first_summand if first_sign > 0 else Negative(first_summand)
+        for sign, summand in further_summands:
+            total = Operation(total, "+" if sign > 0 else "-", summand)
         return total
 
     def ones(self, width: Expression) -> Expr:
@@ -170,6 +175,7 @@ class Scope:
         return Operation(number(1), "<<", self.expression_of(width))
 
     def _product_of_factors(self, term: Term) -> Expr:
+        """Return the product of a term without its sign, such as ``2 * variant.turns``."""
         multiple = [number(abs(term.multiple))] if abs(term.multiple) != 1 else []
         return join_operands("*", [*multiple, *map(self._factor_expression, term.factors)])
 
@@ -196,6 +202,7 @@ def quoted(text: str | bytes) -> str:
     # repr() chose double quotes, because the text has single ones.
     if escaped.startswith('"'):
         return escaped
+    # In single quotes, repr() escapes single quotes and leaves double ones as they are.
     in_double_quotes = escaped[1:-1].replace("\\'", "'").replace('"', '\\"')
     return f'"{in_double_quotes}"'
 
@@ -314,6 +321,7 @@ def literal(value: Literal) -> str:
         case Code() | Hex() | Member() | Call() | ConditionalItem():
             return _source_code(value)
     elements = ", ".join(map(literal, value))
+    # A tuple of one element needs a comma.
     return f"({elements},)" if len(value) == 1 else f"({elements})"
 
 

@@ -211,9 +211,11 @@ class Module:
     def _decode_example(self) -> Iterable[Block]:
         """Yield the first example of the README, which decodes a frame and checks its verdict, if there is one."""
         for frame in self.readme.frames[:1]:
-            # The package's lookup() finds the family from which this one is derived.
+            # The package's lookup() finds the family from which this one is derived, so its own module has another.
             lookup_name, call = (self.name, f"{self.name}.lookup") if self.device.base else ("lookup", "lookup")
-            names = ", ".join(filter(None, ("Verdict" if frame.has_verdict else "", frame.module, lookup_name)))
+            verdict_name = "Verdict" if frame.has_verdict else ""
+            # The module is empty unless the call needs an answer.
+            names = ", ".join(filter(None, (verdict_name, frame.module, lookup_name)))
             lookup_lines = (
                 f"from {self.device.manufacturer.python_package} import {names}",
                 f'encoder = {call}("{frame.code}")',
@@ -237,12 +239,16 @@ class Module:
         """
         frames = [frame for frame in self.readme.frames if frame.interface == "spi" and frame.position]
         interface = self.device.find_interface(Spi)
-        if not frames or frames[0].answers or interface is None:
+        if not frames or interface is None:
             return None
         frame = frames[0]
-        requests = [exchange.request for exchange in interface.exchanges if exchange.purpose == "position"]
+        # An open question is then an argument of the decoder.
+        if frame.answers:
+            return None
+        request_names = [exchange.request for exchange in interface.exchanges if exchange.purpose == "position"]
         for coder in self.coders:
-            if coder.layout.name in requests and not coder.takes_variant and not coder.attributes:
+            needs_no_values = not coder.takes_variant and not coder.attributes
+            if coder.layout.name in request_names and needs_no_values:
                 return replace(frame, kind=coder.name, module=self.name)
         return None
 
@@ -297,8 +303,11 @@ class Module:
         )
 
     def _sender_dispatcher(self, interface: Interface, plan: Dispatch, coders: Sequence[Coder]) -> Dispatcher:
-        """Return the function that decodes all frames of a sender, such as ``decode_reply``."""
-        # With several such interfaces, the name of the function begins with that of its interface.
+        """Return the function that decodes all frames of a sender, such as ``decode_reply``.
+
+        With a selector over several interfaces, it is ``decode_spi_reply``. ``coders`` are the frames of the interface.
+        """
+        # A frame with a selector has a dispatcher.
         interfaces_with_dispatcher = {owner.name for owner, layout in self.device.layouts() if layout.selector}
         kind = "reply" if plan.sender == "encoder" else "request"
         if len(interfaces_with_dispatcher) > 1:
@@ -335,15 +344,18 @@ class Module:
                 yield self._frame_kind(section, replies)
 
     def _frame_kind(self, section: Section, replies: Sequence[Coder]) -> FrameKind:
-        """Return the frames over an interface, with the function that decodes any of them if they are distinguished.
+        """Return the frames that the encoder sends over an interface. ``replies`` are their classes, at least one.
 
-        ``coder`` is that of the first frame with the position or, without one, of the first frame.
+        If a selector in the frame distinguishes them, ``dispatch`` is ``decode_reply``, which decodes any of them.
+        Otherwise it is empty, and every frame is decoded as ``coder``: the first frame with the position or, without
+        one, the first frame.
         """
         interface = section.interface.name
         # A word does not show which frame it is. Without a request, it is taken as the position.
         position_coders = [coder for coder in replies if self.device.sends_position(interface, coder.layout)]
         coder = position_coders[0] if position_coders else replies[0]
         for dispatcher in section.dispatchers:
+            # There is at most one dispatcher for each sender.
             if dispatcher.plan.sender == "encoder":
                 return FrameKind(
                     interface=interface,

@@ -55,9 +55,11 @@ class NamedValues(Scope):
         """Use ``name`` for a value, if it needs a name and has none. ``kind`` is ``size`` or ``ones``."""
         if value.is_constant:
             return
+        # A plain scope gives the expression itself, not the name of a value.
         scope = Scope(self.names)
         expression = scope.expression_of(value) if kind == "size" else scope.ones(value)
         preferred_name = self.preferred.setdefault((kind, str(expression)), name)
+        # The comment is that of the first value with this expression.
         if comment and preferred_name == name:
             self.comments[name] = comment
 
@@ -111,11 +113,12 @@ def comment_on_constant(codec: Codec, expression: Expression) -> str:
         return ""
     fields_by_low = {field.low.constant: field for field in codec.layout.fields if field.is_fixed}
     fields_with_width: list[str] = []
+    # From bit 0 up, each field begins where the one below it ends.
     low = 0
     while low < constant and low in fields_by_low and fields_by_low[low].widest:
-        lowest_field = fields_by_low[low]
-        fields_with_width.append(f"{lowest_field.name} ({lowest_field.widest})")
-        low += lowest_field.widest
+        field = fields_by_low[low]
+        fields_with_width.append(f"{field.name} ({field.widest})")
+        low += field.widest
     if low != constant:
         return ""
     if len(fields_with_width) == 1:

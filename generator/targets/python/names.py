@@ -15,19 +15,21 @@ from ...plan.verdicts import Reporting, reportings
 from ...say.text import sentence
 from .literals import Scope, coded
 
-#: Names by the module that has them.
+#: Names that can be imported, by the module that has them: ``{"enum": ("Enum", "IntEnum")}``.
 Sources = Mapping[str, Sequence[str]]
+#: Groups of imports, separated by blank lines. Each import is a module and the names from it.
 Imports = list[list[tuple[str, list[str]]]]
 
 
 def imports_of(text: str, *groups: Sources) -> Imports:
     """Return the imports that the code of a module needs, in groups: ``[[("enum", ["Enum", "IntEnum"])], …]``.
 
+    ``groups`` are the names that can be imported, such as those of the standard library and those of the package.
     Groups without imports are left out.
     """
     used_names = {node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
-    used_groups = (list(_used_imports(sources, used_names)) for sources in groups)
-    return [imports for imports in used_groups if imports]
+    imports_by_group = (list(_used_imports(sources, used_names)) for sources in groups)
+    return [imports for imports in imports_by_group if imports]
 
 
 def _used_imports(sources: Sources, used: Set[str]) -> Iterator[tuple[str, list[str]]]:
@@ -216,7 +218,7 @@ class Names:
         unnumbered_name = wanted if is_free else f"{wanted}{suffix}"
         name = unnumbered_name
         number = 2
-        # An alternative name can also be in use.
+        # The name with the suffix can also be in use.
         while name in self._used_names:
             name = f"{unnumbered_name}{number}"
             number += 1
@@ -239,9 +241,14 @@ def byte_order(owner: Layout | Register) -> str:
 
 
 def names_of(field: Field, values: Sequence[int]) -> str:
-    """Return these values of a field with their names, such as ``1 is READ``. Empty unless all have a name."""
-    names = {value.value: value.name.upper() for value in field.values}
-    return ", ".join(f"{coded(value)} is {names[value]}" for value in values) if names.keys() >= set(values) else ""
+    """Return these values of a field with their names, such as ``1 is READ, 2 is WRITE``.
+
+    The text is empty unless all of the values have a name.
+    """
+    name_by_value = {value.value: value.name.upper() for value in field.values}
+    if not name_by_value.keys() >= set(values):
+        return ""
+    return ", ".join(f"{coded(value)} is {name_by_value[value]}" for value in values)
 
 
 def is_one_choice(register: Register) -> bool:
@@ -307,14 +314,12 @@ class Context:
         return Scope({name: f"{owner}.{member}" for name, member in self.parameters.items()})
 
     def _open_question(self, alternative: Alternative, names: Names) -> OpenQuestion:
-        """Return a question as an argument, whose name no attribute of a frame that depends on it has.
-
-        All answers set the same parameters.
-        """
+        """Return a question as an argument. Its name differs from all attributes of the frames that depend on it."""
         names_in_frames: set[str] = set()
         for layout in self.coded_layouts():
             if alternative in self.device.alternatives_of(layout):
                 names_in_frames |= _names_in_layout(layout)
+        # All answers set the same parameters.
         parameters = alternative.answers[0].sets
         return OpenQuestion(
             alternative=alternative,
@@ -329,7 +334,10 @@ class Context:
 
     @cached_property
     def choices(self) -> dict[_NamedValues, Field]:
-        """First field with each name and set of named values. Fields that agree in both share an IntEnum."""
+        """Fields with named values, without those that agree with an earlier one in their name and all named values.
+
+        The fields that agree share an IntEnum.
+        """
         fields_by_values: dict[_NamedValues, Field] = {}
         for layout in self.coded_layouts():
             for field in layout.fields:
@@ -356,9 +364,13 @@ class Context:
         return {self.crc_name(function.crc, function.carrier): function for function in crc_functions(self.device)}
 
     def crc_name(self, crc: Crc, carrier: Carrier) -> str:
-        """Return the function for a CRC. That for bits ends in ``_of_bits`` if there is one for bytes, too."""
+        """Return the function for a CRC, such as ``crc_check``.
+
+        The function for bits is ``crc_check_of_bits`` if the module also has one for bytes.
+        """
         has_function_for_bytes = crc in self._crcs_of_both
-        return self.crcs[crc.name] + ("_of_bits" if carrier is Carrier.BITS and has_function_for_bytes else "")
+        suffix = "_of_bits" if carrier is Carrier.BITS and has_function_for_bytes else ""
+        return self.crcs[crc.name] + suffix
 
     @cached_property
     def _crcs_of_both(self) -> list[Crc]:

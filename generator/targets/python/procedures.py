@@ -91,18 +91,16 @@ class Steps:
 
         An argument belongs to the segment with the first step that writes it.
         """
+        # The index after each such step.
         segment_ends = [
             index + 1 for index, step in enumerate(self.steps) if isinstance(step, Writes) and step.determines_limits
         ]
         for start, end in pairwise((0, *segment_ends, len(self.steps))):
             last_step = self.steps[end - 1]
             changes_limits = isinstance(last_step, Writes) and last_step.determines_limits
+            arguments = [argument for argument in self.arguments if start <= self._first_write(argument) < end]
             yield Segment(
-                arguments=[
-                    checked_argument
-                    for checked_argument in self.arguments
-                    if start <= self._first_write(checked_argument) < end
-                ],
+                arguments=arguments,
                 steps=self.steps[start:end],
                 limiting_write=last_step if isinstance(last_step, Writes) and changes_limits else None,
             )
@@ -183,7 +181,8 @@ class Steps:
         # Empty if the argument sets a join.
         fields_of_member = [field for field in register.layout.fields if field.name == member_value.member]
         # A join of several fields is a number.
-        match meaning_of(fields_of_member[0]) if fields_of_member else Raw():
+        meaning = meaning_of(fields_of_member[0]) if fields_of_member else Raw()
+        match meaning:
             case DigitRuns(runs):
                 return [(attribute_of(run.name), value_of_run) for run, value_of_run in digit_values(argument, runs)]
             case _:

@@ -22,11 +22,7 @@ from ...model import (
 )
 from ...model.order_codes import facts_for_code
 from ...model.record import dataclass
-from ...plan.values import (
-    count_factors,
-    is_number,
-    meaning_of,
-)
+from ...plan.values import count_factors, is_number, meaning_of
 from ...say.report import alarm_of, meaning
 from .codec import Coder
 from .frame_kinds import FrameKind
@@ -328,7 +324,8 @@ class Readme:
             register = self.device.register(parameter.register)
             field = register.layout.field(parameter.field)
             variant = self._example_variant(register.interface)
-            if variant is None or parameter.by_code or register.length > 1 or field.low.constant or field.widest != 8:
+            is_whole_byte = register.length == 1 and not field.low.constant and field.widest == 8
+            if variant is None or parameter.by_code or not is_whole_byte:
                 continue
             name = self.context.parameters[parameter.name]
             # Another value than that of the order code shows that the register determines it.
@@ -355,7 +352,7 @@ class Readme:
         factors = [factor.value(variant.parameters) for factor in count_factors(measurement)]
         modulus = prod(factors) if factors else 0
         # The example unwraps from modulus - 2 to 3, by 5 counts. In a small range, the way back is as short.
-        if modulus <= 10:
+        if modulus <= 2 * 5:
             return []
         calls: list[tuple[str, str]] = []
         step_um = measurement.micrometres(variant.parameters)
@@ -380,7 +377,8 @@ class Readme:
             if isinstance(example, RegisterExample) and example.register in identity_registers:
                 register_examples.setdefault(example.register, example)
         order_codes = [example.order_code for example in register_examples.values()]
-        if not order_codes or order_codes[0] not in {variant.code for variant in self.device.variants}:
+        listed_codes = {variant.code for variant in self.device.variants}
+        if not order_codes or order_codes[0] not in listed_codes:
             return []
         contents = []
         for example in register_examples.values():
@@ -399,9 +397,10 @@ def _is_number_of(coder: Coder, name: str) -> bool:
 
 
 def _damaged_crc(crc_field: PlacedField, number: int) -> str:
-    """Return the message for a frame whose last bit, which belongs to the CRC, is inverted."""
+    """Return the message for a frame whose last bit, bit 0 of the CRC, is inverted: ``expected CRC 0x13, got 0x12``."""
     received = (number ^ 1) & crc_field.mask
-    return f"expected CRC {received ^ 1:#04x}, got {received:#04x}"
+    expected = received ^ 1
+    return f"expected CRC {expected:#04x}, got {received:#04x}"
 
 
 def _numbers_by_name(coder: Coder, sample: Sample) -> dict[str, object]:

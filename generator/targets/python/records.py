@@ -82,12 +82,14 @@ def _record_members(class_def: ast.ClassDef) -> Iterator[RecordMember]:
         if not isinstance(statement, ast.AnnAssign) or not isinstance(statement.target, ast.Name):
             continue
         names_in_type = [node.id for node in ast.walk(statement.annotation) if isinstance(node, ast.Name)]
-        # The default of some members is a call, which is printed like None.
-        has_literal = isinstance(statement.value, (ast.Constant, ast.Tuple))
+        default: object = None
+        # The default of some members is a call, which counts as None.
+        if isinstance(statement.value, (ast.Constant, ast.Tuple)):
+            default = ast.literal_eval(statement.value)
         yield RecordMember(
             name=statement.target.id,
             types=frozenset(names_in_type),
-            default=ast.literal_eval(statement.value) if statement.value is not None and has_literal else None,
+            default=default,
             is_required=statement.value is None,
         )
 
@@ -106,6 +108,7 @@ def record_of(class_name: str, model_part: object, **overrides: Literal) -> Call
     for member in _in_printed_order(class_name):
         value = overrides[member.name] if member.name in overrides else _member_literal(model_part, member)
         if member.is_required:
+            # An argument with an empty name is positional.
             is_positional = class_name in _POSITIONAL
             arguments.append(("" if is_positional else member.name, value))
         elif value != member.default and not is_empty(value):
@@ -122,8 +125,9 @@ def _in_printed_order(class_name: str) -> list[RecordMember]:
     """Return the members of a record in the order of its class, those in ``_PRINTED_LAST`` at the end."""
     members = runtime_records().members[class_name]
     names_at_end = _PRINTED_LAST.get(class_name, ())
-    first = [member for member in members if member.name not in names_at_end]
-    return first + [member for member in members if member.name in names_at_end]
+    members_before = [member for member in members if member.name not in names_at_end]
+    members_at_end = [member for member in members if member.name in names_at_end]
+    return members_before + members_at_end
 
 
 def _member_literal(model_part: object, member: RecordMember) -> Literal:
@@ -134,6 +138,7 @@ def _member_literal(model_part: object, member: RecordMember) -> Literal:
     value = getattr(model_part, member.name)
     if member.name == "source":
         return cite(value)
+    # A type names at most one record or enumeration.
     for record_name in member.types & runtime_records().members.keys():
         if isinstance(value, tuple):
             return records_of(record_name, value)

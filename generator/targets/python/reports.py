@@ -89,7 +89,10 @@ class FrameReports:
         return self._judgement.otherwise.name if self._judgement is not None else ""
 
     def _has_no_judging_bits(self, judging_bits: Expression) -> str:
-        """Return the condition that the frames of the encoder have no bits that judge the position."""
+        """Return the condition that the frames of the encoder have no bits that judge the position.
+
+        ``judging_bits`` is their number, so that the condition is ``self.variant.has_flags == 0`` or similar.
+        """
         attributes = self._variant_attributes.items()
         code_of_parameter = {parameter: f"{self._variant}.{attribute}" for parameter, attribute in attributes}
         return f"{Scope(code_of_parameter).expression_of(judging_bits).operand} == 0"
@@ -104,7 +107,10 @@ class FrameReports:
     # -- conditions
 
     def _conditions_of_causes(self, causes: Sequence[VerdictCause]) -> list[str]:
-        """Return a condition for each flag and each match of values, and one for all unused bits."""
+        """Return a condition for each flag and each match of values, and one for all unused bits.
+
+        An example is ``["self.error", "(self.mode == 3 and self.ready)", "self.unused & 0xC"]``.
+        """
         conditions = []
         reserved_causes = []
         for cause in causes:
@@ -135,7 +141,10 @@ class FrameReports:
         return str(conditions[0]) if len(conditions) == 1 else f"({join_operands('and', conditions)})"
 
     def _has_values(self, match: Match) -> list[Expr]:
-        """Return a condition for each value of a match. The value of a flag is 1 while it is active."""
+        """Return a condition for each value of a match, such as ``self.mode == 3``, or ``not self.ready`` for a flag.
+
+        The value of a flag is 1 while it is active.
+        """
         conditions: list[Expr] = []
         for part, value in match.conditions:
             attribute = self._read_attribute(part)
@@ -148,14 +157,17 @@ class FrameReports:
         return conditions
 
     def _differs_in(self, reserved: Sequence[Reserved]) -> Expr:
-        """Return the condition that any of these unused bits differs from the manual.
+        """Return the condition that any of these unused bits differs from the manual, such as ``self.unused & 0xC``.
 
-        The attribute ``unused`` is masked unless these are all of its bits.
+        If these are all unused bits of the frame, the condition is ``self.unused``.
         """
-        unused = Atom(self._attribute_of("unused"))
+        # The attribute is a mask of the differing bits: the decoder already compared them with the manual.
+        differing_bits = Atom(self._attribute_of("unused"))
+        # No two masks have a bit in common, so that their sum has the bits of all.
         mask_of_all = sum(bits.mask for bits in self._reserved)
-        mask_of_verdict = sum(bits.mask for bits in reserved)
-        return unused if mask_of_verdict == mask_of_all else Operation(unused, "&", mask(mask_of_verdict))
+        mask_of_these = sum(bits.mask for bits in reserved)
+        are_all = mask_of_these == mask_of_all
+        return differing_bits if are_all else Operation(differing_bits, "&", mask(mask_of_these))
 
     def _read_attribute(self, part: Part) -> Expr:
         return Atom(self._attribute_of(self._names.attribute(part.field.name)))

@@ -99,16 +99,17 @@ class Shape:
         gray = self._description.gray
         if gray is None:
             return
-        place = str(literal(self._literal_of((gray.low, gray.width))))
+        low_and_width = str(literal(self._literal_of((gray.low, gray.width))))
+        # Only some order codes send Gray code.
         if self.coder.gray_when:
-            place += f" if variant.{self.coder.gray_when} else None"
-        yield "gray", Code(place)
+            low_and_width += f" if variant.{self.coder.gray_when} else None"
+        yield "gray", Code(low_and_width)
         yield "excess", self._literal_of(gray.excess)
 
     def _constant_bits(self) -> Code | None:
         """Return the constants at their places, such as ``(0x3 << 4) | (0x1 << 20)``, or None without any."""
         constants = self._description.fixed
-        terms = [f"{value:#x} << {self.coder.number(place.low)}" for place, value in constants]
+        terms = [f"{value:#x} << {self.coder.number(bits.low)}" for bits, value in constants]
         if not terms:
             return None
         if len(terms) == 1:
@@ -116,8 +117,13 @@ class Shape:
         return Code(" | ".join(f"({term})" for term in terms))
 
     def _default_verdict(self) -> Literal:
-        """Return the verdict if no condition applies. Without bits that judge the position, it is unknown."""
+        """Return the verdict if no condition applies.
+
+        If only some order codes have bits that judge the position, it is unknown for the others:
+        ``Verdict.USABLE if variant.has_flags else Verdict.UNKNOWN``.
+        """
         verdict = self._literal_of(self._description.otherwise)
+        # The number of these bits is only in the description if it depends on the order code.
         if self._description.judging_bits is None:
             return verdict
         judging_bits = self.coder.number(self._description.judging_bits)
@@ -157,14 +163,19 @@ class Shape:
     def _crc_of_encoder(self, crcs: Sequence[FrameCrc]) -> Literal:
         """Return the CRC of an encoder, or None without any.
 
-        If it depends on the order code, it is the first CRC whose width is not 0, found when the module runs.
+        If it depends on the order code, it is the first CRC whose width is not 0, found when the module runs. The
+        tuple in ``next(iter(…), None)`` then has only the CRCs of the encoder.
         """
         if not crcs:
             return None
         if not crcs[0].is_optional:
+            # A CRC of all order codes is the only one.
             return self._crc_call(crcs[0])
-        choices = tuple(ConditionalItem(self._crc_call(crc), str(self.coder.number(crc.field.width))) for crc in crcs)
-        return literal_call("next", literal_call("iter", choices), Code("None"))
+        crcs_of_encoder = []
+        for crc in crcs:
+            width = str(self.coder.number(crc.field.width))
+            crcs_of_encoder.append(ConditionalItem(self._crc_call(crc), width))
+        return literal_call("next", literal_call("iter", tuple(crcs_of_encoder)), Code("None"))
 
     def _crc_call(self, frame_crc: FrameCrc) -> Call:
         """Return the CRC with the function that compares it, and the means to compute it for many frames."""
@@ -213,6 +224,7 @@ class Shape:
         A part that applies only to some encoders is an item with its conditions, joined by ``and``.
         """
         conditions = []
+        # Many parts lack these members.
         for name in _CONDITIONS:
             only: Only | None = getattr(description_part, name, None)
             if only is not None:
@@ -231,15 +243,17 @@ class Shape:
         planned_class_name = type(description_part).__name__
         class_name = _RUNTIME_NAMES.get(planned_class_name, planned_class_name)
         omitted = set(_CONDITIONS)
-        if getattr(description_part, "mask", 0) or getattr(description_part, "when", ()):
+        is_mask_or_combination = getattr(description_part, "mask", 0) or getattr(description_part, "when", ())
+        if is_mask_or_combination:
             omitted.add("flag")
         arguments: list[tuple[str, Literal]] = []
         for member in fields(description_part):
             value = getattr(description_part, member.name)
             if member.name not in omitted and value != member.default:
                 is_positional = len(arguments) < _POSITIONAL_COUNTS.get(class_name, 0)
-                name = _RUNTIME_NAMES.get(member.name, member.name)
-                arguments.append(("" if is_positional else name, self._literal_of(value)))
+                # An argument with an empty name is positional.
+                name = "" if is_positional else _RUNTIME_NAMES.get(member.name, member.name)
+                arguments.append((name, self._literal_of(value)))
         return Call(class_name, tuple(arguments))
 
 

@@ -90,8 +90,9 @@ class Variants:
 
     def default_attributes(self, exchange: Exchanged) -> list[tuple[str, int]]:
         """Return attribute and factory default of each field in a request that has one: ``[("address", 1)]``."""
-        names = ClassNames(exchange.request, None, ())
-        return [(names.attribute(name), value) for name, value in exchange.defaults.items()]
+        # The layout of a request is not that of a register, and names of CRC functions do not matter for attributes.
+        class_names = ClassNames(exchange.request, register=None, crcs=())
+        return [(class_names.attribute(name), default) for name, default in exchange.defaults.items()]
 
     def channels(self, interface: Interface) -> ChannelCode | None:
         """Return the frame with all data channels of an interface, or None if there is none."""
@@ -126,10 +127,9 @@ class Variants:
         names_in_measurement = parameters_in_measurement(self.device)
         for parameter in self.device.parameters:
             if parameter.equals is not None and parameter.name not in names_in_measurement:
+                attribute_name = self.context.parameters[parameter.name]
                 meaning = docstrings.of_parameter(self.device, parameter)
-                derived.append(
-                    (self.context.parameters[parameter.name], meaning, self._scope.expression_of(parameter.equals))
-                )
+                derived.append((attribute_name, meaning, self._scope.expression_of(parameter.equals)))
         return derived
 
     # -- units of positions
@@ -151,7 +151,7 @@ class Variants:
         return self._scope.expression_of(value) if value is not None else None
 
     def _cases_by_interface(self, quantity_of: Callable[[Measurement], Expr | None]) -> Cases[Expr]:
-        """Return a quantity of the measurement by interface.
+        """Return a quantity of the measurement, such as ``1 << self.bits``, with the interfaces to which it applies.
 
         ``quantity_of`` returns it for a measurement, or None if the measurement has none.
         """
@@ -193,6 +193,7 @@ class Variants:
         return by_interface(self.device, self.modulus_of)
 
     def _modulus_expression(self, measurement: Measurement) -> Expr | None:
+        """Return the number of counts after which a position wraps around, or None if the spec does not give it."""
         factors = [*map(self._scope.expression_of, count_factors(measurement))]
         return join_operands("*", factors) if factors else None
 
@@ -210,7 +211,8 @@ class Variants:
         interface_names: list[str] = []
         for interface in self.device.interfaces:
             # Without a measurement there are no ranges at all.
-            if self._only_range(interface) is None and position_ranges(self.device, interface):
+            has_range = bool(position_ranges(self.device, interface))
+            if self._only_range(interface) is None and has_range:
                 interface_names.append(interface.name)
         return interface_names
 
@@ -254,7 +256,7 @@ class Variants:
 
         An unsigned position without a highest value in the spec ends at ``modulus - 1``, or without a modulus at the
         highest number that its fields can hold. A signed one with a highest value in the spec spans ``modulus`` counts.
-        Without one, it can be any number that fits in its field.
+        Without one, it can be any number that fits in its field, such as -2048 to 2047.
         """
         measurement = position_range.measurement
         modulus = self._modulus_expression(measurement)
@@ -262,11 +264,13 @@ class Variants:
             highest = self._code_of(measurement.highest)
             if highest is None:
                 position_fields = [layout.field(name) for name in layout.names_in(measurement.of)]
-                number_of_values = self._power_of_two(sum((field.width for field in position_fields), Expression(0)))
-                highest = Operation(modulus if modulus is not None else number_of_values, "-", number(1))
+                width = sum((field.width for field in position_fields), Expression(0))
+                number_of_values = modulus if modulus is not None else self._power_of_two(width)
+                highest = Operation(number_of_values, "-", number(1))
             return number(0), highest, modulus
         highest = self._highest_signed(position_range)
         if measurement.highest is not None and modulus is not None:
+            # From lowest to highest there are ``modulus`` positions.
             lowest = Operation(Operation(highest, "-", modulus), "+", number(1))
             return lowest, highest, modulus
         width = position_range.signed_field.width
@@ -284,8 +288,8 @@ class Variants:
     def _highest_signed(self, position_range: PositionRange) -> Expr:
         """Return the highest signed position: that of the spec, or else the highest that fits in the field."""
         field = position_range.signed_field
-        stated_highest = position_range.measurement.highest
         assert field is not None
+        stated_highest = position_range.measurement.highest
         if stated_highest is not None:
             return self._scope.expression_of(stated_highest)
         if field.width.is_constant:
@@ -333,8 +337,9 @@ class Variants:
     def _ends_by_interface(self, end_of: Callable[[PositionRange], Expr | None], usual: Expr) -> Cases[Expr] | None:
         """Return the lowest or the highest position by interface.
 
-        ``end_of`` returns it for a range, or None where it is ``usual``. The result is None if it is ``usual`` over all
-        interfaces and the frames of none differ.
+        ``end_of`` returns it for a range, or None where it is ``usual``: 0 for the lowest position, and
+        ``self.modulus - 1`` for the highest. The result is None if it is ``usual`` over all interfaces, and the frames
+        of none differ.
         """
 
         def end_over(interface: Interface) -> Expr | None:
@@ -363,7 +368,8 @@ class Variants:
         """Number of bits in the encoder's frame by interface, if it is a string of bits of known length."""
         bits_by_interface: dict[str, Expression] = {}
         for kind in self.frame_kinds:
-            if not kind.in_bytes and not kind.has_open_length:
+            has_known_bits = not kind.in_bytes and not kind.has_open_length
+            if has_known_bits:
                 bits_by_interface[kind.interface] = kind.coder.layout.bits
         return by_interface(self.device, lambda interface: self._code_of(bits_by_interface.get(interface.name)))
 
@@ -398,10 +404,11 @@ class Variants:
     def held_records(self) -> list[tuple[str, Call]]:
         """Parameters that registers hold at run time: the attribute of the variant, and its record."""
         records: list[tuple[str, Call]] = []
+        # A group is a register with the parameters that it holds.
         for group in held_parameters(self.device):
             for held_parameter in group.parameters:
-                name = self.context.parameters[held_parameter.parameter.name]
-                records.append((name, self._held_record(group.register, held_parameter)))
+                attribute_name = self.context.parameters[held_parameter.parameter.name]
+                records.append((attribute_name, self._held_record(group.register, held_parameter)))
         return records
 
     @property
