@@ -88,6 +88,7 @@ def compare_procedure(family_pair: FamilyPair, subject: Subject, old: Procedure,
         )
     elif _list_meanings(old.steps) != _list_meanings(new.steps):
         yield family_pair.change("words", steps_subject, description=": steps", old=old.steps, new=new.steps)
+    # Of steps that do the same, only sources and names can differ. Changed names are reported where they are.
     elif old.steps != new.steps and _list_sources(old.steps) != _list_sources(new.steps):
         yield family_pair.change("source", steps_subject, description=": steps", old=None, new=None)
 
@@ -118,7 +119,10 @@ def _argument_names(procedure: Procedure) -> list[str]:
 
 
 def _describe_arguments(arguments: Iterable[Argument]) -> list[tuple[str, str, str]]:
-    """Return a tuple for each argument: its name, the register or field that takes it, and how it is meant, or ""."""
+    """Return a tuple for each argument: its name, the register or field that takes it, and how it is meant.
+
+    For example ``("position", "preset", "counts")``, with "" if the spec does not say how it is meant.
+    """
     return [(argument.name, argument.of, argument.meant_as) for argument in arguments]
 
 
@@ -156,6 +160,7 @@ def _describe_steps(old_steps: list[Step], new_steps: list[Step]) -> str:
     steps_text = f": {noun} {', '.join(step_numbers)}"
     if len(differences) > 1:
         return f"{steps_text} differ"
+    # The caller passes different steps, so there is one difference left.
     (common_difference,) = differences
     return f"{steps_text}: {common_difference}"
 
@@ -298,7 +303,8 @@ _DISPLAYED_SECTIONS = (
 def compare_contacts(family_pair: FamilyPair, subject: Subject, old: Connector, new: Connector) -> Iterator[Change]:
     """Yield changes of the contacts of a connector.
 
-    They are identified by pin or colour. For one that only one version has, the text is ``signal SL → none``.
+    A contact is identified by its pin or colour. If only the old version has it, the text is ``signal SL → none``, and
+    if only the new version has it, ``signal none → SL``.
     """
     old_contacts, new_contacts = _by_member(old.contacts, "contact"), _by_member(new.contacts, "contact")
     for contact, old_contact, new_contact in match_by_key(old_contacts, new_contacts):

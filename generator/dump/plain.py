@@ -60,7 +60,7 @@ _NO_PARAMETERS: Mapping[str, int] = MappingProxyType({})
 
 def device_dump(device: Device) -> Item:
     """Return a family as plain data."""
-    return _Dump(device, None).whole(device.variants, _NO_PARAMETERS, None)
+    return _Dump(device, variant=None).whole(device.variants, parameters=_NO_PARAMETERS, label=None)
 
 
 def variant_dump(device: Device, code_match: Match) -> Item:
@@ -218,8 +218,10 @@ class _Dump:
         return plain_members | _sources_data(own_sources) if described_part.is_sourced else plain_members
 
     def _member_data(self, member: Member, value: Any, inherited: Sources) -> Any:
-        """Return a member as plain data. A missing word, whose shape lists ``|`` and its words, is an empty string."""
-        return "" if value is None and member.shape.startswith("|") else self.plain(value, inherited)
+        """Return a member as plain data. If it is a word of a list and missing, it is an empty string."""
+        # The shape of such a member is ``|`` and the possible words.
+        is_missing_word = value is None and member.shape.startswith("|")
+        return "" if is_missing_word else self.plain(value, inherited)
 
     def _number_or_text(self, expression: Expression) -> int | str:
         """Return the number for an order code. For a family, it may be a text, such as ``48 - singleturn_bits``."""

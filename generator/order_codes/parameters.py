@@ -204,12 +204,13 @@ def _limits_of_parameter(parameter: Parameter) -> Iterable[int]:
 def _states_of_fields(
     parameters: Sequence[Parameter], values_of: Callable[[Parameter], Iterable[int]]
 ) -> Sequence[Sequence[State]]:
-    """Return the states of each field, from the lowest values to the highest.
+    """Return the states of each field. The states of one field go from the lowest values to the highest.
 
-    A parameter that is not read from a code has a field of its own, with the values that ``values_of`` lists.
-    Parameters that are read from the same code change together, so their field has a state for each code.
+    A parameter that is not read from a code has a field of its own, with the values that ``values_of`` lists in this
+    order. Parameters that are read from the same code change together, so their field has a state for each code, as
+    ``coded_states`` sorts them: ``[{"bits": 12, "turns": 0}, {"bits": 16, "turns": 4096}]``.
     """
-    # The value by code of each parameter, by the field that holds the code.
+    # By the field that holds the code, then by parameter, then by code: {"bank.mode": {"bits": {0: 12, 1: 16}}}.
     codes_by_field: dict[str, dict[str, Mapping[int, int]]] = {}
     states_by_field: list[Sequence[State]] = []
     for parameter in parameters:

@@ -99,6 +99,7 @@ def parity_bit(placed: PlacedLayout, parity: Parity, number: int) -> int:
     for placed_field in placed.find_fields(parity.of):
         value = (number >> placed_field.low) & placed_field.mask
         ones += (value & parity.mask).bit_count()
+    # ``odd`` is 1 for odd parity, which makes the whole number of ones odd.
     return (ones + parity.odd) & 1
 
 

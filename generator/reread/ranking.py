@@ -181,8 +181,8 @@ class TouchedFacts:
     def _facts_of_referring_items(self, item: str, passage: Passage) -> list[Citing]:
         """Return a fact of each item that refers to this one, by path or name, for at most 3 items.
 
-        It is the one with the most words of the passage, and items with more such words come first. An item without any
-        is left out, except an erratum, of which the value that is used instead is returned.
+        The fact of an item is the one with the most words of the passage, and for an erratum, the value used instead.
+        Items with more such words come first. Of the items without any, only errata are returned.
         """
         item_name = item.rpartition(".")[2]
         items_by_reference = self._items_by_reference
@@ -200,8 +200,10 @@ class TouchedFacts:
             if not highest_word_count and not is_erratum:
                 continue
             used_value_facts = [fact for fact in item_facts if is_erratum and fact.path.endswith(".used")]
-            likeliest_fact = max(used_value_facts or item_facts, key=common_word_count)
+            candidates = used_value_facts or item_facts
+            likeliest_fact = max(candidates, key=common_word_count)
             counted_facts.append((highest_word_count, likeliest_fact))
+        # Highest count first. Items with the same count stay in the order of the spec.
         counted_facts.sort(key=lambda counted_fact: -counted_fact[0])
         return [fact for _, fact in counted_facts[:_MOST_REFERRING]]
 
@@ -215,8 +217,9 @@ class _Change:
     """Words that were removed from a passage: the text, its numbers and its labels of order codes."""
 
     def __init__(self, passage: Passage) -> None:
-        # If the passage only adds words, all of the old ones count as changed.
-        changed_words = [word for word in passage.old if word not in passage.new] or list(passage.old)
+        removed_words = [word for word in passage.old if word not in passage.new]
+        # If the new words contain all of the old ones, all of the old ones count as changed.
+        changed_words = removed_words or list(passage.old)
         shown_old_text, _ = passage.shown
         # The text is only compared if new words replace it. Texts have spaces at both ends (see ``spaced``).
         is_replaced = bool(changed_words) and bool(passage.new)
@@ -280,7 +283,7 @@ class _Change:
 
 
 def _differing_values(likely_by_item: Mapping[str, Sequence[Citing]], passage: Passage) -> list[Citing]:
-    """Return the first likely fact of each item whose value has an old word or whose whole name is among them.
+    """Return the likeliest fact of each item that has an old word in its value, or its whole name in the old words.
 
     At most 4 facts are returned. ``likely_by_item`` has the facts of each item, the most likely first.
     """
@@ -318,10 +321,12 @@ def _score_of_fact(fact: Citing, passage: _PassageWords, fact_counts: Mapping[st
 
 
 def _comparable_words(words: Iterable[str]) -> set[str]:
-    """Return printed words as they are compared: in lower case, with a decimal point, and numbers also without units.
+    """Return all spellings of printed words under which they are compared, in lower case.
 
-    ``10MHz`` gives ``10mhz`` and ``10``, ``1Ah`` gives ``1ah`` and ``1a``, and an order code ``xy24`` also ``24``.
+    ``10MHz`` gives ``10mhz`` and ``10``, ``2,5`` gives ``2,5`` and ``2.5``, ``1Ah`` gives ``1ah`` and ``1a``, and an
+    order code ``XY24`` gives ``xy24`` and ``24``.
     """
+    # Each step adds the spellings that follow from those before it.
     comparable_words = {word.casefold() for word in words}
     comparable_words |= {word.replace(",", ".") for word in comparable_words}
     comparable_words |= {word.removesuffix("h") for word in comparable_words if _HEXADECIMAL.fullmatch(word)}

@@ -179,6 +179,7 @@ def _position_code_hypotheses(
     if not width:
         return
     position = (frame >> low) & ((1 << width) - 1)
+    # XOR with its own bits makes the position 0.
     frame_without_position = frame ^ (position << low)
     conversions = (
         (gray_to_binary(position), TEXTS["covers_binary"]),
@@ -226,9 +227,10 @@ def _start_bit_hypotheses(without_mistake: Hypothesis) -> Iterator[Hypothesis]:
 def other_polynomial_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_frame: TypedFrame) -> Iterator[Hypothesis]:
     """Yield hypotheses with data of the right length before a CRC of another length.
 
-    The CRC is complete, truncated by a reader that expects fewer bits, or followed by zeros. The stop bit is 0, and
-    with one slave the bits after it are 0 too, since the master holds SLI at 0. So the whole has either the length of
-    data and CRC, or that of the expected frame. The typed frame must have it, or lack only leading zeros.
+    With two bits of data (d) and an expected CRC of four bits, a CRC of three bits (c) gives ``ddccc``, or ``ddccc0``
+    if the reader takes the expected length. A CRC of five bits gives ``ddccccc``, or ``ddcccc`` in the expected length.
+    The zero is the stop bit. The master holds SLI at 0, so with one slave the bits after the stop bit are 0, too.
+    The typed frame must have one of these lengths, or lack only leading zeros.
     """
     data_bits = placed_layout.bits - crc.width
     for polynomial in POLYNOMIALS:
@@ -236,7 +238,9 @@ def other_polynomial_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_fra
             continue
         other_crc = _with_polynomial(crc, polynomial)
         complete_length = data_bits + other_crc.width
-        for length in dict.fromkeys((complete_length, placed_layout.bits)):
+        expected_length = placed_layout.bits
+        # A CRC of the expected width gives one length only, so it is tried once.
+        for length in dict.fromkeys((complete_length, expected_length)):
             may_lack_leading_zeros = not typed_frame.exact and length > typed_frame.bits
             if length == typed_frame.bits or may_lack_leading_zeros:
                 yield _polynomial_hypothesis(placed_layout, crc, other_crc, typed_frame.number, length)
@@ -268,6 +272,7 @@ def _polynomial_hypothesis(
     received_crc_bits = min(other_crc.width, bits_after_data)
     zero_bits = bits_after_data - received_crc_bits
     are_zero_bits_right = number_after_data & ((1 << zero_bits) - 1) == 0
+    # The data at their places in the expected frame, where its constants are checked.
     frame_with_crc_0 = data << crc.width
     constant_bits, are_constants_right = check_constant_bits(placed_layout, frame_with_crc_0)
     description = TEXTS["polynomial"].format(f"{other_crc.poly_with_top_bit:#x}", other_crc.width)
