@@ -112,7 +112,7 @@ def _low_bits_in_group(
     for group_field in layout.fields:
         if group_field.group == field.group:
             low_bits_of_group.append(family_pair.values_at_points(group_field.low, interface, is_old=is_old))
-    # From the low bits of each field to those of all fields at each point.
+    # ``low_bits_of_group`` has a tuple for each field. ``zip`` gives the low bits of all fields at each point.
     group_starts = map(min, zip(*low_bits_of_group, strict=True))
     return tuple(low_bit - group_start for low_bit, group_start in zip(low_bits, group_starts, strict=True))
 

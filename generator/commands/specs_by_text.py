@@ -75,12 +75,14 @@ def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device
         if len(named_files) > 1:
             return None
         if named_files:
+            # Without a label, there is always one device.
             return (_load_if_possible(named_files[0].path, cache)[0],)
         devices: list[Device] = []
         for device_file in device_files:
             if not device_file.can_have(label):
                 continue
-            shows_beginnings = all(device_file.beginnings)  # They have been compared with the label just now.
+            # Beginnings that the text shows have been compared with the label by ``can_have``.
+            shows_beginnings = all(device_file.beginnings)
             devices += _load_if_possible(device_file.path, cache, label="" if shows_beginnings else label)
         return tuple(devices)
     except (OSError, ValueError, _NotSelectable):
@@ -138,6 +140,7 @@ def _read_spec_file(path: Path) -> _SpecFile:
     """
     if not path.is_file():
         raise OSError
+    # The expressions begin with the end of a line, so that they only match at the beginning of one.
     spec_text = b"\n" + path.read_bytes()
     keys = set(_KEY.findall(spec_text))
     device_names = _NAME.findall(spec_text)

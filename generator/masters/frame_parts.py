@@ -107,7 +107,8 @@ def rough_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: 
         if field.name in turn_bits:
             yield from _position_parts(field, turn_bits[field.name])
             continue
-        role = _expected_role(field, "after")  # with this stage, zero bits are "after"
+        # With this stage, zero bits are "after", which also counts as padding.
+        role = _expected_role(field, stage="after")
         if role == "other" and _is_parity_of_frame(field, placed_layout):
             role = "parity"
         yield _part_without_position(field, role)
@@ -268,7 +269,8 @@ def _bits_of_role(frame_parts: Sequence[Part], role: str) -> int:
 def bit_counts(frame_parts: Sequence[Part]) -> dict[str, int | None]:
     """Return the numbers of bits of a frame by the names of the items for rules: ``{"crc_bits": 6, ...}``.
 
-    Left is what is sent before the position. ``frame_bits`` leaves out the parity bit.
+    ``left`` in a name means the bits sent before the position, and ``right`` those after it. ``frame_bits`` leaves out
+    the parity bit.
     """
     roles = ("multiturn", "singleturn", "padding", "status", "crc", "other", "parity")
     bits = {role: _bits_of_role(frame_parts, role) for role in roles}

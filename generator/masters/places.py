@@ -175,11 +175,11 @@ def _without_not_given(text: str) -> str:
 
 
 def _parse_bits(text: str) -> tuple[int | None, int | None]:
-    """Return the highest and the lowest bit of ``5:0`` or ``6``, or None for both."""
+    """Return the highest and the lowest bit of ``5:0`` or ``6``, or None for both if the text is empty."""
     if not text:
         return None, None
     high, _, low = text.partition(":")
-    return int(high), int(low or high)
+    return int(high), int(low or high)  # A single bit is both.
 
 
 def reason_for_misfit(name: str, value: int | bool | str | None, places: Sequence[Place]) -> str:
@@ -199,7 +199,8 @@ def _highest_value(place: Place) -> int | None:
     """Return the highest value that fits the range and the bits of a location, or None without a limit."""
     limits = [] if place.maximum is None else [place.maximum]
     if place.kind == "unsigned" and place.bits is not None:
-        limits.append((1 << place.bits) - 1)
+        all_ones = (1 << place.bits) - 1
+        limits.append(all_ones)
     return min(limits, default=None)
 
 

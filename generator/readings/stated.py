@@ -197,8 +197,9 @@ def _register_and_bits(reading: Reading, register_name: str, field_name: str) ->
     """Return ``0x49 bits 3:0``, or only ``0x49`` for a field that is the whole register, or without a field."""
     register = reading.device.register(register_name)
     bits_text = ""
+    register_bits = 8 * register.length
     for field in register.layout.fields:
-        is_whole_register = field.width.is_constant and field.width.constant == 8 * register.length
+        is_whole_register = field.width.is_constant and field.width.constant == register_bits
         if field.name == field_name and not is_whole_register:
             bits_text = f" {reading.bits_of(register.interface, field)}"
     return f"{register_text(register).removeprefix('register ')}{bits_text}"

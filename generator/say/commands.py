@@ -212,7 +212,7 @@ def commands_over(device: Device, interface: Interface) -> Commands:
     These are procedures that write or send something, writable registers, requests that do not only read, inputs, and
     commands of the protocol. The register that selects a bank is left out.
     """
-    # A register that only opens another one for writing is a setting.
+    # A register that opens another one for writing counts as a setting, even if its values look like commands.
     openers = {register.opened_by for register in device.registers}
     bank_select = interface.bank_select if isinstance(interface, Biss) else None
     command_registers: list[Register] = []
