@@ -298,7 +298,8 @@ def _names_in_code(device: Device, section: str, part: Any, section_interface: s
     text_by_placeholder |= {
         placeholder.upper(): replacement.upper() for placeholder, replacement in text_by_placeholder.items()
     }
-    text_by_placeholder["Name"] = "".join(word[:1].upper() + word[1:] for word in part.name.split("_"))
+    words_of_name = part.name.split("_")
+    text_by_placeholder["Name"] = "".join(word[:1].upper() + word[1:] for word in words_of_name)
     c_pattern, python_pattern = _NAME_PATTERNS[section]
     c_name = c_pattern.format(**text_by_placeholder)
     if section == "layouts" and len(device.interface(interface).layouts) == 1:

@@ -28,6 +28,7 @@ def compare_clocks(family_pair: FamilyPair, subject: Subject, old: Clocked, new:
     for code in family_pair.order_codes_over(new.name):
         old_clock = old.clock_of(family_pair.old_code(code))
         new_clock = new.clock_of(code)
+        # Without their order codes, so that those with the same clocks share a change.
         clocks = replace(old_clock, only=""), replace(new_clock, only="")
         codes_by_clocks.setdefault(clocks, []).append(code)
     for (old_clock, new_clock), codes in codes_by_clocks.items():
@@ -59,7 +60,10 @@ def compare_cables(family_pair: FamilyPair, subject: Subject, old: Ssi, new: Ssi
 
 
 def _by_code_change(family_pair: FamilyPair, subject: Subject, noun: str, *, is_by_code: bool) -> Change:
-    """Return the change that a fact depends on the order code in only one version."""
+    """Return the change that a fact depends on the order code in only one version.
+
+    ``is_by_code`` is true if that is the new one.
+    """
     extents = ("all order codes", "some order codes")
     old, new = extents if is_by_code else extents[::-1]
     return family_pair.change("facts-by-code", subject, description=f": {noun} of {old} → {new}", old=old, new=new)

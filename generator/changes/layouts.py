@@ -129,7 +129,7 @@ def _compare_field(
     owner_path = f"field_groups.{field.group}" if field.group else subject.path
     owner_name = field.group or subject.scope
     field_subject = replace(subject, path=f"{owner_path}.{field.name}", label=f"{owner_name}: field {field.name}")
-    # The only field of a plain register has the register's name, and is renamed with it.
+    # The only field of a plain register has the register's name, and is renamed with it. ``scope`` is its new name.
     is_named_as_register = (
         field.name == subject.scope
         and pair.old is not None
@@ -217,7 +217,8 @@ def _compare_digits(family_pair: FamilyPair, subject: Subject, old: Decimal, new
     if old == new:
         return
     old_digits, new_digits = _digits_by_name(old), _digits_by_name(new)
-    if list(old_digits.items()) == list(new_digits.items()):
+    has_same_order = list(old_digits.items()) == list(new_digits.items())
+    if has_same_order:
         yield family_pair.change("words", subject, description=": digits", old=old.runs, new=new.runs)
         return
     gone_names = old_digits.keys() - new_digits.keys()

@@ -46,7 +46,8 @@ def run(arguments: argparse.Namespace) -> int:
     filled_sheet = read_sheet(family, report)
     if report:
         raise problems(report)
-    sheet_data = sheet(family.document, filled_sheet.data["texts"] if filled_sheet is not None else {})
+    old_entries = filled_sheet.data["texts"] if filled_sheet is not None else {}
+    sheet_data = sheet(family.document, old_entries)
     path = word_sheet_path(Path(family.document.file))
     try:
         path.write_text("\n".join([*as_lines(sheet_data, Path(family.document.file).name), ""]), encoding="utf-8")

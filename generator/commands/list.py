@@ -132,7 +132,8 @@ def without_packaged_duplicates(
     repeated_names: list[str] = []
     other_rows: list[Row] = []
     for row in packaged:
-        if row["family"] in user_names or not user_codes.isdisjoint(row["order_codes"]):
+        has_code_of_user = not user_codes.isdisjoint(row["order_codes"])
+        if row["family"] in user_names or has_code_of_user:
             repeated_names.append(row["family"])
         else:
             other_rows.append(row)

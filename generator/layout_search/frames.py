@@ -50,11 +50,14 @@ class Recording:
     def values(self, start: int, end: int) -> list[int]:
         """Return the number in the bits from ``start`` to before ``end``, for each of the first frames."""
         mask = (1 << (end - start)) - 1
-        return [(frame >> (self.bits - end)) & mask for frame in self.frames[:MOST_FRAMES]]
+        bits_behind = self.bits - end
+        return [(frame >> bits_behind) & mask for frame in self.frames[:MOST_FRAMES]]
 
     def level(self, place: int) -> int:
-        """Return the value of a constant bit."""
-        return (self.frames[0] >> (self.bits - 1 - place)) & 1
+        """Return the value of a constant bit. ``place`` counts from 0 for the first bit sent."""
+        bits_behind = self.bits - 1 - place
+        # A constant bit is the same in all frames.
+        return (self.frames[0] >> bits_behind) & 1
 
 
 def rank(numbers: Sequence[int]) -> int:

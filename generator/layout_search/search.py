@@ -43,6 +43,7 @@ def find_layouts(recording: Recording) -> list[FoundLayout]:
     if len(set(recording.frames)) < FEWEST:
         raise NoLayout("all frames are equal; turn the shaft, and give at least 2 different frames")
     best_layouts: dict[object, FoundLayout] = {}
+    # From the lowest cost on, so the first layout of a group is the best.
     for layout in sorted(_possible_layouts(recording), key=lambda layout: layout.cost):
         best_layouts.setdefault(_group_key(recording, layout), layout)
     layouts = _with_undecided_codes_joined(list(best_layouts.values()))
@@ -77,7 +78,8 @@ def _bits_between_checks(parity: FoundParity | None, body_bits: int) -> tuple[in
     """Return the first bit and the end of the bits between a CRC and a parity bit."""
     if parity is None:
         return 0, body_bits
-    return (1, body_bits) if parity.place == 0 else (0, body_bits - 1)
+    is_first_bit = parity.place == 0
+    return (1, body_bits) if is_first_bit else (0, body_bits - 1)
 
 
 def _parity_cost(recording: Recording, parity: FoundParity, crc: FoundCrc | None) -> float:

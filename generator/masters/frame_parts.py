@@ -299,9 +299,10 @@ def bit_counts(frame_parts: Sequence[Part]) -> dict[str, int | None]:
 
 
 def _parts_before_position(frame_parts: Sequence[Part]) -> Sequence[Part]:
+    """Return the parts that are sent before the position, which every frame of a record has."""
     roles = [part.role for part in frame_parts]
-    position_indices = [roles.index(role) for role in ("multiturn", "singleturn") if role in roles]
-    return frame_parts[: min(position_indices)]
+    first_indices = [roles.index(role) for role in ("multiturn", "singleturn") if role in roles]
+    return frame_parts[: min(first_indices)]
 
 
 def _parts_after_status(frame_parts: Sequence[Part]) -> Sequence[Part]:

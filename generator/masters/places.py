@@ -403,7 +403,8 @@ class _Ordering(NamedTuple):
 def _names_in_order(names: tuple[str, ...], orderings: tuple[_Ordering, ...]) -> tuple[str, ...]:
     """Return the names with all predecessors of each before it. Remembered, since order codes share their rules.
 
-    The first name whose predecessors have all been written is next.
+    The first name whose predecessors have all been written is next. The check of a description ensures that there is
+    always one.
     """
     predecessors = {name: set[str]() for name in names}
     for ordering in orderings:

@@ -13,6 +13,7 @@ from .line import Options
 
 _HERTZ = re.compile(r"([0-9]{1,12})([.][0-9]{1,6})?(|k|M)(?:Hz)?")
 _FACTORS = {"": 1, "k": 1_000, "M": 1_000_000}
+#: Most bytes of the request in a line.
 _LONGEST_REQUEST = 8
 
 #: Options without a value: the interfaces that have them, and the members that they set.
@@ -42,7 +43,8 @@ def _read_spi_mode(option_text: str) -> int | None:
 def _read_positive_number(option_text: str) -> int | None:
     """Return the number in a text, or None if it is 0, too large, or not a number."""
     number = number_in(option_text)
-    return number if number and number < 1 << 63 else None
+    is_too_large = number is not None and number >= 1 << 63
+    return number if number and not is_too_large else None
 
 
 def _read_hex_bytes(option_text: str) -> bytes | None:

@@ -311,7 +311,8 @@ def _write_field(field: LineField, name: str, line: Line, parity_fields: Sequenc
     match field:
         case Number():
             has_counts = field.name == POSITION and line.options.counts
-            yield _keys_of_number(field) + (", note: The line states its bits and its counts." if has_counts else "")
+            note = ", note: The line states its bits and its counts." if has_counts else ""
+            yield _keys_of_number(field) + note
         case Flag():
             effect = f", makes_position: {field.verdict}" if has_position else ""
             yield f"name: {name}, active: {field.level}{effect}, when_active: {_MEANINGS[field.verdict]}"

@@ -344,7 +344,7 @@ def _value_text(reading: Reading, member: Member, member_value: Any, interface: 
     if isinstance(member_value, tuple):
         return f"{' '.join(map(_part_text, member_value))}{_UNITS.get(member.notation, '')}"
     if isinstance(member_value, Scale):
-        # Two readers may write the same formula with different numbers.
+        # Two readers may write the same formula with different numbers, so it is reduced to a factor and an offset.
         factor = member_value.quantity(1) - member_value.quantity(0)
         offset = member_value.quantity(0)
         return f"number * {factor} + {offset} {member_value.unit}"

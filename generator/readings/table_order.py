@@ -44,6 +44,7 @@ def _rows_of(facts: Facts, table_key: Key) -> Mapping[int, _Row]:
     """Return the rows of a table that have numbers, by their number in the file."""
     cells_by_row: dict[int, list[tuple[int, Value]]] = defaultdict(list)
     for key, fact in facts.facts.items():
+        # The key of a cell ends with its row and column: ("table", "limits", "3 0").
         is_cell = key[:2] == table_key and len(key) == 3 and " " in str(key[2])
         if is_cell:
             row_number, column = map(int, str(key[2]).split())

@@ -43,7 +43,8 @@ def channel_findings(
     agree = None
     if frame.compared:
         agree = frame.agree([decoded.values for decoded in decoded_channels])
-    verdicts = [] if agree is not False else [Verdict.NOT_USABLE]
+    # None means that nothing is compared, which is no disagreement.
+    verdicts = [Verdict.NOT_USABLE] if agree is False else []
     for placed, channel in zip(frame.channels, findings_by_channel, strict=True):
         has_position = device.sends_position(variant.interface, placed.layout)
         if channel.verdict is not None and (has_position or channel.verdict is not Verdict.UNKNOWN):

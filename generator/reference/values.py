@@ -60,8 +60,12 @@ def value_and_meaning(field: Field, raw: int, width: int) -> tuple[int | str | b
 
 
 def signed_or_plain(number: Number, raw: int, width: int) -> int:
-    """Return the value of these bits: two's complement if the field is signed. Zero may stand for another value."""
-    if number.signed and raw >> (width - 1):
+    """Return the value of these bits: two's complement if the field is signed. Zero may stand for another value.
+
+    0b111 of 3 bits is -1 in a signed field, and else 7. ``zero_means`` is 0 unless the manual gives 0 another meaning.
+    """
+    sign_bit = raw >> (width - 1)
+    if number.signed and sign_bit:
         return raw - (1 << width)
     return raw or number.zero_means
 

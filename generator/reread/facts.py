@@ -322,10 +322,12 @@ def _build_fact(document: Document, fact_value: object, path: Path, around: _Sur
 
     Citations of other documents are left out.
     """
+    # A citation without a document is one of the manual itself.
     in_manual = [citation for citation in around.source if not citation.document]
+    line, _ = document.position(path)
     return Citing(
         file=document.file,
-        line=document.position(path)[0],
+        line=line,
         path=document.name_path(path),
         value=fact_value,
         sections=frozenset(citation.section for citation in in_manual if citation.section),

@@ -222,7 +222,8 @@ class BissLine(ByLevels):
         read_bit, head = yield from _receive_head()
         # CTS = 1 and slave ID 0 in 4 bits, 7 bits of the address, 4 bits of the CRC.
         cts_and_id, address, received_crc = head >> 11, (head >> 4) & 0x7F, head & 0xF
-        if cts_and_id != 0b1000 or received_crc != compute_bits(_CRC, head >> 4, 11):
+        covered_bits = head >> 4
+        if cts_and_id != 0b1000 or received_crc != compute_bits(_CRC, covered_bits, 11):
             return 0
         write_bit = yield read_bit
         # The access must be either a read or a write.
@@ -346,7 +347,8 @@ class SsiLine(ByLevels):
                 self._bits_left -= 1
             self._data_level = (self._word >> self._bits_left) & 1
             # Remove the bit that is sent, so that zeros follow the last one.
-            self._word &= (1 << self._bits_left) - 1
+            mask_of_unsent_bits = (1 << self._bits_left) - 1
+            self._word &= mask_of_unsent_bits
         self._clock_level = level
         return self._data_level
 

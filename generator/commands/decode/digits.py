@@ -33,6 +33,7 @@ def with_prefix(text: str, bits: int) -> str:
         digits = _binary_digits(pieces, bits)
         return f"0b{digits}" if digits else text
     if len(pieces) == 1:
+        # Digits with a letter or a leading zero are not decimal.
         return text if _DECIMAL.fullmatch(pieces[0]) else f"0x{pieces[0]}"
     byte_pieces = with_leading_zeros(pieces)
     are_whole_bytes = all(len(piece) % 2 == 0 for piece in byte_pieces)
@@ -55,8 +56,8 @@ def _binary_digits(pieces: Sequence[str], bits: int) -> str:
         return digits
     if len(pieces) == 1 or longest <= 2:
         return ""
-    lengths = {len(piece) for piece in pieces}
-    lack_zeros = len(lengths) > 1 and longest <= 8 and not _has_leading_zero(pieces)
+    have_different_lengths = len({len(piece) for piece in pieces}) > 1
+    lack_zeros = have_different_lengths and longest <= 8 and not _has_leading_zero(pieces)
     return "".join(piece.zfill(8) for piece in pieces) if lack_zeros else digits
 
 
@@ -92,7 +93,8 @@ def bits_of_bytes(text: str, bits: int, *, line_carries_bytes: bool) -> str:
     digits = compact_text[len("0b") :] if has_prefix else compact_text
     if has_prefix and not line_carries_bytes:
         return digits
-    are_bits = _ZEROS_AND_ONES.fullmatch(digits) and max(bits // 4, 8) < len(digits) <= bits
+    hex_digits = bits // 4
+    are_bits = _ZEROS_AND_ONES.fullmatch(digits) and max(hex_digits, 8) < len(digits) <= bits
     has_all_bits = len(digits) == bits and "1" in digits
     lacks_zeros = line_carries_bytes and digits.startswith("1")
     return digits if are_bits and (has_all_bits or lacks_zeros) else ""
