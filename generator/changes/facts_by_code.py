@@ -18,7 +18,10 @@ _TIMEOUT = Member("timeout", rule="interface-rule", label="time-out")
 
 
 def compare_clocks(family_pair: FamilyPair, subject: Subject, old: Clocked, new: Clocked) -> Iterator[Change]:
-    """Yield changes of the limits of the clock, for each set of order codes with the same change."""
+    """Yield changes of the limits of the clock, for each set of order codes with the same change.
+
+    ``clock`` of an interface is None if the clock depends on the order code.
+    """
     if old.clock is not None and new.clock is not None:
         yield from compare_members(family_pair, subject, old.clock, new.clock)
         return

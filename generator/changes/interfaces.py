@@ -56,7 +56,10 @@ def compare_register(family_pair: FamilyPair, subject: Subject, old: Register, n
 
 
 def _compare_access(family_pair: FamilyPair, subject: Subject, old: Register, new: Register) -> Iterator[Change]:
-    """Yield "access-lost" if the register can no longer be read or written, or else "access-gained"."""
+    """Yield a change of the access to a register, or nothing if it is the same.
+
+    Its rule is "access-lost" if the register can no longer be read or written, and else "access-gained".
+    """
     if old.access == new.access:
         return
     is_read_lost = old.access in _CAN_READ and new.access not in _CAN_READ

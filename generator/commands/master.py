@@ -214,7 +214,10 @@ def _chosen_format(arguments: argparse.Namespace, master: Master, masters: Seque
 
 
 def _cannot_use_message(master_sheet: Sheet, masters: Sequence[Master], encoder_record: Record) -> str:
-    """Return the reason why a master cannot use the encoder, and the masters with files that can."""
+    """Return the message about a master that cannot use the encoder: the reason, and the masters with files that can.
+
+    The master has refusals, of which the first one is given.
+    """
     from ..language.problems import listed
     from ..masters.sheet import sheet
 

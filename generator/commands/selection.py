@@ -135,7 +135,10 @@ def _command_with(families: Sequence[str], user_arguments: argparse.Namespace, s
 
 
 def command_again(arguments: argparse.Namespace, *more_specs: str) -> str:
-    """Return the command line that writes the outputs with the arguments that the user gave, and with more specs."""
+    """Return the command line that writes the outputs with the arguments that the user gave, and with more specs.
+
+    For example ``codewheel generate my_encoder.yaml -o out --target c``.
+    """
     words = ["codewheel", "generate", *map(str, [*arguments.specs, *arguments.more_specs]), *more_specs]
     for name in arguments.packaged:
         words += ["--packaged", name]

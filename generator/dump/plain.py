@@ -254,7 +254,10 @@ class _Dump:
         return layout_data
 
     def _fields_data(self, layout: Layout, inherited: Sources) -> list[Item]:
-        """Return the fields of a layout, each with its highest bit. An order code has only those that have bits."""
+        """Return the fields of a layout, each with its highest bit.
+
+        For a family, these are all fields, and for an order code only those that have bits.
+        """
         fields_data: list[Item] = []
         if self.variant is None:
             for field in layout.fields:

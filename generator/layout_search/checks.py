@@ -66,6 +66,7 @@ def _divides_all(recording: Recording, polynomial: int) -> bool:
     """Return True if the polynomial divides the differences of all frames, and its CRC leaves bits in front."""
     # A polynomial has one bit more than its CRC.
     leaves_bits = polynomial.bit_length() <= recording.bits
+    # The remainder of a difference is 0 if the polynomial divides it.
     return leaves_bits and not any(remainder(difference, polynomial) for difference in recording.differences)
 
 

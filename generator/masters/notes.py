@@ -53,9 +53,10 @@ def frame_notes(
             f"The position is signed, in two's complement: {lowest} to {highest}. A master that reads it as unsigned "
             f"shows -1 as {all_ones}."
         )
-    fixed = [part.name for part in frame_parts if part.role == "status" and not part.active]
-    if fixed:
-        yield f"{' and '.join(fixed)}: always 1, which a master treats as an inactive status bit."
+    # A status bit without an active level never changes.
+    fixed_bits = [part.name for part in frame_parts if part.role == "status" and not part.active]
+    if fixed_bits:
+        yield f"{' and '.join(fixed_bits)}: always 1, which a master treats as an inactive status bit."
 
 
 def split_notes(

@@ -183,7 +183,7 @@ def _parse_bits(text: str) -> tuple[int | None, int | None]:
 
 
 def reason_for_misfit(name: str, value: int | bool | str | None, places: Sequence[Place]) -> str:
-    """Return the reason that a place cannot hold a value, or an empty string. Texts fit everywhere."""
+    """Return ``Bits would be 70, but it is at most 63`` for a value that does not fit, or "". Texts fit everywhere."""
     if not isinstance(value, int):
         return ""
     for place in places:
@@ -403,8 +403,7 @@ class _Ordering(NamedTuple):
 def _names_in_order(names: tuple[str, ...], orderings: tuple[_Ordering, ...]) -> tuple[str, ...]:
     """Return the names with all predecessors of each before it. Remembered, since order codes share their rules.
 
-    The first name whose predecessors have all been written is next. The check of a description ensures that there is
-    always one.
+    The first name whose predecessors have all been written is next. The check of a description finds cycles.
     """
     predecessors = {name: set[str]() for name in names}
     for ordering in orderings:

@@ -348,7 +348,10 @@ def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
 
 
 def _clock_and_times(interface: Biss | Ssi, code: str) -> dict[str, int | None]:
-    """Return clock and times of an order code by name, with None for those that the spec does not give."""
+    """Return clock and times of an order code by name, with None for those that the spec does not give.
+
+    For example ``{"clock_min_hz": 80000, "clock_max_hz": 5000000, "pause_us": 20, …}``.
+    """
     timings = {timing.name: timing for timing in facts_for_code(interface.timings, code)}
     pause, busy = timings.get("pause"), timings.get("busy")
     clock = interface.clock_of(code)

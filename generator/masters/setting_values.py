@@ -353,7 +353,11 @@ def _with_two_parts_of_position(record: Record) -> Sequence[Part]:
 
 
 def _with_neighbours_merged(frame_parts: Sequence[Part], roles: Collection[str]) -> Sequence[Part]:
-    """Return the parts with neighbours that have the same one of these roles merged, under the name of that role."""
+    """Return the parts, in which neighbours with the same one of these roles are one part.
+
+    Two neighbouring parts of 4 and 8 singleturn bits become the part ``singleturn`` of 12 bits. A part with one of the
+    roles is named after it, even if it has no such neighbour.
+    """
     merged_parts: list[Part] = []
     for part in frame_parts:
         if part.role not in roles:

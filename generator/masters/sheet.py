@@ -200,8 +200,7 @@ def sheet(master: Master, record: Record) -> Sheet:
     if channel_refusal:
         refusals.append(Refusal(reason=channel_refusal, standing="inferred", source=""))
     # What only some devices cannot express is a note. If no device is left, the master refuses.
-    is_no_device_left = len(unusable_devices) == len(master.devices)
-    if is_no_device_left:
+    if len(unusable_devices) == len(master.devices):
         refusals += [refusal for refusal, _ in device_refusals]
     if not refusals:
         refusals = list(_refusals_of_values(settings))

@@ -174,7 +174,8 @@ def legend_of_marks(masters: Sequence[Master], sheets: Sequence[Sheet], with_pla
         rules: tuple[Setting | WriteCondition | Refusal, ...] = (*sheet.settings, *sheet.writing, *refusals)
         standings |= {rule.standing for rule in rules}
         if with_places:
-            standings |= {place.standing for setting in sheet.settings for place in setting.places}
+            for setting in sheet.settings:
+                standings |= {place.standing for place in setting.places}
     inferred = " * = derived, not stated there." if "inferred" in standings else ""
     tried = "Not yet tested on hardware."
     if "tried" in standings:
@@ -242,10 +243,13 @@ def sheet_text(device: Device, code_match: Match, record: Record, sheets: Sequen
     lines = _record_lines(device, code_match, record)
     if record.obstacle:
         return "\n".join(lines)
-    lines += ["", wrapped(legend_of_marks([sheet.master for sheet in sheets], sheets, len(sheets) == 1), WIDTH)]
+    is_single_master = len(sheets) == 1
+    legend = legend_of_marks([sheet.master for sheet in sheets], sheets, with_places=is_single_master)
+    lines += ["", wrapped(legend, WIDTH)]
     usable_sheets = [sheet for sheet in sheets if not sheet.refusals]
     for sheet in usable_sheets:
-        lines += ["", *_sheet_lines(sheet, with_documents=len(sheets) == 1)]
+        lines += ["", *_sheet_lines(sheet, with_documents=is_single_master)]
+    # Masters that are not described for the interface are only listed.
     refusing_sheets = [sheet for sheet in sheets if sheet.refusals and sheet.is_described]
     if refusing_sheets:
         lines += ["", wrapped(f"According to their documentation, these cannot use {record.code}:", WIDTH)]
@@ -278,7 +282,7 @@ def _record_lines(device: Device, code_match: Match, record: Record) -> list[str
     lines += [wrapped(PLAIN_STYLE.sentence(statement), WIDTH, prefix="  ") for statement in statements]
     if code_match.special:
         lines.append(wrapped("A code that ends in /Sxxx may differ from the manual.", WIDTH, prefix="  "))
-    lines += two_columns(record_facts(record), 2)
+    lines += two_columns(record_facts(record), indent=2)
     lines += [wrapped(note, WIDTH, prefix="  ") for note in record.notes]
     return lines
 
@@ -345,7 +349,7 @@ def _lines_of_files_and_documents(master: Master) -> list[str]:
 def masters_text(masters: Sequence[Master]) -> str:
     """Return the list of masters, one per line."""
     rows = ((master.name, f"{master.title}: {_interface_titles(master)}") for master in masters)
-    return "\n".join(two_columns(rows, 0))
+    return "\n".join(two_columns(rows, indent=0))
 
 
 def _interface_titles(master: Master) -> str:

@@ -80,15 +80,17 @@ def with_option(options: Options, text: str, interface: str) -> Options:
         known_names = [*_WORDS, *_SETTINGS]
         hint = suggestion(name, known_names) or f"; write {listed(known_names, 'or')}"
         raise FieldError(f"{quoted(name)} is not an option{hint} (a field belongs after the colon)")
-    interfaces = _WORDS[name][0] if is_word else _SETTINGS[name][0]
+    interfaces, *_ = _WORDS[name] if is_word else _SETTINGS[name]
     if interface and interface not in interfaces:
         raise FieldError(f"'{name}' is not an option of {interface}, only of {listed(interfaces)}; remove it")
     if is_word:
         if equals:
             raise FieldError(f"'{name}' has no value; write only {name}", len(name))
-        return replace(options, **_WORDS[name][1])
+        _, changed_members = _WORDS[name]
+        return replace(options, **changed_members)
     _, member, read_value, example = _SETTINGS[name]
     value = read_value(value_text)
     if value is None:
-        raise FieldError(f"{quoted(value_text)} is not a value of '{name}'; write it like {example}", len(name) + 1)
+        offset = len(name) + 1  # after "name="
+        raise FieldError(f"{quoted(value_text)} is not a value of '{name}'; write it like {example}", offset)
     return replace(options, **{member: value})

@@ -380,7 +380,8 @@ def _has_more_than(label_match: re.Match[str], part: CodePart, label: str) -> bo
         return True
     tail_length = len(label_match["tail_"] or "") + len(label_match["special_"] or "")
     text_before = label[: label_match.start(part.name)]
-    text_after = label[label_match.end(part.name) : len(label) - tail_length]
+    end_of_code = len(label) - tail_length
+    text_after = label[label_match.end(part.name) : end_of_code]
     return any(character.isalnum() for character in text_before + text_after)
 
 

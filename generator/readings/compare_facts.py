@@ -138,7 +138,10 @@ def _is_as_by_default(values: Mapping[Case, str], case: Case) -> bool:
 
 
 def _different_values(spec_fact: Fact, spec_text: str, second_fact: Fact, second_text: str) -> Disagreement:
-    """Return the disagreement on two values of a fact. For the length of a frame, it names the frame."""
+    """Return the disagreement on two values of a fact.
+
+    For the length of a frame, ``resized_frame`` has the words for the frame, and it is empty for any other fact.
+    """
     is_length = spec_fact.key[-1] == "length"
     return Disagreement(
         sort=spec_fact.sort,

@@ -252,7 +252,8 @@ def _weight_in_join(placed_field: PlacedField, placed_layout: PlacedLayout) -> i
         if placed_field.name not in join.fields:
             continue
         joined_fields = placed_layout.find_fields(join.fields)
-        lower_fields = joined_fields[joined_fields.index(placed_field) + 1 :]
+        index = joined_fields.index(placed_field)
+        lower_fields = joined_fields[index + 1 :]
         total_bits = sum(field.width for field in joined_fields)
         if total_bits > longest_bits:
             longest_bits = total_bits

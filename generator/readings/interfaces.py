@@ -206,7 +206,10 @@ def _interface_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
 
 
 def _cable_clocks(reading: Reading, interface: Ssi) -> Iterator[Fact]:
-    """Yield the highest clock for each length of the cable, for each order code if it depends on that."""
+    """Yield a fact for each length of the cable: its highest clock, such as ``below 400000 Hz``.
+
+    If that depends on the order code, the value is a map with the text for each one.
+    """
     # The fact is placed at the first row for its length.
     first_index_by_length: dict[int, int] = {}
     for index, cable in enumerate(interface.cable_lengths):

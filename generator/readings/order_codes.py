@@ -168,7 +168,10 @@ def _label_with_spelling(spelling: Spelling, variant: Variant, parts: Iterable[C
 
 
 def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[Fact]:
-    """Yield the limits of a parameter in a register, identified by the bits that hold it."""
+    """Yield the limits of a parameter in a register, such as ``minimum held in register 0x49 bits 7:4``.
+
+    They are identified by the bits that hold the parameter.
+    """
     bits_text = reading.bits_at(parameter.read_from)
     register = reading.register(parameter.register)
     for bound_name, bound in (("min", parameter.min), ("max", parameter.max)):

@@ -184,7 +184,7 @@ class TouchedFacts:
         The fact of an item is the one with the most words of the passage, and for an erratum, the value used instead.
         Items with more such words come first. Of the items without any, only errata are returned.
         """
-        item_name = item.rpartition(".")[2]
+        _, _, item_name = item.rpartition(".")
         items_by_reference = self._items_by_reference
         referring_items = dict.fromkeys((*items_by_reference.get(item, ()), *items_by_reference.get(item_name, ())))
         passage_words = _comparable_words((*passage.old, *passage.new))
@@ -199,8 +199,9 @@ class TouchedFacts:
             is_erratum = referring_item.startswith("errata.")
             if not highest_word_count and not is_erratum:
                 continue
-            used_value_facts = [fact for fact in item_facts if is_erratum and fact.path.endswith(".used")]
-            candidates = used_value_facts or item_facts
+            candidates = item_facts
+            if is_erratum:
+                candidates = [fact for fact in item_facts if fact.path.endswith(".used")] or item_facts
             likeliest_fact = max(candidates, key=common_word_count)
             counted_facts.append((highest_word_count, likeliest_fact))
         # Highest count first. Items with the same count stay in the order of the spec.
@@ -290,6 +291,7 @@ def _differing_values(likely_by_item: Mapping[str, Sequence[Citing]], passage: P
     old_words = _comparable_words(passage.old)
     differing_facts: list[Citing] = []
     for item_facts in likely_by_item.values():
+        # An item can be without such a fact.
         facts_with_old_words = [fact for fact in item_facts if fact.words & old_words or fact.own_name <= old_words]
         differing_facts += facts_with_old_words[:1]
     return differing_facts[:_MOST_DIFFERING_VALUES]

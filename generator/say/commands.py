@@ -71,7 +71,10 @@ def step(device: Device, procedure_step: Step) -> Statement:
 
 
 def _repetition_text(send_step: SendStep) -> str:
-    """Return how many times a request is sent and at what interval, or an empty string if it is sent once."""
+    """Return how many times a request is sent and at what interval: `` 10 times, at least 40 µs apart``.
+
+    The text is empty for a request that is sent once.
+    """
     if send_step.times <= 1:
         return ""
     repetition_text = f" {send_step.times} times"

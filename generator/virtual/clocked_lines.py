@@ -111,7 +111,8 @@ class BissLine(ByLevels):
 
     def frame(self) -> int:
         """Return the current single cycle data. The first bit sent is the most significant."""
-        return self.exchange(0)[1]
+        _, single_cycle_data = self.exchange(cdm=0)
+        return single_cycle_data
 
     def exchange(self, cdm: int) -> tuple[int, int]:
         """Carry out one cycle.

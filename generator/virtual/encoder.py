@@ -330,7 +330,10 @@ class VirtualEncoder:
         return values
 
     def _compared_parts(self, layout: Layout) -> dict[str, int]:
-        """Return the bits of the fields that a master compares with the position in another data channel."""
+        """Return the bits of the field that a master compares with the position in another data channel, by its name.
+
+        The map is empty for a layout without such a field, and for the one with the position itself.
+        """
         frame = channel_frame(self.device.interface(self.variant.interface))
         position_layout = self._position_layout
         if frame is None or position_layout is None or layout is position_layout:

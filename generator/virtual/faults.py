@@ -236,8 +236,7 @@ def motion(text: str, counts: int, lowest: int = 0, counts_per_turn: int = 0) ->
     if sine_match is None:
         raise _not_a_position(text)
     frequency = _parse_finite(sine_match["frequency"], text)
-    # The positions are lowest to lowest + counts - 1.
-    largest_amplitude = (counts - 1) / 2
+    largest_amplitude = (counts - 1) / 2  # from lowest to lowest + counts - 1
     middle = lowest + largest_amplitude
     amplitude = largest_amplitude
     if sine_match["amplitude"]:

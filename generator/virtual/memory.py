@@ -365,7 +365,10 @@ class Memory:
             self._store_number(register, _with_bits_of_field(self.value(register.name), placed_field, value))
 
     def _refresh_register(self, register: Register) -> None:
-        """Update a register that has flags or the position, unless the master can write it."""
+        """Update the bits of a register that are those of alarms or of the position to their present values.
+
+        A register that the master can write is left as it is.
+        """
         if register.writable:
             return
         content = self.value(register.name)

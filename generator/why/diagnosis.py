@@ -125,7 +125,10 @@ def diagnose_without_crc(device: Device, hypotheses: Iterable[Hypothesis], missi
 
 
 def _grouped_by_mistake(hypotheses: Iterable[Hypothesis]) -> Iterable[list[Hypothesis]]:
-    """Return lists of the hypotheses that fit: those that differ only in the value of a lost bit, likeliest first."""
+    """Return the hypotheses that fit in lists, the likeliest first in each.
+
+    Hypotheses that differ only in the assumed value of a lost bit are in one list. All others are alone in theirs.
+    """
     fitting_hypotheses = [hypothesis for hypothesis in hypotheses if hypothesis.fits]
     fitting_hypotheses.sort(key=lambda hypothesis: -hypothesis.score)
     hypotheses_by_mistake: dict[object, list[Hypothesis]] = {}

@@ -69,7 +69,10 @@ def other_positions(
 def _recorded_frames(
     device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame
 ) -> Iterator[tuple[str, int]]:
-    """Yield the frames in a word of SSI with more typed bits than the frame, if its leading zeros were received."""
+    """Yield the frames in a word of SSI with more typed bits than the frame, if its leading zeros were received.
+
+    Each comes with a text, such as ``if the word comes first, and the other clocks read 0``.
+    """
     interface = device.interface(variant.interface)
     if not isinstance(interface, Ssi) or typed_frame.exact or typed_frame.written <= placed_layout.bits:
         return

@@ -65,7 +65,10 @@ def other_crc_hypotheses(
 
 
 def other_crcs_over_bits(crc: Crc) -> Iterator[OtherCrc]:
-    """Yield a CRC over bits with its inversion changed, with another start value, and with its polynomial reversed."""
+    """Yield a CRC over bits with its inversion changed, with each other start value, and with its polynomial reversed.
+
+    Each comes with the kind of mistake and its description, such as ``the start value of the CRC is 0x3f``.
+    """
     inversion_text = "the CRC is not inverted" if crc.xorout else "the CRC is inverted"
     yield NOT_INVERTED, inversion_text, replace(crc, xorout=crc.xorout ^ crc.mask)
     for start in _other_start_values(crc):

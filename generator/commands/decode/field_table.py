@@ -29,11 +29,15 @@ _WIDEST_HEAD = 56
 
 
 def field_table(decoded: codec.Decoded) -> list[str]:
-    """Return a line per field with its cells in columns, and its meaning next to them, or below if they are wide."""
+    """Return a line per field with its cells in columns: ``bit 3  error  1  yes  The supply is too low``.
+
+    The meaning is next to the columns, or below them if they are wide.
+    """
     assert decoded.layout is not None
     # Each unused field has a line of its own, so the one for all of them, which has no place, is omitted.
     fields = [field for field in decoded.fields if field.name != codec.UNUSED or field.high >= 0]
     rows = [_field_row(decoded.layout, field) for field in fields]
+    # From the cells of each row to those of each column.
     columns = zip(*(row.cells for row in rows), strict=True)
     column_widths = [max(map(len, column)) for column in columns]
     lines = []

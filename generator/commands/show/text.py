@@ -145,7 +145,10 @@ def _parameter_lines(device: Device, variant: Variant) -> list[str]:
 
 
 def _value_lines(device: Device, parameters: Sequence[Parameter], variant: Variant) -> list[str]:
-    """Return a line for each parameter: its name, its value for the order code and, wrapped, its meaning."""
+    """Return a line for each parameter: its name, its value for the order code and, wrapped, its meaning.
+
+    Names and values are in columns: ``singleturn_bits  17  Bits of one revolution``.
+    """
     values = [say_order_code.parameter_value(parameter, variant.parameters[parameter.name]) for parameter in parameters]
     name_width = max(len(parameter.name) for parameter in parameters)
     value_width = max(map(len, values))
@@ -177,10 +180,14 @@ def alternative_lines(device: Device) -> list[str]:
 
 
 def _how_to_choose(alternative: Alternative) -> str:
-    """Return the option of ``decode`` for an answer, as an example: the first one that is not the default."""
+    """Return a sentence with the option of ``decode`` for an answer: ``… with --choose first_bit=low``.
+
+    The answer is an example, the first one that is not the default.
+    """
     if alternative.default:
         default_sentence = f"{alternative.default} applies without a choice. "
-        example = alternative.answers[1]  # The default is the first answer.
+        # The default is the first answer.
+        _, example, *_ = alternative.answers
     else:
         default_sentence = ""
         example = alternative.answers[0]
