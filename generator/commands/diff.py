@@ -294,17 +294,17 @@ def _load_side(text: str, cache: Cache, *, lenient: bool, old_side: _Side | None
     problems = [replace(problem, file=file_names.get(problem.file, problem.file)) for problem in report.problems]
     if not problems:
         return _Side(tuple(families), file_names)
-    count = counted(len(problems), "problem")
+    problems_text = counted(len(problems), "problem")
     if lenient and families:
         _print_first_problems(problems)
         omission = "The faulty parts are omitted and may be listed as new"
-        notice = f"the current spec language finds {count} in {text}. {omission}"
+        notice = f"the current spec language finds {problems_text} in {text}. {omission}"
         return _Side(tuple(families), file_names, notices=(notice,))
     valid_families = sound_families(families, report)
     if not is_old or not valid_families:
         raise _not_comparable_error(text, problems, is_old=is_old)
     excluded_names = [family.device.name for family in families if family not in valid_families]
-    reason = f"because of {count} in the current spec language"
+    reason = f"because of {problems_text} in the current spec language"
     notice = f"not compared {reason}: {', '.join(excluded_names)} of {text}"
     _print_first_problems(problems)
     return _Side(tuple(valid_families), file_names, notices=(notice,), excluded_names=frozenset(excluded_names))
@@ -362,12 +362,12 @@ def _not_comparable_error(text: str, problems: Sequence[Problem], *, is_old: boo
     from ..say.plain_text import counted
 
     _print_first_problems(problems)
-    count = counted(len(problems), "problem")
+    problems_text = counted(len(problems), "problem")
     if not is_old:
-        return Stop(f"{text} has {count} and is not compared", 1)
+        return Stop(f"{text} has {problems_text} and is not compared", 1)
     return Stop(
-        f"{text} is not compared, because the current spec language finds {count} in it. It may use an older form of "
-        "the language: add --lenient, use a later revision, or run the version of codewheel from that time",
+        f"{text} is not compared, because the current spec language finds {problems_text} in it. It may use an older "
+        "form of the language: add --lenient, use a later revision, or run the version of codewheel from that time",
         1,
     )
 

@@ -269,7 +269,10 @@ class _Dump:
         return fields_data
 
     def _field_data(self, field: Field, high: Expression, inherited: Sources) -> Item:
-        """Return a field with the name and the members of its kind, which are members of the field in the data."""
+        """Return a field with the name and the members of its kind, which are members of the field in the data.
+
+        ``high`` is its highest bit.
+        """
         # A plain number has no members that would get in the way of those of the real kind.
         field_data: Item = self.plain(replace(field, kind=Number()), inherited)
         field_data["high"] = self._number_or_text(high)

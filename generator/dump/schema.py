@@ -215,7 +215,10 @@ def resolve_reference(shape: Shape) -> tuple[Shape, str]:
 
 
 def _data_member(name: str, unresolved: Shape) -> DataMember:
-    """Return a member with its form in XML. For a list or a map, its shape and its type are those of the values."""
+    """Return a member with its form in XML. For a list or a map, its shape and its type are those of the values.
+
+    ``unresolved`` is the shape in the schema, which may be a reference to a named one.
+    """
     shape, type_name = resolve_reference(unresolved)
     if type_name == "text":
         return DataMember(name, Kind.TEXT, shape)

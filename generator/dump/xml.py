@@ -338,7 +338,10 @@ def _is_always_present(member: DataMember) -> bool:
 
 
 def _attribute_type(member: DataMember) -> str:
-    """Return the XML type of an attribute that does not list its words. Only an expression has several JSON types."""
+    """Return the XML type of an attribute that does not list its words, such as ``xs:integer`` or ``hexadecimal``.
+
+    Only an expression has several JSON types.
+    """
     json_types = [name for name in member.types if name != "null"]
     if member.kind is Kind.LIST:
         return "numbers" if json_types == ["integer"] else "words"

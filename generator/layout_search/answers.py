@@ -120,7 +120,10 @@ def _crc_text(interface: str, crc: FoundCrc, form: CrcForm) -> str:
 
 
 def _equal_lines(recording: Recording, layout: FoundLayout, line_parts: _Parts) -> Iterator[EqualLine]:
-    """Yield the lines that differ from the first one only in what the frames cannot show."""
+    """Yield the lines that differ from the first one only in what the frames cannot show, each with the reason.
+
+    ``line_parts`` are the parts of the first one.
+    """
     interface = recording.interface
     if layout.crc is not None:
         reason = "start value and inversion of a CRC cannot be told apart with frames of one length"

@@ -125,7 +125,10 @@ def _start_value(constant: int, message_bits: int, polynomial: int) -> int:
 
 
 def _unlisted_crcs(recording: Recording) -> Iterator[FoundCrc]:
-    """Yield the CRC whose polynomial is the greatest common divisor of all differences, if the frames prove it."""
+    """Yield the CRC whose polynomial is the greatest common divisor of all differences, if the frames prove it.
+
+    Nothing is yielded over RS-485, or if the CRC has fewer than 3 or more than 32 bits.
+    """
     polynomial = 0  # The divisor of 0 and any number is that number.
     for difference in recording.differences:
         polynomial = _common_divisor(polynomial, difference)

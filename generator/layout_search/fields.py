@@ -170,7 +170,10 @@ def _position_cost(recording: Recording, values: Sequence[int], width: int, cons
 
 
 def _divide_by_change(recording: Recording, start: int, end: int, step: int) -> Iterator[Field]:
-    """Yield a field for each run of bits, or of bytes, that all change or that are all constant."""
+    """Yield a field for each run of bits, or of bytes, that all change or that are all constant.
+
+    ``step`` is 1 for bits and 8 for bytes. A byte changes if one of its bits does.
+    """
 
     def does_change(place: int) -> bool:
         return any(recording.changing[place : place + step])
@@ -183,7 +186,11 @@ def _divide_by_change(recording: Recording, start: int, end: int, step: int) -> 
 
 
 def _field_cost(recording: Recording, field: Field, *, is_in_front: bool) -> float:
-    """Return the bits that describe a field other than the position, with its values."""
+    """Return the cost of a field other than the position: the bits that describe it and its values.
+
+    A constant field costs its width and a few bits more, and any other also the bits of its value in each frame.
+    ``is_in_front`` is true for a field in front of the position.
+    """
     if not field.changes:
         are_inactive_flags = is_in_front and field.width <= _MOST_FLAGS and is_all_ones(recording, field)
         # Such flags have a lower cost, so that they are not read as the highest bits of the position.

@@ -37,10 +37,11 @@ class Recording:
     @cached_property
     def changing(self) -> tuple[bool, ...]:
         """Which bits change, in the order in which they are sent."""
-        changes = 0
+        changing_bits = 0
         for difference in self.differences:
-            changes |= difference
-        return tuple(bool((changes >> place) & 1) for place in range(self.bits - 1, -1, -1))
+            changing_bits |= difference
+        highest_bit = self.bits - 1  # It is sent first.
+        return tuple(bool((changing_bits >> bit) & 1) for bit in range(highest_bit, -1, -1))
 
     @cached_property
     def independent(self) -> int:
@@ -61,7 +62,10 @@ class Recording:
 
 
 def rank(numbers: Sequence[int]) -> int:
-    """Return the rank of numbers as vectors over GF(2): how many of them are not the XOR of others."""
+    """Return the rank of numbers as vectors over GF(2): how many of them are not the XOR of others.
+
+    It is 2 for 0b01, 0b10 and 0b11, since 0b11 is the XOR of the other two.
+    """
     # Numbers that are independent of each other, by their numbers of bits.
     pivot_by_length: dict[int, int] = {}
     for number in numbers:

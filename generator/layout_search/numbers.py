@@ -58,7 +58,10 @@ def cost_beside_positions(values: Sequence[int], width: int, positions: Sequence
 
 
 def _residuals_of_line(values: Sequence[int], width: int, positions: Sequence[float]) -> list[float]:
-    """Return the differences of the values from the line that fits best, without a wrap."""
+    """Return the differences of the values from the line that fits best, without a wrap.
+
+    The line has the user's positions as x, and the values as y.
+    """
     middle_position = sorted(positions)[len(positions) // 2]
     middle_value = values[list(positions).index(middle_position)]
     # Relative to the value in the middle, so that the values are as far from the wrap as possible.

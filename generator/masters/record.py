@@ -192,8 +192,8 @@ def _crc_obstacle(device: Device, placed_layout: PlacedLayout) -> str:
     crc = device.crc_of(placed_layout)
     if crc is None or _is_common_form(device, crc):
         return ""
-    form = "is not sent most significant bit first, either plain or fully inverted"
-    return f"No master described here can check the CRC: '{crc.name}' {form}."
+    problem = "is not sent most significant bit first, either plain or fully inverted"
+    return f"No master described here can check the CRC: '{crc.name}' {problem}."
 
 
 def _is_common_form(device: Device, crc: Crc) -> bool:

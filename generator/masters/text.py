@@ -157,10 +157,10 @@ def _crc_text(record: Record) -> str:
     notations = f"0x{polynomial:02X} ({polynomial}) with its top bit, 0x{without_top_bit:02X} without it"
     notations += f", 0x{without_last_1:02X} without its trailing 1 (Koopman notation)"
     inversion = "inverted" if numbers["crc_inverted"] else "not inverted"
-    form = f"sent {inversion}"
+    form_text = f"sent {inversion}"
     if record.crc_obstacle:
-        form = "in a form that masters cannot check, see below"
-    return f"{numbers['crc_bits']} bits, polynomial {notations}, start value {numbers['crc_start']}, {form}"
+        form_text = "in a form that masters cannot check, see below"
+    return f"{numbers['crc_bits']} bits, polynomial {notations}, start value {numbers['crc_start']}, {form_text}"
 
 
 def legend_of_marks(masters: Sequence[Master], sheets: Sequence[Sheet], with_places: bool) -> str:

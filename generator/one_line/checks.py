@@ -123,7 +123,10 @@ def _problems_of_counts(
 
 
 def _problems_of_byte_order(options: Options, fields: Sequence[LineField], interface: str) -> Iterator[LineProblem]:
-    """Yield the numbers of several bytes whose byte order is not known, or that are not whole bytes."""
+    """Yield the problems of numbers of several bytes.
+
+    Over RS-485, their byte order must be known. Over SPI, a number that is sent low byte first must be whole bytes.
+    """
     bits_before = 0  # Number of bits sent before the field.
     for field in fields:
         is_wide = field.bits > 8 and not isinstance(field, Filler)

@@ -111,11 +111,12 @@ def _write_crc(line: Line) -> Iterator[str]:
     """Yield the definition of the CRC, if the line has one."""
     for field in line.fields:
         if isinstance(field, Crc):
-            xorout = (1 << field.bits) - 1 if field.is_inverted else 0
+            all_ones = (1 << field.bits) - 1
+            xorout = all_ones if field.is_inverted else 0
             numbers = f"width: {field.bits}, poly: {field.poly:#x}, init: {field.init:#x}"
             yield "crcs:"
-            order = "refin: false, refout: false"
-            yield f"  - {{name: {_CRC_NAME}, {numbers}, {order}, xorout: {xorout:#x}, source: {_LINE}}}"
+            bit_order = "refin: false, refout: false"
+            yield f"  - {{name: {_CRC_NAME}, {numbers}, {bit_order}, xorout: {xorout:#x}, source: {_LINE}}}"
             yield ""
 
 
@@ -168,7 +169,10 @@ def _write_serial_port(line: Line) -> Iterator[str]:
 
 
 def _write_request(line: Line) -> Iterator[str]:
-    """Yield the request. If the line does not state it, it is one byte of any value."""
+    """Yield the request to which the frame is the reply over RS-485.
+
+    If the line does not state it, it is one byte of any value.
+    """
     request = line.options.request
     content = f"constant: {int.from_bytes(request, 'big'):#x}" if request else "meaning: Request"
     yield "      - name: position_request"

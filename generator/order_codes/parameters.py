@@ -100,7 +100,10 @@ def _expressions_over(device: Device, interface_name: str) -> Iterator[Expressio
 
 
 def _expressions_of_layout(layout: Layout) -> Iterator[Expression]:
-    """Yield the length, the positions and widths of all fields, their documented values, and the Gray excess."""
+    """Yield the length, the positions and widths of all fields, their documented values, and the Gray excess.
+
+    Documented values that are texts, such as names, are left out.
+    """
     yield layout.bits
     for field in layout.fields:
         yield field.low

@@ -244,6 +244,7 @@ def _report_disagreements(disagreements: Related, spec: Document, second: Docume
 
     The report is about the spec, or about the second reading if only that has the fact.
     """
+    # ``first`` is the disagreement that is reported. NOTHING is the value of a fact that the spec lacks.
     first = disagreements.first_disagreement
     spec_place = first.spec_place_or_nearest
     others_text = _others_text(disagreements, spec, second)

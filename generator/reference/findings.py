@@ -190,7 +190,10 @@ def _find_worst_verdict(placed: PlacedLayout, active_fields: Sequence[Field]) ->
 def _yield_differences(
     variant: Variant, decoded: Decoded, decoded_fields: Mapping[str, DecodedField], is_register: bool
 ) -> Iterator[Difference]:
-    """Yield the fields whose documented value for this order code is not the actual one."""
+    """Yield the fields whose documented value for this order code is not the actual one.
+
+    ``is_register`` is true if they are those of a register, for which the message has other words.
+    """
     assert decoded.layout is not None
     for placed_field in decoded.layout.fields:
         documented = placed_field.field.documented(variant.parameters)

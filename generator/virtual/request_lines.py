@@ -271,11 +271,11 @@ class Rs485Line:
     def _is_last_request(self, control: int, step: SendStep) -> bool:
         """Count a request of a reset, and return whether it is the last one. One that comes too soon begins again."""
         now = self.encoder.clock()
-        last_control, count, last_time = self._reset_requests
+        last_control, previous_count, last_time = self._reset_requests
         is_too_soon = now - last_time < step.microseconds / 1e6 - _TOLERANCE_S
-        count = 1 if last_control != control or is_too_soon else count + 1
-        self._reset_requests = (control, count % step.times, now)  # After the last one, the count is 0 again.
-        return count >= step.times
+        request_count = 1 if last_control != control or is_too_soon else previous_count + 1
+        self._reset_requests = (control, request_count % step.times, now)  # After the last one, the count is 0 again.
+        return request_count >= step.times
 
     def _carry_out_reset(self, data_id: DataId, procedure: Procedure) -> None:
         """Reset the encoder, which is then busy for the longest wait of the procedure if it reports that."""

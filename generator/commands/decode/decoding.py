@@ -131,8 +131,8 @@ class Decoding:
         Text that cannot be decoded is reported on standard error, and the next line follows. ``code`` changes with
         each line.
         """
-        for count, line in enumerate(lines):
-            if count == MANY and self._request.register is None:
+        for frames_before, line in enumerate(lines):
+            if frames_before == MANY and self._request.register is None:
                 self._suggest_package()
             try:
                 channel_frame = self._channels.read(line.text) if self._channels is not None else None

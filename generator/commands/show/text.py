@@ -130,10 +130,11 @@ def _parameter_lines(device: Device, variant: Variant) -> list[str]:
     # Those read from a register, and those calculated from them.
     in_registers = [parameter for parameter in parameters if parameter.name in run_time_parameter_names]
     # The user chooses parameters of alternatives, so they are listed with the questions.
-    fixed = [parameter for parameter in parameters if parameter not in in_registers and not parameter.alternative]
+    others = [parameter for parameter in parameters if parameter not in in_registers]
+    fixed_parameters = [parameter for parameter in others if not parameter.alternative]
     lines = []
-    if fixed:
-        lines += ["", "Parameters", *_value_lines(device, fixed, variant)]
+    if fixed_parameters:
+        lines += ["", "Parameters", *_value_lines(device, fixed_parameters, variant)]
     if in_registers:
         heading = f"Held in registers ({say_order_code.initial(device)})"
         lines += ["", heading, *_value_lines(device, in_registers, variant)]
