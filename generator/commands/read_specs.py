@@ -202,7 +202,8 @@ def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
 def _output_with_specs(specs: Specs) -> str:
     """Return a clause for an error message if the output folder has specs, which are not searched, else nothing."""
     output = specs.settings.output if specs.settings is not None else None
-    if output is None or not is_folder(output) or not find_files(output).specs:
+    has_specs = output is not None and is_folder(output) and bool(find_files(output).specs)
+    if output is None or not has_specs:
         return ""
     return f", apart from those in {output.as_posix()}, which is the output folder and is not searched"
 

@@ -156,7 +156,10 @@ def command_again(arguments: argparse.Namespace, *more_specs: str) -> str:
 def _is_packaged(family: str) -> bool:
     """Return True if a family, such as ``maker/my_encoder``, is among the packaged specs."""
     manufacturer, _, name = family.partition("/")
-    return any(folder.name == manufacturer and (folder / f"{name}.yaml").is_file() for folder in packaged_families())
+    for folder in packaged_families():
+        if folder.name == manufacturer and (folder / f"{name}.yaml").is_file():
+            return True
+    return False
 
 
 def _own_specs(settings: Configuration | None) -> list[str]:

@@ -130,8 +130,10 @@ def _role_of_field(
             raise NoRecord(f"the position is not in one piece: other bits are sent before '{field.name}'")
         return "position"
     # The last field of the position has not been sent yet.
-    if stage == "position" and field.low > placed_layout.place_of(position_field_names[-1])[0]:
-        raise NoRecord(f"the position is not in one piece: '{field.name}' is sent within it")
+    if stage == "position":
+        lowest_bit_of_position, _ = placed_layout.place_of(position_field_names[-1])
+        if field.low > lowest_bit_of_position:
+            raise NoRecord(f"the position is not in one piece: '{field.name}' is sent within it")
     role = _expected_role(field, stage)
     roles_from_stage = _ROLES_AS_SENT[_ROLES_AS_SENT.index(stage) :]
     # Before the position, the common frame has only zero bits.

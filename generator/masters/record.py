@@ -338,12 +338,13 @@ def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
     The polynomial x^6 + x + 1 is 0x43, or 0x03 without its top bit, or 0x21 without its last 1.
     """
     polynomial = crc.poly_with_top_bit if crc is not None else 0
+    is_inverted = crc is not None and crc.xorout != 0
     return {
         "crc_polynomial": polynomial,
         "crc_polynomial_without_top_bit": crc.poly if crc is not None else 0,
         "crc_polynomial_without_last_1": polynomial >> 1,
         "crc_start": crc.init if crc is not None else 0,
-        "crc_inverted": int(crc is not None and crc.xorout != 0),
+        "crc_inverted": int(is_inverted),
     }
 
 

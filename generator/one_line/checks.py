@@ -30,8 +30,10 @@ def problems_of_fields(fields: Sequence[LineField], interface: str) -> Iterator[
 
 def _can_change(field: LineField) -> bool:
     """Return True if a field is not a check or a constant."""
-    is_constant = (isinstance(field, Number) and field.value is not None) or field.name == "zero"
-    return not is_constant and not isinstance(field, Parity | Crc)
+    is_constant_number = isinstance(field, Number) and field.value is not None
+    is_constant = is_constant_number or field.name == "zero"
+    is_check = isinstance(field, Parity | Crc)
+    return not is_constant and not is_check
 
 
 def _problems_of_position(fields: Sequence[LineField], interface: str) -> Iterator[LineProblem]:
@@ -86,6 +88,7 @@ def _problems_of_gray(
             yield LineProblem(field.column, "a parity over Gray code is not supported; write its bit as unused=1")
     names = [field.name for field in fields]
     has_turns = TURNS in names
+    # The other order of the two is a problem of its own.
     if has_turns and IN_TURN in names and names.index(IN_TURN) > names.index(TURNS) + 1:
         message = "with gray, 'singleturn' must follow 'multiturn' directly; move the fields between them"
         yield LineProblem(fields[names.index(IN_TURN)].column, message)

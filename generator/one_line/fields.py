@@ -174,7 +174,8 @@ def _read_polynomial(polynomial_text: str, bits: int, offset: int) -> int:
     polynomial = number_in(polynomial_text)
     top_bit = 1 << bits
     highest = 2 * top_bit - 1
-    if polynomial is None or polynomial % 2 == 0 or polynomial > highest:
+    is_even = polynomial is not None and polynomial % 2 == 0
+    if polynomial is None or is_even or polynomial > highest:
         reason = f"write an odd number of at most {highest:#x}, with or without its top bit"
         raise FieldError(f"{quoted(polynomial_text)} is not a polynomial of {bits} bits; {reason}", offset)
     return polynomial & (top_bit - 1)

@@ -196,7 +196,12 @@ def extreme_states(device: Device) -> Sequence[Sequence[State]]:
 
 def possible_states(parameters: Sequence[Parameter]) -> Sequence[Sequence[State]]:
     """Return all states of each field that holds one of the parameters: every value, or each of its codes."""
-    return _states_of_fields(parameters, lambda parameter: range(parameter.min or 0, (parameter.max or 0) + 1))
+
+    def all_values(parameter: Parameter) -> Iterable[int]:
+        lowest, highest = parameter.min or 0, parameter.max or 0
+        return range(lowest, highest + 1)
+
+    return _states_of_fields(parameters, all_values)
 
 
 def _limits_of_parameter(parameter: Parameter) -> Iterable[int]:

@@ -242,7 +242,8 @@ class _Change:
         """
         if fact.is_page_of_contents and not self._is_changed_name(fact.own_name_text):
             return False
-        if isinstance(fact.value, int | float) and not isinstance(fact.value, bool) and fact.words & self._numbers:
+        is_number = isinstance(fact.value, int | float) and not isinstance(fact.value, bool)
+        if is_number and fact.words & self._numbers:
             return True
         if self._adds_row:
             return fact.path.startswith("order_code.parts.")
@@ -272,6 +273,7 @@ class _Change:
         """
         if isinstance(fact.value, int | float):
             return False
+        # A single digit occurs in many texts.
         is_number_in_text = any(len(word) > 1 and word in self._numbers for word in fact.words)
         is_text_in_text = len(self._text) > _SHORTEST_TEXT and self._text in fact.text
         has_label = any(f" {label.casefold()} " in fact.text for label in self._labels)

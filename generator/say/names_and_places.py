@@ -170,7 +170,7 @@ def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
         last_byte_of_frame = bits // 8 - 1
         first_byte, last_byte = last_byte_of_frame - high // 8, last_byte_of_frame - low // 8
     if first_byte != last_byte:
-        is_whole_bytes = low % 8 == 0 and high % 8 == 7
+        is_whole_bytes = low % 8 == 0 and high % 8 == 7  # From the lowest bit of a byte to the highest of one.
         if is_whole_bytes:
             return f"bytes {first_byte}-{last_byte}"
         return f"bytes {first_byte}.{first_bit % 8}-{last_byte}.{last_bit % 8}"

@@ -382,8 +382,8 @@ class Memory:
                 is_active = placed_field.name in self._encoder.flags
                 is_active_low = getattr(placed_field.field.kind, "active_low", False)
                 alarm_bit = 1 << placed_field.low
-                # Active and active low, or neither: the bit is 0.
-                content = content & ~alarm_bit if is_active == is_active_low else content | alarm_bit
+                is_bit_set = is_active != is_active_low
+                content = content | alarm_bit if is_bit_set else content & ~alarm_bit
         self._bytes[register.name][:] = number_to_bytes(register.layout, content, 8 * register.length)
 
     def _react_to_read(self, register: Register) -> None:

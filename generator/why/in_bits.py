@@ -242,7 +242,8 @@ def _byte_order_hypotheses(
     is_longer = typed_frame.number >> filled_bits != 0
     if is_longer:
         return
-    is_whole_bytes = typed_frame.bits % 8 == 0 and typed_frame.bits in (placed_layout.bits, filled_bits)
+    has_possible_length = typed_frame.bits in (placed_layout.bits, filled_bits)
+    is_whole_bytes = typed_frame.bits % 8 == 0 and has_possible_length
     if typed_frame.exact and not is_whole_bytes:
         return
     if kind == "words_swapped":

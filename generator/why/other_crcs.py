@@ -166,7 +166,8 @@ def _remove_bits(data: int, data_bits: int, mask: int) -> tuple[int, int]:
     for bit in reversed(range(data_bits)):
         is_masked = (mask >> bit) & 1
         if not is_masked:
-            remaining_data = (remaining_data << 1) | ((data >> bit) & 1)
+            value_of_bit = (data >> bit) & 1
+            remaining_data = (remaining_data << 1) | value_of_bit
             remaining_bits += 1
     return remaining_data, remaining_bits
 
@@ -181,7 +182,8 @@ def _position_code_hypotheses(
     low, width = _place_of_position(placed_layout)
     if not width:
         return
-    position = (frame >> low) & ((1 << width) - 1)
+    position_mask = (1 << width) - 1
+    position = (frame >> low) & position_mask
     # XOR with its own bits makes the position 0.
     frame_without_position = frame ^ (position << low)
     conversions = (
@@ -271,10 +273,12 @@ def _polynomial_hypothesis(
     data_bits = placed_layout.bits - crc.width
     bits_after_data = length - data_bits
     data = number >> bits_after_data
-    number_after_data = number & ((1 << bits_after_data) - 1)
+    mask_after_data = (1 << bits_after_data) - 1
+    number_after_data = number & mask_after_data
     received_crc_bits = min(other_crc.width, bits_after_data)
     zero_bits = bits_after_data - received_crc_bits
-    are_zero_bits_right = number_after_data & ((1 << zero_bits) - 1) == 0
+    zero_mask = (1 << zero_bits) - 1
+    are_zero_bits_right = number_after_data & zero_mask == 0
     # The data at their places in the expected frame, where its constants are checked.
     frame_with_crc_0 = data << crc.width
     constant_bits, are_constants_right = check_constant_bits(placed_layout, frame_with_crc_0)

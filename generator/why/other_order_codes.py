@@ -50,6 +50,7 @@ def _hypotheses_with_crc(
         extra_bits = placed_layout.bits - shape_bits
         if extra_bits > 0 and typed_frame.may_have(placed_layout.bits):
             yield _too_long_hypothesis(variant, shapes, crc, typed_frame.number, extra_bits)
+        # A longer frame, of which a few bits are missing.
         elif -_MOST_CUT_BITS <= extra_bits < 0 and typed_frame.bits == placed_layout.bits:
             yield _too_short_hypothesis(variant, shapes, crc, typed_frame.number, lost_bits=-extra_bits)
 
@@ -63,7 +64,8 @@ def _too_long_hypothesis(
     """
     # The extra bits are the stop bit and zeros, since the master holds SLI at 0. A single bit may be anything.
     zero_bits = extra_bits if extra_bits > 1 else 0
-    are_zero_bits_right = number & ((1 << zero_bits) - 1) == 0
+    zero_mask = (1 << zero_bits) - 1
+    are_zero_bits_right = number & zero_mask == 0
     frame = number >> extra_bits
     shape = _possible_shape(shapes, frame)
     length_text = f"{shape.placed_layout.bits} bits"

@@ -71,8 +71,13 @@ def with_leading_zeros(pieces: Sequence[str]) -> Sequence[str]:
     are_binary = all(_ZEROS_AND_ONES.fullmatch(piece) for piece in pieces)
     if are_binary:
         are_bytes = len(pieces) > 1 and 3 <= longest <= 8
-        cannot_be_hex = any(len(piece) % 2 for piece in pieces) or {len(piece) for piece in pieces} == {8}
-        return [f"{int(piece, 2):02X}" for piece in pieces] if are_bytes and cannot_be_hex else pieces
+        have_odd_length = any(len(piece) % 2 for piece in pieces)
+        have_all_bits = all(len(piece) == 8 for piece in pieces)
+        # Hex bytes have an even number of digits. Pieces of eight zeros and ones are taken for bits.
+        cannot_be_hex = have_odd_length or have_all_bits
+        if not are_bytes or not cannot_be_hex:
+            return pieces
+        return [f"{int(piece, 2):02X}" for piece in pieces]
     lack_zeros = longest == 2 and not _has_leading_zero(pieces)
     return [piece.zfill(2) for piece in pieces] if lack_zeros else pieces
 

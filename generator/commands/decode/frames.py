@@ -180,7 +180,7 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
         digits = _WHOLE_BYTES.sub(r"\1", "".join(f"{piece} " for piece in pieces))
         without_gaps = "0x" + digits.replace(" ", "")
         bits = 4 * (len(without_gaps) - len("0x"))
-        if exact and bits // 8 != (placed.bits + 7) // 8:
+        if exact and bits // 8 != (placed.bits + 7) // 8:  # Another number of bytes than the layout needs.
             return TypedFrame(int(without_gaps, 16), bits, exact=True, written=bits)
     if _NUMBER.fullmatch(without_gaps):
         number = int(without_gaps, 16)
