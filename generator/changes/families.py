@@ -217,6 +217,7 @@ def _compare_part_values(family_pair: FamilyPair, subject: Subject, old: CodePar
         for variant in family_pair.new.variants:
             if variant.parts.get(new.name) == new_value.text:
                 codes.append(variant.code)
+        # An empty interface stands for all of them.
         affected_codes = tuple(codes) or family_pair.order_codes_over(interface="")
         yield from compare_supply(family_pair, value_subject, old_value.supply, new_value.supply, affected_codes)
 
@@ -261,7 +262,7 @@ def compare_supply(
     supply_label = f"{subject.label} supply".strip()  # The family itself has no label.
     supply_subject = subject.inside("supply", supply_label)
     if old is not None and new is not None:
-        # Each change is created again, since those of members affect all order codes rather than ``codes``.
+        # Each change is created again for ``codes``, since those of members affect all order codes.
         for change in compare_members(family_pair, supply_subject, old, new):
             yield family_pair.change(
                 change.rule.name,

@@ -330,6 +330,7 @@ def compare_displayed_facts(family_pair: FamilyPair) -> Iterator[Change]:
     """
     for rule, section, key_member, noun in _DISPLAYED_SECTIONS:
         old_section, new_section = getattr(family_pair.old, section), getattr(family_pair.new, section)
+        # Characteristics for different order codes may have the same name.
         if section == "characteristics":
             shared_names = repeated_names(old_section) | repeated_names(new_section)
             old_section = with_distinct_names(old_section, shared_names)

@@ -31,6 +31,8 @@ _ABOUT = (
 #: Bits of the longest frame, by interface. All others have the second limit.
 _LONGEST = {"rs485": 1024}
 _LONGEST_IN_BITS = 64
+#: Characters of an invalid text that a message shows.
+_SHOWN_CHARACTERS = 40
 
 
 def add_arguments(parser: Parser) -> None:
@@ -155,7 +157,10 @@ def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
                 return _with_stated_length(_Frame(int(compact_text, 16), 4 * digit_count), bits, text)
             # Without a prefix, one piece could be decimal, hexadecimal or bits.
             if len(plain_text.split()) == 1:
-                raise Stop(f"'{plain_text[:40]}' is not a frame; write 0b... with every bit, 0x..., or hex bytes", 2)
+                raise Stop(
+                    f"'{plain_text[:_SHOWN_CHARACTERS]}' is not a frame; write 0b... with every bit, 0x..., or hex bytes",
+                    2,
+                )
         frame_data = frame_bytes(plain_text)
     except FrameTextError as error:
         raise Stop(str(error), 2) from None
@@ -171,7 +176,7 @@ def _with_stated_length(frame: _Frame, bits: int | None, text: str) -> _Frame:
     if bits is None:
         return frame
     if frame.number.bit_length() > bits:
-        raise Stop(f"'{text[:40]}' has more than {bits} bits", 2)
+        raise Stop(f"'{text[:_SHOWN_CHARACTERS]}' has more than {bits} bits", 2)
     return _Frame(frame.number, bits)
 
 
@@ -186,7 +191,9 @@ def _read_positions(text: str, count: int) -> tuple[float, ...]:
     try:
         positions = tuple(float(piece) for piece in text.split(","))
     except ValueError:
-        raise Stop(f"'{text[:40]}' is not a list of numbers; write it like --positions 0,45,90", 2) from None
+        raise Stop(
+            f"'{text[:_SHOWN_CHARACTERS]}' is not a list of numbers; write it like --positions 0,45,90", 2
+        ) from None
     if len(positions) != count:
         raise Stop(f"{counted(len(positions), 'position')} for {counted(count, 'frame')}; give one for each frame", 2)
     if not all(map(isfinite, positions)):

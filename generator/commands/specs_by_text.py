@@ -146,12 +146,14 @@ def _read_spec_file(path: Path) -> _SpecFile:
     device_names = _NAME.findall(spec_text)
     if not keys.isdisjoint(_OTHER_KINDS):
         return _SpecFile(path)
+    # A file with the key of a device that is also of another kind, or that names no single device, has no known kind.
+    has_device_key = b"device" in keys
     if not keys.isdisjoint(_MASTER_KEYS):
-        return _SpecFile(path, kind="" if b"device" in keys else _MASTER)
+        return _SpecFile(path, kind="" if has_device_key else _MASTER)
     if len(device_names) == 1:
         name = device_names[0].decode()
         return _SpecFile(path, kind=_DEVICE, name=name, beginnings=_beginnings_in_text(spec_text))
-    return _SpecFile(path, kind="" if b"device" in keys else _MANUFACTURER)
+    return _SpecFile(path, kind="" if has_device_key else _MANUFACTURER)
 
 
 def _beginnings_in_text(text: bytes) -> tuple[str, ...]:
@@ -191,7 +193,9 @@ def _read_beginnings(spec: Path) -> tuple[str, ...]:
 
 
 def _load_if_possible(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
-    """Return the device of a spec as one item, or no item if it cannot have the order code ``label``. "" is any.
+    """Return the device of a spec in a sequence, which is empty if the device cannot have the order code ``label``.
+
+    An empty label is not compared.
 
     Raises:
         _NotSelectable: The spec has problems or overlays.

@@ -156,6 +156,7 @@ def _expected_role(field: PlacedField, stage: str) -> str:
         return "crc"
     if isinstance(kind, (Constant, Unused)) and kind.value == 0:
         return "before" if stage == "before" else "after"
+    # A constant or unused bit is 1 here, since zeros have been handled above.
     is_status_bit = field.width == 1 and isinstance(kind, (Flag, Constant, Unused))
     return "status" if is_status_bit else "other"
 

@@ -242,7 +242,10 @@ def _build_record(
 
 
 def _numbers_by_name(frame: _PositionFrame, frame_parts: Sequence[Part]) -> dict[str, int | None]:
-    """Return the numbers of a record by name, in the order of ``NUMBERS``."""
+    """Return the numbers of a record by name, in the order of ``NUMBERS``: ``{"position_bits": 24, …}``.
+
+    A number that the spec does not give is None.
+    """
     variant = frame.variant
     crc = frame.device.crc_of(frame.placed_layout)
     widths = bit_counts(frame_parts)

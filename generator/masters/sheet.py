@@ -137,6 +137,7 @@ def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Report
     """
     report = Report()
     masters: dict[str, Master] = {}
+    # The user's masters come second, so they replace shipped ones. Within a group, each name may occur once.
     for group in ([packaged_masters()], paths):
         group_names: set[str] = set()
         for document in read_specs(group, report):

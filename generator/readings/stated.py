@@ -301,7 +301,8 @@ class Subject:
                 # The key of the member in the spec is its name in the model or in the table.
                 place = self.reading.first_existing((*self.place, member.attribute), (*self.place, member.name))
                 text = _value_text(self.reading, member, member_value, self.interface)
-                yield self.detail_fact(Sort(member.read), member.name, text, member.noun or member.words, place)
+                noun = member.noun or member.words
+                yield self.detail_fact(Sort(member.read), member.name, text, noun, place)
         for language, text in self.reading.printed_names(model_part).items():
             places = (*self.place, "names", language), (*self.place, "printed_name"), self.place
             place = self.reading.first_existing(*places)

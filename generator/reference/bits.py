@@ -141,7 +141,8 @@ def from_gray(placed: PlacedLayout, number: int) -> int:
 def to_gray(placed: PlacedLayout, number: int) -> int:
     """Return the frame ``number`` with the fields that are sent in Gray code, if any, converted from binary.
 
-    The excess is added first.
+    The excess is added first. It is a number that some encoders add so that their Gray code also wraps around in one
+    bit if the counts are not a power of two.
     """
     _, width = placed.place_of(placed.layout.gray_of)
     mask = (1 << width) - 1

@@ -76,6 +76,7 @@ def encode_value(kind: DataKind, placed_field: PlacedField, value: int | str | b
         case Number():
             return _encode_number(kind, placed_field, checked_number(value))
         case Flag():
+            # 1 for an active flag that is active high, and for an inactive one that is active low.
             return int(bool(value) != kind.active_low)
         case Choice(named_values) if isinstance(value, str):
             return _number_of_name(placed_field.name, named_values, value)

@@ -64,6 +64,7 @@ class SectionFacts:
         ``_score_of_fact``). Facts with the same score are in the order of the spec.
         """
         passage_words = _PassageWords(
+            # An insertion has no old words.
             differing=_comparable_words(passage.old or passage.new),
             next_to=_comparable_words(passage.next_to),
             row=_comparable_words(passage.close),
@@ -176,7 +177,8 @@ class TouchedFacts:
             return inserted_facts[:_MOST_INSERTED]
         equal_facts = list(chain.from_iterable(equal_facts_by_value.values()))
         containing_facts = [fact for fact in facts if change.is_in(fact)]
-        return inserted_facts[:_MOST_INSERTED] + equal_facts + containing_facts[: _MOST_EQUAL - group_count]
+        most_containing = _MOST_EQUAL - group_count
+        return inserted_facts[:_MOST_INSERTED] + equal_facts + containing_facts[:most_containing]
 
     def _facts_of_referring_items(self, item: str, passage: Passage) -> list[Citing]:
         """Return a fact of each item that refers to this one, by path or name, for at most 3 items.

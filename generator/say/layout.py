@@ -41,7 +41,7 @@ def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[Part
     """Return the length and the transmission order of a frame as parts of a statement.
 
     For example ``25 bits, most significant first``, ``4 bytes, low byte first``, or ``45 bits in 6 bytes, …``.
-    ``alternatives`` are the questions of which each answer's length is given.
+    If the length depends on the answers to ``alternatives``, it is given for each of them: ``25 (a) or 26 (b) bits``.
     """
     if not layout.in_bytes:
         return *_number_of_bits(layout, alternatives), " bits, most significant first"

@@ -272,7 +272,9 @@ def _not_a_position(text: str) -> ValueError:
 def _amplitude_in_counts(
     text: str, amplitude: float, *, is_angle: bool, largest_amplitude: float, counts_per_turn: int
 ) -> float:
-    """Return the amplitude of a motion in counts.
+    """Return the amplitude of a motion in counts. With ``is_angle``, it is given in degrees.
+
+    ``text`` is the whole motion, such as ``sine:0.5Hz:90deg``, for the messages.
 
     Raises:
         ValueError: The position is not an angle, or the encoder does not have that many positions.

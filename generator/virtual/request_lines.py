@@ -85,7 +85,7 @@ class Rs485Line:
     def receive(self, data: bytes) -> None:
         """Take bytes that the master sends now, and answer each complete and valid request in them."""
         now = self.encoder.clock()
-        if now - self._received_at > GAP_S:
+        if now - self._received_at > GAP_S:  # After a pause, the rest of a request does not come.
             self._received = b""
         self._received_at = now
         self._received += data

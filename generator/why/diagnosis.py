@@ -101,7 +101,7 @@ def diagnose_without_crc(device: Device, hypotheses: Iterable[Hypothesis], missi
     """
     frame_and_explanations: list[tuple[int | str, Explanation]] = []
     for same_mistake in _grouped_by_mistake(hypotheses):
-        likeliest = same_mistake[0]
+        likeliest = same_mistake[0]  # The hypotheses of a mistake are sorted.
         has_frame = likeliest.frame_layout is not None
         # A mistake that does not change the frame leads to its own description.
         resulting_frame = likeliest.frame if has_frame else likeliest.description

@@ -177,7 +177,8 @@ class Decoding:
             first_line = line_prefix(line) + heading(request.device, variant, request.sender, None)
             lines = [first_line, *self._label]
             lines += described_channels(request.device, variant, decoder.frame, result)
-            output = ("" if self._is_first else "\n") + "\n".join(lines)
+            blank_line = "" if self._is_first else "\n"
+            output = blank_line + "\n".join(lines)
             self._is_first = False
         print(output, flush=is_one_of_many)
 

@@ -51,6 +51,7 @@ def _binary_digits(pieces: Sequence[str], bits: int) -> str:
     if len(digits) == bits:
         return digits
     longest = max(map(len, pieces))
+    # Bytes without leading zeros can have one digit, too, but there are no more of them than the frame has.
     are_single_bits = longest == 1 and len(pieces) > byte_count
     if are_single_bits:
         return digits

@@ -321,7 +321,10 @@ def _notes_about_choices(device: Device, layout: Layout, style: Style) -> Iterat
 
 
 def _position_code_note(device: Device, placed_layout: PlacedLayout) -> str:
-    """Return a sentence with the code of the position, Gray or binary, and with the registers that decide it."""
+    """Return a sentence with the code of the position: ``position is in Gray code.``
+
+    If registers decide the code, the sentence names their fields: ``position is in binary, according to …``.
+    """
     layout = placed_layout.layout
     code = "Gray code" if placed_layout.gray else "binary"
     code_text = f"{layout.gray_of} is in {code}"
