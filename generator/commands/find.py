@@ -157,10 +157,8 @@ def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
                 return _with_stated_length(_Frame(int(compact_text, 16), 4 * digit_count), bits, text)
             # Without a prefix, one piece could be decimal, hexadecimal or bits.
             if len(plain_text.split()) == 1:
-                raise Stop(
-                    f"'{plain_text[:_SHOWN_CHARACTERS]}' is not a frame; write 0b... with every bit, 0x..., or hex bytes",
-                    2,
-                )
+                start_of_text = plain_text[:_SHOWN_CHARACTERS]
+                raise Stop(f"'{start_of_text}' is not a frame; write 0b... with every bit, 0x..., or hex bytes", 2)
         frame_data = frame_bytes(plain_text)
     except FrameTextError as error:
         raise Stop(str(error), 2) from None
@@ -191,9 +189,8 @@ def _read_positions(text: str, count: int) -> tuple[float, ...]:
     try:
         positions = tuple(float(piece) for piece in text.split(","))
     except ValueError:
-        raise Stop(
-            f"'{text[:_SHOWN_CHARACTERS]}' is not a list of numbers; write it like --positions 0,45,90", 2
-        ) from None
+        start_of_text = text[:_SHOWN_CHARACTERS]
+        raise Stop(f"'{start_of_text}' is not a list of numbers; write it like --positions 0,45,90", 2) from None
     if len(positions) != count:
         raise Stop(f"{counted(len(positions), 'position')} for {counted(count, 'frame')}; give one for each frame", 2)
     if not all(map(isfinite, positions)):
