@@ -95,8 +95,8 @@ def changes_to_accept(
 def _describe_acceptance(acceptance: Accepted, changes: Sequence[Change], today: date) -> str:
     """Return a sentence on an acceptance: there is no such change, it has expired, or it is valid."""
     accepted_change = f"{acceptance.family}: {acceptance.rule} {acceptance.path}"
-    is_found = any(acceptance.covers(change) for change in changes)
-    if not is_found:
+    has_change = any(acceptance.covers(change) for change in changes)
+    if not has_change:
         return f"accepted, but not found: {accepted_change}{_suggest_correction(acceptance, changes)}"
     if acceptance.until < today:
         return f"accepted until {acceptance.until} only, so asked again: {accepted_change}: {acceptance.why}"

@@ -77,7 +77,7 @@ def compare_member(family_pair: FamilyPair, subject: Subject, member: Member, ol
     Limits and expressions are compared by their numbers. For changes of texts and citations, only the member is named.
     """
     types = {type(old), type(new)}
-    # Either side may be a number or missing. A text has no value for each order code.
+    # With an expression on one side, the other may be a number or None. A text has no value for each order code.
     is_expression = Expression in types and str not in types
     if member.is_limit or is_expression:
         yield from _compare_number(family_pair, subject, member, old, new)
@@ -121,7 +121,7 @@ def _compare_number(family_pair: FamilyPair, subject: Subject, member: Member, o
 
 
 def _as_expression(number: Any) -> Any:
-    """Return a number as a constant expression, and an expression or None as it is."""
+    """Return a number as an expression without parameters. An expression or None is returned as it is."""
     return Expression(number) if isinstance(number, int) else number
 
 
@@ -153,7 +153,7 @@ def _difference_text(
     old_text, new_text = short_value(old, notation), short_value(new, notation)
     if old_text != new_text:
         return f"{old_text} → {new_text}"
-    # The same expression has other values if a parameter in it has.
+    # The same expression has other values if a parameter in it has. The first two pairs of values are shown.
     return first_of(pair_texts, 2)
 
 
@@ -298,7 +298,8 @@ def _names_in_code(device: Device, section: str, part: Any, section_interface: s
     text_by_placeholder |= {
         placeholder.upper(): replacement.upper() for placeholder, replacement in text_by_placeholder.items()
     }
-    text_by_placeholder["Name"] = "".join(word[:1].upper() + word[1:] for word in part.name.split("_"))
+    words_of_name = part.name.split("_")
+    text_by_placeholder["Name"] = "".join(word[:1].upper() + word[1:] for word in words_of_name)
     c_pattern, python_pattern = _NAME_PATTERNS[section]
     c_name = c_pattern.format(**text_by_placeholder)
     if section == "layouts" and len(device.interface(interface).layouts) == 1:

@@ -166,7 +166,7 @@ def _cause_of_move(
 ) -> _ResizedField | None:
     """Return the resized field that explains why a field moved, or None.
 
-    The sizes of all resized fields at lower bits, in either version, must add up to the distance of the move at every
+    The bits that all resized fields below it gain, in either version, must add up to the distance of the move at every
     point. The cause is then the highest of them.
     """
     if pair.old is None or pair.new is None:
@@ -247,6 +247,7 @@ def _register_path(field_change: Change) -> str:
 
 def _combine_impacts(first: _Impacts, second: _Impacts) -> _Impacts:
     """Return the higher impact on each output."""
+    # One impact for each output, in the order of ``OUTPUTS``.
     c, python, xml, pages = map(max, first, second)
     return c, python, xml, pages
 
@@ -258,7 +259,8 @@ def _resized_frames_text(resized_frames: Mapping[str, int]) -> str:
     """
     frames_text = "frame" if len(resized_frames) == 1 else counted(len(resized_frames), "frame")
     different_gains = set(resized_frames.values())
-    gained_bits = different_gains.pop() if len(different_gains) == 1 else 0
+    have_same_gain = len(different_gains) == 1
+    gained_bits = different_gains.pop() if have_same_gain else 0
     if gained_bits > 0:
         return f"{frames_text} {counted(gained_bits, 'bit')} longer"
     if gained_bits < 0:
@@ -327,7 +329,7 @@ def fold_types(changes: Sequence[Change]) -> Iterator[Change]:
 
 
 def _subject_text(change: Change) -> str:
-    """Return the words of a change before the changed value."""
+    """Return the words of a change before the changed value: ``mode: field speed`` for ``…: default 1 → 2``."""
     return change.text.rpartition(": ")[0]
 
 

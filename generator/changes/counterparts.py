@@ -81,7 +81,10 @@ def _remember_renamings_in_layout(
 
 
 def pair_section(family_pair: FamilyPair, path: str) -> list[Pair[Any]]:
-    """Return the pairs of things in a section of the spec, such as ``order_code.parts``, as from ``pair_parts``."""
+    """Return the pairs of things in a section of the spec, such as ``order_code.parts``.
+
+    A thing that is new or gone is paired with None, as by ``pair_parts``.
+    """
     section_of = attrgetter(path)
     return pair_parts(family_pair, section_of(family_pair.old), section_of(family_pair.new))
 
@@ -118,13 +121,15 @@ def _with_renamed_between_neighbours(
     old_neighbours = _find_neighbours(old_fields, new_name_by_old)
     new_neighbours = _find_neighbours(new_fields, paired_new_names)
 
-    # Low bits and widths are in turn, so every second number is a width.
+    # ``low_bits_and_widths`` has the two in turn for each order code: (low, width, low, width).
+    every_width = slice(1, None, 2)
+
     def identity_of_old(field: Field) -> Hashable:
-        widths = family_pair.low_bits_and_widths(field, interface, is_old=True)[1::2]
+        widths = family_pair.low_bits_and_widths(field, interface, is_old=True)[every_width]
         return (*old_neighbours[field.name], field.group, field.carries_data, widths)
 
     def identity_of_new(field: Field) -> Hashable:
-        widths = family_pair.low_bits_and_widths(field, interface, is_old=False)[1::2]
+        widths = family_pair.low_bits_and_widths(field, interface, is_old=False)[every_width]
         return (*new_neighbours[field.name], field.group, field.carries_data, widths)
 
     gone_fields = [pair.old for pair in pairs if pair.old is not None and pair.new is None]
@@ -184,9 +189,10 @@ def pair_parts(
 def _identity_of(part: Any, family_pair: FamilyPair, *, is_old: bool, interface: str, scope: str) -> Hashable | None:
     """Return what a renamed part has in common with its old version, or None if only its name identifies it.
 
-    This is the tuple of the members that the table of members names as identity, with new names in references. Frames
-    and registers add the bits of their fields. Exceptions: the bits of a field and whether it carries data, the
-    interface, argument count and steps of a procedure, and the numbers of a parameter for each common order code.
+    Fields are identified by their bits and whether they carry data, procedures by interface, number of arguments and
+    steps, and parameters by their numbers for each common order code. Any other part is identified by the members that
+    the table of members names as identity, with new names in references, and frames and registers also by the bits of
+    their fields.
     """
     match part:
         case Field():

@@ -18,7 +18,10 @@ _TIMEOUT = Member("timeout", rule="interface-rule", label="time-out")
 
 
 def compare_clocks(family_pair: FamilyPair, subject: Subject, old: Clocked, new: Clocked) -> Iterator[Change]:
-    """Yield changes of the limits of the clock, for each set of order codes with the same change."""
+    """Yield changes of the limits of the clock, for each set of order codes with the same change.
+
+    ``clock`` of an interface is None if the clock depends on the order code.
+    """
     if old.clock is not None and new.clock is not None:
         yield from compare_members(family_pair, subject, old.clock, new.clock)
         return
@@ -28,6 +31,7 @@ def compare_clocks(family_pair: FamilyPair, subject: Subject, old: Clocked, new:
     for code in family_pair.order_codes_over(new.name):
         old_clock = old.clock_of(family_pair.old_code(code))
         new_clock = new.clock_of(code)
+        # Without their order codes, so that those with the same clocks share a change.
         clocks = replace(old_clock, only=""), replace(new_clock, only="")
         codes_by_clocks.setdefault(clocks, []).append(code)
     for (old_clock, new_clock), codes in codes_by_clocks.items():
@@ -59,7 +63,10 @@ def compare_cables(family_pair: FamilyPair, subject: Subject, old: Ssi, new: Ssi
 
 
 def _by_code_change(family_pair: FamilyPair, subject: Subject, noun: str, *, is_by_code: bool) -> Change:
-    """Return the change that a fact depends on the order code in only one version."""
+    """Return the change that a fact depends on the order code in only one version.
+
+    ``is_by_code`` is true if that is the new one.
+    """
     extents = ("all order codes", "some order codes")
     old, new = extents if is_by_code else extents[::-1]
     return family_pair.change("facts-by-code", subject, description=f": {noun} of {old} → {new}", old=old, new=new)

@@ -44,9 +44,9 @@ def compare_family_itself(family_pair: FamilyPair) -> Iterator[Change]:
         yield family_pair.change(
             "movement", movement_subject, description=description, old=old.movement, new=new.movement
         )
-    maker_name = new.manufacturer.name
-    maker_subject = Subject(path=f"manufacturers.{maker_name}", label=f"manufacturer {maker_name}")
-    yield from compare_members(family_pair, maker_subject, old.manufacturer, new.manufacturer)
+    manufacturer = new.manufacturer.name
+    manufacturer_subject = Subject(path=f"manufacturers.{manufacturer}", label=f"manufacturer {manufacturer}")
+    yield from compare_members(family_pair, manufacturer_subject, old.manufacturer, new.manufacturer)
     yield from _compare_evidence(family_pair)
     if old.manual != new.manual:
         old_edition, new_edition = _edition_text(old.manual), _edition_text(new.manual)
@@ -217,6 +217,7 @@ def _compare_part_values(family_pair: FamilyPair, subject: Subject, old: CodePar
         for variant in family_pair.new.variants:
             if variant.parts.get(new.name) == new_value.text:
                 codes.append(variant.code)
+        # An empty interface stands for all of them.
         affected_codes = tuple(codes) or family_pair.order_codes_over(interface="")
         yield from compare_supply(family_pair, value_subject, old_value.supply, new_value.supply, affected_codes)
 
@@ -224,7 +225,8 @@ def _compare_part_values(family_pair: FamilyPair, subject: Subject, old: CodePar
 def _compare_spellings(family_pair: FamilyPair) -> Iterator[Change]:
     """Yield changes of the additional notations for labels.
 
-    Notations with the same place of use are one notation, and so are those with the same texts elsewhere.
+    An old and a new notation are compared if they have the same place of use (``where``). Of the remaining ones, those
+    with the same texts are one notation whose place of use was renamed.
     """
 
     def texts_of(spelling: Spelling) -> Hashable:
@@ -260,7 +262,7 @@ def compare_supply(
     supply_label = f"{subject.label} supply".strip()  # The family itself has no label.
     supply_subject = subject.inside("supply", supply_label)
     if old is not None and new is not None:
-        # Each change is created again, since those of members affect all order codes rather than ``codes``.
+        # Each change is created again for ``codes``, since those of members affect all order codes.
         for change in compare_members(family_pair, supply_subject, old, new):
             yield family_pair.change(
                 change.rule.name,
@@ -377,13 +379,14 @@ def compare_family(old: Device, new: Device) -> list[Change]:
         changes.append(
             family_pair.change("order", subject, description=": different order, same facts", old=None, new=None)
         )
+    # Changes with the same impact stay in the order of the sections.
     return sorted(changes, key=lambda change: -change.impact)
 
 
 def _without_spec_data(device: Device) -> Device:
     """Return a family without data about the spec itself: number of readings, history, hash and version."""
-    maker = replace(device.manufacturer, version="")
-    return replace(device, times_read=None, releases=(), content_hash="", manufacturer=maker)
+    manufacturer = replace(device.manufacturer, version="")
+    return replace(device, times_read=None, releases=(), content_hash="", manufacturer=manufacturer)
 
 
 def _merge_repeated(changes: Iterable[Change]) -> Iterator[Change]:
@@ -396,7 +399,8 @@ def _merge_repeated(changes: Iterable[Change]) -> Iterator[Change]:
     for change in changes:
         # Documentation of one place is one change, even if its text names different frames.
         is_documentation = change.impact <= Impact.DOCUMENTATION
-        change_key = change.rule.name, change.path if is_documentation else change.text
+        place_or_text = change.path if is_documentation else change.text
+        change_key = change.rule.name, place_or_text
         if change_key in change_by_key:
             change_by_key[change_key] = _merge_pair(change_by_key[change_key], change)
         else:

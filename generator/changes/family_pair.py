@@ -122,7 +122,7 @@ class FamilyPair:
         """Return an old value, with the names of one kind of part replaced by their new names.
 
         The value is a name, a tuple of names, or a map of numbers by parameter names. ``part_kind`` is plural for a
-        tuple.
+        tuple, such as ``registers``. ``scope`` is the frame or register in which fields are looked up.
         """
         if isinstance(old_names, str):
             return self._text_to_new_names(part_kind, old_names, scope)
@@ -296,9 +296,9 @@ class FamilyPair:
             return describe_codes(self.old, codes)
         codes_text = describe_codes(self.new, codes)
         common_variants = tuple(variant for variant in self.new.variants if variant.code in self.common_new_codes)
-        # No code is common, or every new one is.
-        have_same_codes = len(common_variants) in (0, len(self.new.variants))
-        if side == "new" or have_same_codes or codes_text.startswith("all "):
+        has_no_common_code = not common_variants
+        are_all_new_codes_common = len(common_variants) == len(self.new.variants)
+        if side == "new" or has_no_common_code or are_all_new_codes_common or codes_text.startswith("all "):
             return codes_text
         # All common codes of an interface are not all of the new family.
         new_family_without_new_codes = replace(self.new, variants=common_variants)

@@ -56,7 +56,10 @@ def compare_register(family_pair: FamilyPair, subject: Subject, old: Register, n
 
 
 def _compare_access(family_pair: FamilyPair, subject: Subject, old: Register, new: Register) -> Iterator[Change]:
-    """Yield "access-lost" if the register can no longer be read or written, or else "access-gained"."""
+    """Yield a change of the access to a register, or nothing if it is the same.
+
+    Its rule is "access-lost" if the register can no longer be read or written, and else "access-gained".
+    """
     if old.access == new.access:
         return
     is_read_lost = old.access in _CAN_READ and new.access not in _CAN_READ
@@ -88,6 +91,7 @@ def compare_procedure(family_pair: FamilyPair, subject: Subject, old: Procedure,
         )
     elif _list_meanings(old.steps) != _list_meanings(new.steps):
         yield family_pair.change("words", steps_subject, description=": steps", old=old.steps, new=new.steps)
+    # Of steps that do the same, only sources and names can differ. Changed names are reported where they are.
     elif old.steps != new.steps and _list_sources(old.steps) != _list_sources(new.steps):
         yield family_pair.change("source", steps_subject, description=": steps", old=None, new=None)
 
@@ -118,7 +122,10 @@ def _argument_names(procedure: Procedure) -> list[str]:
 
 
 def _describe_arguments(arguments: Iterable[Argument]) -> list[tuple[str, str, str]]:
-    """Return a tuple for each argument: its name, the register or field that takes it, and how it is meant, or ""."""
+    """Return a tuple for each argument: its name, the register or field that takes it, and how it is meant.
+
+    For example ``("position", "preset", "counts")``, with "" if the spec does not say how it is meant.
+    """
     return [(argument.name, argument.of, argument.meant_as) for argument in arguments]
 
 
@@ -156,6 +163,7 @@ def _describe_steps(old_steps: list[Step], new_steps: list[Step]) -> str:
     steps_text = f": {noun} {', '.join(step_numbers)}"
     if len(differences) > 1:
         return f"{steps_text} differ"
+    # The caller passes different steps, so there is one difference left.
     (common_difference,) = differences
     return f"{steps_text}: {common_difference}"
 
@@ -298,7 +306,8 @@ _DISPLAYED_SECTIONS = (
 def compare_contacts(family_pair: FamilyPair, subject: Subject, old: Connector, new: Connector) -> Iterator[Change]:
     """Yield changes of the contacts of a connector.
 
-    They are identified by pin or colour. For one that only one version has, the text is ``signal SL → none``.
+    A contact is identified by its pin or colour. If only the old version has it, the text is ``signal SL → none``, and
+    if only the new version has it, ``signal none → SL``.
     """
     old_contacts, new_contacts = _by_member(old.contacts, "contact"), _by_member(new.contacts, "contact")
     for contact, old_contact, new_contact in match_by_key(old_contacts, new_contacts):
@@ -321,6 +330,7 @@ def compare_displayed_facts(family_pair: FamilyPair) -> Iterator[Change]:
     """
     for rule, section, key_member, noun in _DISPLAYED_SECTIONS:
         old_section, new_section = getattr(family_pair.old, section), getattr(family_pair.new, section)
+        # Characteristics for different order codes may have the same name.
         if section == "characteristics":
             shared_names = repeated_names(old_section) | repeated_names(new_section)
             old_section = with_distinct_names(old_section, shared_names)

@@ -112,7 +112,7 @@ def _low_bits_in_group(
     for group_field in layout.fields:
         if group_field.group == field.group:
             low_bits_of_group.append(family_pair.values_at_points(group_field.low, interface, is_old=is_old))
-    # From the low bits of each field to those of all fields at each point.
+    # ``low_bits_of_group`` has a tuple for each field. ``zip`` gives the low bits of all fields at each point.
     group_starts = map(min, zip(*low_bits_of_group, strict=True))
     return tuple(low_bit - group_start for low_bit, group_start in zip(low_bits, group_starts, strict=True))
 
@@ -129,7 +129,7 @@ def _compare_field(
     owner_path = f"field_groups.{field.group}" if field.group else subject.path
     owner_name = field.group or subject.scope
     field_subject = replace(subject, path=f"{owner_path}.{field.name}", label=f"{owner_name}: field {field.name}")
-    # The only field of a plain register has the register's name, and is renamed with it.
+    # The only field of a plain register has the register's name, and is renamed with it. ``scope`` is its new name.
     is_named_as_register = (
         field.name == subject.scope
         and pair.old is not None
@@ -217,7 +217,8 @@ def _compare_digits(family_pair: FamilyPair, subject: Subject, old: Decimal, new
     if old == new:
         return
     old_digits, new_digits = _digits_by_name(old), _digits_by_name(new)
-    if list(old_digits.items()) == list(new_digits.items()):
+    has_same_order = list(old_digits.items()) == list(new_digits.items())
+    if has_same_order:
         yield family_pair.change("words", subject, description=": digits", old=old.runs, new=new.runs)
         return
     gone_names = old_digits.keys() - new_digits.keys()

@@ -12,6 +12,7 @@ _MACRO_DEFINITION = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)(\([^)\n]*\))?[ 
 _COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 #: Macros that guard a header or contain its version, which no code depends on.
 _MACRO_ABOUT_HEADER = re.compile(r"\w+_(?:H|HPP|VERSION|INCLUDED)")
+#: Most characters of a shown value.
 _LONGEST_VALUE = 40
 
 
@@ -47,7 +48,7 @@ def name_changes(
     The texts are those of the generated files by path. Files that do not begin with the name of a family are left out.
     """
     changes: list[NameChange] = []
-    # A family can begin with the name of another one.
+    # A family can begin with the name of another one, so the longest name that fits is the family of a file.
     longest_first = sorted(families, key=len, reverse=True)
     for path, old_text in old_text_by_path.items():
         new_text = new_text_by_path.get(path)

@@ -68,6 +68,7 @@ def pair_by_name(
         identity_of_new: Return that property of a new item, if it is computed in another way.
         name_of: Return the name of an item.
     """
+    # The old counterpart of a new item, by the new name. It begins with the old items under their own names.
     counterpart_by_name = {name_of(old_item): old_item for old_item in old_items}
     old_names = set(counterpart_by_name)
     new_names = {name_of(new_item) for new_item in new_items}

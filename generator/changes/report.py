@@ -77,7 +77,7 @@ def _describe_output(change: Change, output: str, code_format: str) -> str:
 def describe_effect(change: Change, code_format: str = "{}") -> str:
     """Return the affected order codes and outputs: ``all 12 order codes; C, Python``. Either may be missing."""
     outputs_text = describe_outputs(change, code_format)
-    return f"{change.reach}; {outputs_text}" if change.reach and outputs_text else change.reach or outputs_text
+    return "; ".join(text for text in (change.reach, outputs_text) if text)
 
 
 def summary(changes: Sequence[Change]) -> str:
@@ -209,7 +209,7 @@ def _list_item(change: Change) -> str:
 def _effect_in_markdown(change: Change) -> str:
     """Return the affected order codes and outputs in Markdown: names in code as code, all other text escaped."""
     # A NUL before and after each name: in the split text, even items are prose and odd items are names.
-    prose_and_names = describe_effect(change, "\0{}\0").split("\0")
+    prose_and_names = describe_effect(change, code_format="\0{}\0").split("\0")
     prose_and_names[::2] = map(_escape_between_spaces, prose_and_names[::2])
     prose_and_names[1::2] = map(in_code, prose_and_names[1::2])
     return "".join(prose_and_names)
@@ -239,6 +239,7 @@ def as_text(findings: DiffResult) -> str:
     for family in dict.fromkeys(change.family for change in findings.changes):
         family_changes = [change for change in findings.changes if change.family == family]
         lines.append(family)
+        # Highest impact first, and renamings after the other changes with the same impact.
         for change in sorted(family_changes, key=lambda change: (-change.impact, change.rule.is_renaming)):
             if change.impact > Impact.DOCUMENTATION:
                 lines += _change_lines(change)
@@ -251,13 +252,14 @@ def as_text(findings: DiffResult) -> str:
 
 
 def _change_lines(change: Change) -> Iterator[str]:
-    """Yield two texts about a change, wrapped: its text after the word of its impact, and its effect with its rule."""
+    """Yield two wrapped texts about a change: what changed, after the word of its impact, and its effect and rule."""
     indent = " " * _TEXT_COLUMN
-    yield wrapped(change.text, WIDTH, indent, _first_column(change.rule.word))
-    yield wrapped(f"{describe_effect(change)} [{change.rule.name}]", WIDTH, indent)
+    yield wrapped(change.text, WIDTH, prefix=indent, first=_first_column(change.rule.word))
+    yield wrapped(f"{describe_effect(change)} [{change.rule.name}]", WIDTH, prefix=indent)
 
 
 def _first_column(word: str) -> str:
+    """Return the word of an impact, padded up to the column in which the texts begin."""
     return f"  {word:<13}  "
 
 
@@ -266,7 +268,8 @@ def _documentation_lines(changes: Sequence[Change]) -> Iterator[str]:
     for rule in dict.fromkeys(change.rule for change in changes):
         changes_of_rule = [change for change in changes if change.rule is rule]
         places = first_of([_place_or_text(change) for change in changes_of_rule], between="; ")
-        yield wrapped(f"{places} [{rule.name}]", WIDTH, " " * _TEXT_COLUMN, _first_column(rule.word))
+        line_beginning = _first_column(rule.word)
+        yield wrapped(f"{places} [{rule.name}]", WIDTH, prefix=" " * _TEXT_COLUMN, first=line_beginning)
 
 
 def _name_lines(name_texts: Sequence[str]) -> Iterator[str]:
@@ -276,7 +279,7 @@ def _name_lines(name_texts: Sequence[str]) -> Iterator[str]:
     names_text = "; ".join(name_texts[:_MOST_NAMES])
     if len(name_texts) > _MOST_NAMES:
         names_text += f"; and {len(name_texts) - _MOST_NAMES} more, all with --markdown"
-    yield wrapped(names_text, WIDTH, " " * _TEXT_COLUMN, _first_column("names"))
+    yield wrapped(names_text, WIDTH, prefix=" " * _TEXT_COLUMN, first=_first_column("names"))
 
 
 def _place_or_text(change: Change) -> str:
@@ -298,7 +301,7 @@ def _result_lines(findings: DiffResult) -> Iterator[str]:
         statements.append(f"{changed_count} of {counted(findings.files.count, 'file')} {verb}")
     statements += map(describe_versions, findings.packages)
     if statements:
-        yield wrapped(f"generated: {'; '.join(statements)}", WIDTH, "  ", "")
+        yield wrapped(f"generated: {'; '.join(statements)}", WIDTH, prefix="  ", first="")
 
 
 #: The version of a manufacturer's package in its file, whose first group precedes the number.
@@ -319,13 +322,13 @@ def files_of_release(findings: DiffResult, families: Sequence[Family]) -> Iterat
     """
     changed_names = {change.family for change in findings.changes}
     for package in findings.packages:
-        families_of_maker = [family for family in families if family.device.manufacturer.name == package.maker]
-        changed_families = [family for family in families_of_maker if family.device.name in changed_names]
+        families_of_package = [family for family in families if family.device.manufacturer.name == package.maker]
+        changed_families = [family for family in families_of_package if family.device.name in changed_names]
         if not changed_families:
             continue
         # Files that a family includes, such as that of the manufacturer.
         included_files: set[str] = set()
-        for family in families_of_maker:
+        for family in families_of_package:
             included_files |= family.files - {family.document.file}
         if package.new != package.stated:
             yield from _files_with_new_version(package, included_files)

@@ -94,10 +94,11 @@ def compare_at_points(
         return None
     # A differing code occurs once for each point at which it differs.
     points_of_codes = [point for point in points if point.code in differing_codes]
+    differ_at_all_points = len(points_of_codes) == len(differing_codes)
     return NumberDifferences(
         codes=tuple(dict.fromkeys(differing_codes)),
         value_pairs=tuple(dict.fromkeys(value_pairs)),
-        is_everywhere=len(points_of_codes) == len(differing_codes),
+        is_everywhere=differ_at_all_points,
     )
 
 
@@ -195,11 +196,11 @@ def _part_pattern(used_texts: tuple[str, ...], all_texts: tuple[str, ...]) -> st
     return f"{{{alternatives}}}"
 
 
-#: Letters of a shown value, and members that are left out of it.
+#: Most letters of a shown value, and members that are left out of it.
 _LONGEST = 60
 _TEXT_MEMBERS = ("meaning", "note", "printed")
 _FORMATS: Mapping[str, Callable[[int], str]] = {
-    # In whole bytes.
+    # In whole bytes, which have two digits each: 0Ah, 01FFh.
     "hex": lambda value: f"{value:0{2 * max(1, (value.bit_length() + 7) // 8)}X}h",
     "bytes": lambda value: counted(value, "byte"),
     "mv": volts,

@@ -15,6 +15,7 @@ from .terminal import Stop
 if TYPE_CHECKING:
     from ..cache import Cache
 
+#: Columns of the help.
 _WIDTH = 79
 #: Forms of the output of check and diff.
 FORMATS = ("text", "json", "github", "sarif")
@@ -93,6 +94,7 @@ def add_examples(parser: Parser, name: str, examples: Sequence[str]) -> None:
     The parser also becomes an attribute of the parsed arguments, for ``parse``.
     """
     parser.set_defaults(parser=parser)
+    # These commands read no spec, so their examples work without one.
     needs_spec = name not in ("new", "explain", "find")
     condition = ", with the spec that codewheel new my_encoder writes" if needs_spec else ""
     example_lines = [f"examples{condition}:", *(f"  {example}" for example in examples)]
@@ -169,6 +171,7 @@ def bytes_by_address(pairs: Sequence[str]) -> dict[int, int]:
     register_bytes: dict[int, int] = {}
     for pair in pairs:
         malformed = Stop(f"'{pair}' is not a register and a byte; write it like 0x56=0x10", 2)
+        # With the base 0, the prefix of a number decides: 0x, 0b, or none for decimal.
         address_text, _, byte_text = pair.partition("=")
         try:
             address = int(address_text, 0)

@@ -88,6 +88,7 @@ def _hash_of_inputs(paths: Sequence[Path], options: Sequence[str]) -> str:
     It is empty if the files are not known, for example because one of the specs is an overlay.
     """
     try:
+        # The empty text ends the options, so that none of them can be taken for the name of a file.
         options_and_files = chain([os.getcwd(), *options, ""], _names_and_contents(paths))
         return key_of("inputs", options_and_files)
     except (OSError, ValueError, _NotStorable):

@@ -42,6 +42,10 @@ COMMANDS: Mapping[str, str] = {
 }
 
 
+#: Exit codes that a shell gives for an end by these signals.
+_CODE_OF_SIGPIPE, _CODE_OF_SIGINT = 141, 130
+
+
 class Command(Protocol):
     """The module or package of a command. To be imported quickly, it imports what its run needs only in ``run``.
 
@@ -80,10 +84,11 @@ def parser_for(arguments: Sequence[str]) -> argparse.ArgumentParser:
 
 
 def _possible_commands(arguments: Sequence[str]) -> Sequence[str]:
-    first = arguments[0] if arguments else ""
-    if first in COMMANDS:
-        return [first]
-    return [] if first == "--version" else list(COMMANDS)
+    """Return the command with which the arguments begin, none for ``--version``, or else all commands."""
+    first_argument = arguments[0] if arguments else ""
+    if first_argument in COMMANDS:
+        return [first_argument]
+    return [] if first_argument == "--version" else list(COMMANDS)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -103,9 +108,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stderr.flush()
         return code
     except BrokenPipeError:
-        # The reader closed our output early. Return the code that a shell gives for SIGPIPE.
+        # The reader closed our output early.
         release_streams()
-        return 141
+        return _CODE_OF_SIGPIPE
     except OSError as error:
         release_streams()
         with suppress(OSError):
@@ -114,7 +119,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         release_streams()
         return 1
     except KeyboardInterrupt:
-        return 130
+        return _CODE_OF_SIGINT
 
 
 def _run_command(arguments: Sequence[str] | None) -> int:

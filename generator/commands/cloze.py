@@ -46,10 +46,13 @@ def run(arguments: argparse.Namespace) -> int:
     filled_sheet = read_sheet(family, report)
     if report:
         raise problems(report)
-    sheet_data = sheet(family.document, filled_sheet.data["texts"] if filled_sheet is not None else {})
-    path = word_sheet_path(Path(family.document.file))
+    old_entries = filled_sheet.data["texts"] if filled_sheet is not None else {}
+    sheet_data = sheet(family.document, old_entries)
+    spec_path = Path(family.document.file)
+    path = word_sheet_path(spec_path)
+    lines = [*as_lines(sheet_data, spec_path.name), ""]  # The empty line gives the last one its line end.
     try:
-        path.write_text("\n".join([*as_lines(sheet_data, Path(family.document.file).name), ""]), encoding="utf-8")
+        path.write_text("\n".join(lines), encoding="utf-8")
     except OSError as error:
         raise Stop(f"cannot write {path}: {error.strerror or error}", 1) from None
     gaps_text = counted(open_gaps(sheet_data), "gap")

@@ -127,6 +127,7 @@ def run(arguments: argparse.Namespace) -> int:
         print(as_review(_findings_in_new_specs(relevant_changes, new), arguments.format))
     else:
         _print_comparison(comparison, old, new, arguments)
+    # Every change has at least the impact DOCUMENTATION.
     lowest_impact = Impact[arguments.fail_on.upper()] if arguments.fail_on else Impact.DOCUMENTATION
     has_failed = any(change.impact >= lowest_impact for change in relevant_changes)
     return 1 if has_failed else 0
@@ -176,9 +177,10 @@ def _changed_files(
 
 
 def _filters_for(specs: str) -> FamilyFilters:
-    """Return the families of each output in the settings that hold for the current folder.
+    """Return the conditions for the families of each output, from the settings that hold for the current folder.
 
     There are none for specs on the disk outside the folder of the settings, which belong to another project.
+    ``specs`` is NEW of the command line, which may also be in a git revision.
     """
     from ..loading.configuration import NO_FILTERS
     from .read_specs import find_settings
@@ -187,6 +189,7 @@ def _filters_for(specs: str) -> FamilyFilters:
     path = Path(specs)
     if settings is None:
         return NO_FILTERS
+    # A path in a git revision does not exist on the disk. It belongs to this project.
     is_elsewhere = path.exists() and not path.resolve().is_relative_to(settings.folder.resolve())
     return NO_FILTERS if is_elsewhere else settings.only
 
@@ -291,17 +294,17 @@ def _load_side(text: str, cache: Cache, *, lenient: bool, old_side: _Side | None
     problems = [replace(problem, file=file_names.get(problem.file, problem.file)) for problem in report.problems]
     if not problems:
         return _Side(tuple(families), file_names)
-    count = counted(len(problems), "problem")
+    problems_text = counted(len(problems), "problem")
     if lenient and families:
         _print_first_problems(problems)
         omission = "The faulty parts are omitted and may be listed as new"
-        notice = f"the current spec language finds {count} in {text}. {omission}"
+        notice = f"the current spec language finds {problems_text} in {text}. {omission}"
         return _Side(tuple(families), file_names, notices=(notice,))
     valid_families = sound_families(families, report)
     if not is_old or not valid_families:
         raise _not_comparable_error(text, problems, is_old=is_old)
     excluded_names = [family.device.name for family in families if family not in valid_families]
-    reason = f"because of {count} in the current spec language"
+    reason = f"because of {problems_text} in the current spec language"
     notice = f"not compared {reason}: {', '.join(excluded_names)} of {text}"
     _print_first_problems(problems)
     return _Side(tuple(valid_families), file_names, notices=(notice,), excluded_names=frozenset(excluded_names))
@@ -340,7 +343,8 @@ def _read_side(text: str, cache: Cache, old_side: _Side | None) -> tuple[Sequenc
             file_names = written_files.names
         if old_side is None:
             # The empty sequence keeps the content of each family, for the comparison with those of the new side.
-            families, report = load_families([path], cache, migrate, ())
+            no_shared_families: tuple[Family, ...] = ()
+            families, report = load_families([path], cache, migrate, no_shared_families)
         else:
             families, report = load_families([path], cache, None, old_side.families)
     return families, report, file_names
@@ -358,12 +362,12 @@ def _not_comparable_error(text: str, problems: Sequence[Problem], *, is_old: boo
     from ..say.plain_text import counted
 
     _print_first_problems(problems)
-    count = counted(len(problems), "problem")
+    problems_text = counted(len(problems), "problem")
     if not is_old:
-        return Stop(f"{text} has {count} and is not compared", 1)
+        return Stop(f"{text} has {problems_text} and is not compared", 1)
     return Stop(
-        f"{text} is not compared, because the current spec language finds {count} in it. It may use an older form of "
-        "the language: add --lenient, use a later revision, or run the version of codewheel from that time",
+        f"{text} is not compared, because the current spec language finds {problems_text} in it. It may use an older "
+        "form of the language: add --lenient, use a later revision, or run the version of codewheel from that time",
         1,
     )
 
@@ -383,7 +387,8 @@ def _findings_in_new_specs(changes: Sequence[Change], side: _Side) -> list[Findi
     findings = []
     for change in changes:
         document = documents.get(change.family, first_document)
-        path = _place_in_spec(document, change.path) if change.family in documents else ()
+        is_in_new_specs = change.family in documents
+        path = _place_in_spec(document, change.path) if is_in_new_specs else ()
         findings.append(_review_finding(change, document, path, side.file_names))
     return findings
 

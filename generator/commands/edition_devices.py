@@ -33,7 +33,7 @@ def in_requested_edition(
     Args:
         specs: The specs to read.
         device: The family as in its spec.
-        match: The order code on the label, unless the family was named.
+        code_match: The order code on the label, or None if the family was named.
         wanted_edition: A revision, a date, ``label`` or ``registers``.
         text: The name or order code that the user gave.
         register_bytes: Register bytes by address.
@@ -109,7 +109,8 @@ def edition_devices(families: Iterable[Family], wanted_editions: Iterable[str], 
     for wanted_edition in wanted_editions:
         name, equals, revision_or_date = wanted_edition.partition("=")
         if not equals or name not in families_by_name:
-            example = f"{next(iter(families_by_name), 'FAMILY')}=1.0"
+            first_name = next(iter(families_by_name), "FAMILY")
+            example = f"{first_name}=1.0"
             known_names = ", ".join(families_by_name)
             raise Stop(f"'{wanted_edition}' is not a family and an edition; write it like {example} ({known_names})", 2)
         family = families_by_name[name]

@@ -21,6 +21,7 @@ _NAMED_MAPS = frozenset(("interfaces", "parameters", "values"))
 _OPTION = re.compile(r"order_code\.parts\.(?P<part>\w+)\.values\.(?P<label>[^.]+)")
 #: Keys whose values name options or whole order codes.
 _REFERENCES = frozenset(("only", "only_with", "open_only_with", "order_code"))
+#: Longest line of YAML, in characters. It is so long that each change is in one line.
 _WIDTH = 10_000
 
 
@@ -120,7 +121,7 @@ def _edition_changes(
     reason = f"Edition {old_family.device.manual.revision} has it, edition {new_family.device.manual.revision} does not"
     first_option_source = ""
     removed_options: list[tuple[str, Any]] = []
-    for place, removed_node in _removed_nodes(old_data, new_data, ""):
+    for place, removed_node in _removed_nodes(old_data, new_data, place=""):
         # The place of a list item is that of its list, so it has the name itself. A value of a map has it in its place.
         _, _, last_step = place.rpartition(".")
         name = label_of(removed_node) or last_step
@@ -156,7 +157,7 @@ def _order_code_changes(
         if example["name"] not in old_examples and example.get("order_code") in new_codes:
             reason = f"Edition {old_revision} lacks its order code"
             yield {"remove": f"examples.{example['name']}", "why": reason, "source": source}
-    for place, old_reference in _changed_references(old_data, new_data, ""):
+    for place, old_reference in _changed_references(old_data, new_data, place=""):
         yield {"set": place, "to": old_reference, "why": f"Order codes of edition {old_revision}", "source": source}
 
 
@@ -218,11 +219,13 @@ def _changed_references(old_node: Any, new_node: Any, place: str) -> Iterator[tu
     if isinstance(old_node, dict) and isinstance(new_node, dict):
         for key in [key for key in old_node if key in new_node]:
             child_place = f"{place}.{key}".removeprefix(".")
+            is_part_of_spec = not place
+            # Of the parts that editions do not describe, only the examples name order codes.
+            may_have_references = not is_part_of_spec or key == "examples" or key not in _NOT_IN_EDITIONS
             if _is_reference(place, key):
                 if old_node[key] != new_node[key]:
                     yield child_place, old_node[key]
-            # Only at the top level, keys are parts of a spec. Of those not in editions, examples name order codes.
-            elif place or key == "examples" or key not in _NOT_IN_EDITIONS:
+            elif may_have_references:
                 yield from _changed_references(old_node[key], new_node[key], child_place)
     elif isinstance(old_node, list) and isinstance(new_node, list):
         old_children = {label_of(child): child for child in old_node}
@@ -236,23 +239,30 @@ def _changed_references(old_node: Any, new_node: Any, place: str) -> Iterator[tu
 
 
 def _is_reference(place: str, key: str) -> bool:
-    """Return whether the value of a key at a place names order codes or their options. Top-level keys do not."""
+    """Return whether the value of a key at a place names order codes or their options.
+
+    ``only`` at ``registers.bank`` does, for example. Top-level keys, whose place is empty, do not.
+    """
+    is_top_level = not place
     is_spelling = key == "values" and "also_written" in place
-    return bool(place) and (key in _REFERENCES or is_spelling)
+    return not is_top_level and (key in _REFERENCES or is_spelling)
 
 
 def _removed_nodes(old_node: Any, new_node: Any, place: str) -> Iterator[tuple[str, Any]]:
-    """Yield the items of a spec that the new one lacks: the place to add each to, and the item.
+    """Yield the items of a spec that the new one lacks, each with the place to add it to.
 
-    Items are named items of lists, added to their list, and keys of maps whose keys are names, added at that key.
-    Other keys may be left out freely, so a missing one does not count.
+    For a named item of a list, the place is its list: ``registers``. For a key of a map whose keys are names, it is the
+    key: ``parameters.bits``. Other keys may be left out freely, so a missing one does not count. ``place`` is that of
+    both nodes, which is empty for the whole specs.
     """
     if isinstance(old_node, dict) and isinstance(new_node, dict):
+        _, _, key_of_map = place.rpartition(".")
+        has_names_as_keys = key_of_map in _NAMED_MAPS
         for key, child in old_node.items():
             child_place = f"{place}.{key}".removeprefix(".")
             if key in new_node and key not in _NOT_IN_EDITIONS:
                 yield from _removed_nodes(child, new_node[key], child_place)
-            elif key not in new_node and place.rpartition(".")[2] in _NAMED_MAPS:
+            elif key not in new_node and has_names_as_keys:
                 yield child_place, child
     elif isinstance(old_node, list) and isinstance(new_node, list):
         new_children = {label_of(child): child for child in new_node}

@@ -68,7 +68,8 @@ def explain(name: str | None) -> str:
         return _list_rules(examples)
     descriptions = [*_describe_rule_of_check(name, examples), *_describe_rule_of_diff(name)]
     if not descriptions:
-        hint = suggestion(name, [*examples, *_SEVERAL_FILES, *RULES]) or "; codewheel explain lists the rules"
+        names_of_rules = [*examples, *_SEVERAL_FILES, *RULES]
+        hint = suggestion(name, names_of_rules) or "; codewheel explain lists the rules"
         raise Stop(f"there is no rule '{name}'{hint}", 2)
     return "\n\n".join(descriptions)
 
@@ -83,16 +84,21 @@ def rules_of_check() -> dict[str, Example]:
 
 
 def _list_rules(examples: dict[str, Example]) -> str:
-    """Return all rules: those of diff with their impacts and conditions, and only the names of those of check."""
+    """Return all rules: those of diff with their impacts and conditions, and only the names of those of check.
+
+    ``examples`` has an example of each rule of check about a single file, by the name of the rule.
+    """
     from ..changes.rules import RULES
     from ..say.plain_text import WIDTH, wrapped
 
     lines = ["Rules of diff:", ""]
     for rule in RULES.values():
+        # In columns as wide as the longest name and the longest impact.
         name_and_impact = f"{rule.name:<22} {rule.impact.word:<14} "
         indent = " " * len(name_and_impact)
         lines.append(wrapped(rule.when, WIDTH, prefix=indent, first=name_and_impact))
-    names_of_check_rules = ", ".join(sorted([*examples, *_SEVERAL_FILES]))
+    rules_of_one_file, rules_of_several_files = examples.keys(), _SEVERAL_FILES.keys()
+    names_of_check_rules = ", ".join(sorted([*rules_of_one_file, *rules_of_several_files]))
     lines += ["", "Rules of check:", "", textwrap.fill(names_of_check_rules, WIDTH, break_on_hyphens=False)]
     return "\n".join(lines)
 

@@ -31,6 +31,8 @@ _ABOUT = (
 #: Bits of the longest frame, by interface. All others have the second limit.
 _LONGEST = {"rs485": 1024}
 _LONGEST_IN_BITS = 64
+#: Characters of an invalid text that a message shows.
+_SHOWN_CHARACTERS = 40
 
 
 def add_arguments(parser: Parser) -> None:
@@ -90,15 +92,16 @@ def _read_recording(arguments: argparse.Namespace) -> Recording:
     if len(lengths) > 1:
         reason = f"the frames have {lengths[0]} to {lengths[-1]} bits; give frames of one length"
         raise Stop(f"{reason}, with all leading zeros, or --bits", 2)
+    common_length = lengths[0]
     longest = _LONGEST.get(arguments.interface, _LONGEST_IN_BITS)
-    if not 0 < lengths[0] <= longest:
-        raise Stop(f"the frames have {lengths[0]} bits; a line has at most {longest}", 2)
+    if not 0 < common_length <= longest:
+        raise Stop(f"the frames have {common_length} bits; a line has at most {longest}", 2)
     positions: tuple[float, ...] = ()
     if arguments.positions is not None:
         positions = _read_positions(arguments.positions, len(frame_texts))
     return Recording(
         interface=arguments.interface,
-        bits=lengths[0],
+        bits=common_length,
         frames=tuple(frame.number for frame in frames),
         positions=positions,
     )
@@ -147,14 +150,15 @@ def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
             # A frame of bits may be one number, which has a prefix. RS-485 has only bytes.
             plain_text = with_prefix(plain_text, bits or 0)
             compact_text = re.sub(r"[\s_]", "", plain_text)
-            digits = len(compact_text) - len("0b")
+            digit_count = len(compact_text) - len("0b")  # The prefix 0x is as long.
             if re.fullmatch(r"0[bB][01]+", compact_text):
-                return _Frame(int(compact_text, 2), digits)
+                return _Frame(int(compact_text, 2), digit_count)
             if re.fullmatch(r"0[xX][0-9A-Fa-f]+", compact_text):
-                return _with_stated_length(_Frame(int(compact_text, 16), 4 * digits), bits, text)
+                return _with_stated_length(_Frame(int(compact_text, 16), 4 * digit_count), bits, text)
             # Without a prefix, one piece could be decimal, hexadecimal or bits.
             if len(plain_text.split()) == 1:
-                raise Stop(f"'{plain_text[:40]}' is not a frame; write 0b... with every bit, 0x..., or hex bytes", 2)
+                start_of_text = plain_text[:_SHOWN_CHARACTERS]
+                raise Stop(f"'{start_of_text}' is not a frame; write 0b... with every bit, 0x..., or hex bytes", 2)
         frame_data = frame_bytes(plain_text)
     except FrameTextError as error:
         raise Stop(str(error), 2) from None
@@ -170,7 +174,7 @@ def _with_stated_length(frame: _Frame, bits: int | None, text: str) -> _Frame:
     if bits is None:
         return frame
     if frame.number.bit_length() > bits:
-        raise Stop(f"'{text[:40]}' has more than {bits} bits", 2)
+        raise Stop(f"'{text[:_SHOWN_CHARACTERS]}' has more than {bits} bits", 2)
     return _Frame(frame.number, bits)
 
 
@@ -185,7 +189,8 @@ def _read_positions(text: str, count: int) -> tuple[float, ...]:
     try:
         positions = tuple(float(piece) for piece in text.split(","))
     except ValueError:
-        raise Stop(f"'{text[:40]}' is not a list of numbers; write it like --positions 0,45,90", 2) from None
+        start_of_text = text[:_SHOWN_CHARACTERS]
+        raise Stop(f"'{start_of_text}' is not a list of numbers; write it like --positions 0,45,90", 2) from None
     if len(positions) != count:
         raise Stop(f"{counted(len(positions), 'position')} for {counted(count, 'frame')}; give one for each frame", 2)
     if not all(map(isfinite, positions)):

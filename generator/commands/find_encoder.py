@@ -115,7 +115,11 @@ def _group_has(paths: Sequence[Path], family: str, text: str, cache: Cache, *, a
 def _find_in_group(
     paths: Sequence[Path], text: str, cache: Cache, *, accepts_family: bool
 ) -> tuple[tuple[Device, Match | None] | None, Report | None]:
-    """Return a family with its match, or None, and the report if all specs were read and some have problems."""
+    """Return a family with its match, or None, and the report if all specs were read and some have problems.
+
+    The match is None if the text is the name of the family. The report is None if only the possible families were read,
+    or if there are no problems.
+    """
     possible_families = families_for(paths, text, cache)
     if possible_families is not None:
         # Several may share an order code by mistake, which only the check of all specs finds.
@@ -127,6 +131,7 @@ def _find_in_group(
     from ..loading.library import load_sound
 
     devices, report = load_sound(paths)
+    # An empty report is false.
     return _best_match(devices, text, accepts_family=accepts_family), report or None
 
 
@@ -137,12 +142,16 @@ def _best_match(devices: Sequence[Device], text: str, *, accepts_family: bool) -
 
 
 def _tail_length(family_and_code: tuple[Device, Match | None]) -> int:
+    """Return the number of characters after the order code, or 0 for a family named by itself."""
     _, match = family_and_code
     return len(match.tail) if match is not None else 0
 
 
 def _all_matches(devices: Sequence[Device], text: str, *, accepts_family: bool) -> list[tuple[Device, Match | None]]:
-    """Return the family with this name alone, if ``accepts_family`` allows names, or each one with the order code."""
+    """Return each family that has the order code ``text``, with its match.
+
+    If ``accepts_family`` allows names and a family has this name, return that alone, with None instead of a match.
+    """
     from ..order_codes.labels import UnknownOrderCode
     from ..order_codes.labels import find_code as match_of
 
@@ -164,7 +173,9 @@ def _refuse_hidden(device: Device, reports_with_problems: Iterable[Report]) -> N
         Stop: There is such a file. The exit code is 1.
     """
     for report in reports_with_problems:
-        if device.name in {Path(file).stem for file in report.faulty_files}:
+        # The file of a family has its name.
+        names_of_faulty_families = {Path(file).stem for file in report.faulty_files}
+        if device.name in names_of_faulty_families:
             raise problems(report)
 
 
@@ -213,6 +224,7 @@ def _candidate_families(devices: Sequence[Device], text: str) -> list[Device]:
     """
     code = "".join(text.split()).upper()
     special_models = [device for device in devices if _is_special_model(device, code)]
+    # Only special models and older editions have a base.
     return [*special_models, *(device for device in devices if not device.base)]
 
 
@@ -222,7 +234,11 @@ def _is_special_model(device: Device, code: str) -> bool:
 
 
 def _unknown_code_error(devices: Sequence[Device], text: str) -> Stop:
-    """Return the error for an unknown code: why it misses a close one, that it names a family or file, near codes."""
+    """Return the error for an unknown code.
+
+    The message is the first of these that applies: why the text is not the code that it is close to, that it is the
+    name of a family, that it is a file, or the most similar codes.
+    """
     from ..language.files import SUFFIXES
     from ..order_codes import labels
     from ..order_codes.labels import NEAR, closest_reason, nearest_codes

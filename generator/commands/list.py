@@ -62,7 +62,10 @@ def run(arguments: argparse.Namespace) -> int:
     # The groups are the user's specs and the packaged ones. If there is only one group, nothing can be repeated.
     rows_of_groups = [_rows_of_specs(paths, cache) for paths in specs.groups]
     families, repeated_names = without_packaged_duplicates(*rows_of_groups)
-    differing_names = [name for name in repeated_names if not has_same_spec(specs.groups[0], specs.groups[1], name)]
+    differing_names: list[str] = []
+    if repeated_names:
+        own_paths, packaged_paths = specs.groups
+        differing_names = [name for name in repeated_names if not has_same_spec(own_paths, packaged_paths, name)]
     if differing_names:
         names_text = ", ".join(differing_names)
         print(f"codewheel: in your specs and in the packaged ones: {names_text}; yours are used", file=sys.stderr)
@@ -132,7 +135,8 @@ def without_packaged_duplicates(
     repeated_names: list[str] = []
     other_rows: list[Row] = []
     for row in packaged:
-        if row["family"] in user_names or not user_codes.isdisjoint(row["order_codes"]):
+        has_code_of_user = not user_codes.isdisjoint(row["order_codes"])
+        if row["family"] in user_names or has_code_of_user:
             repeated_names.append(row["family"])
         else:
             other_rows.append(row)

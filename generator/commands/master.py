@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from ..order_codes.labels import Match
 
 EXAMPLES = ("codewheel master", "codewheel master MY-ENCODER-13-SC")
+#: Longest cable that ``--cable`` accepts, in metres. Any real one is shorter.
+_LONGEST_CABLE_M = 100_000
 
 
 def add_arguments(parser: Parser) -> None:
@@ -63,7 +65,7 @@ def metres(text: str) -> int:
         length = math.ceil(float(text))
     except (ValueError, OverflowError):
         length = 0  # which is also an error
-    if not 0 < length <= 100_000:
+    if not 0 < length <= _LONGEST_CABLE_M:
         raise argparse.ArgumentTypeError(f"'{text}' is not a length in metres, such as 30")
     return length
 
@@ -99,6 +101,7 @@ def run(arguments: argparse.Namespace) -> int:
         print_json(text.sheet_data(device, match, encoder_record, sheets))
     else:
         print(text.sheet_text(device, match, encoder_record, sheets))
+    # With ``--master``, there is only its sheet.
     is_refused = arguments.master is not None and sheets[0].refusals
     return 1 if is_refused or encoder_record.obstacle else 0
 
@@ -150,7 +153,10 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, Match, Rec
         variant = with_registers(device, match.variant, register_bytes)
         answers = answers_of(device, match.variant, arguments.choose)
         has_factory_defaults = not register_bytes
-        return device, match, record(device, variant, has_factory_defaults, arguments.cable, answers)
+        encoder_record = record(
+            device, variant, as_delivered=has_factory_defaults, cable_m=arguments.cable, answers=answers
+        )
+        return device, match, encoder_record
     except RegisterError as error:
         raise Stop(str(error), 2) from None
     except Undecided as error:
@@ -208,7 +214,10 @@ def _chosen_format(arguments: argparse.Namespace, master: Master, masters: Seque
 
 
 def _cannot_use_message(master_sheet: Sheet, masters: Sequence[Master], encoder_record: Record) -> str:
-    """Return the reason why a master cannot use the encoder, and the masters with files that can."""
+    """Return the message about a master that cannot use the encoder: the reason, and the masters with files that can.
+
+    The master has refusals, of which the first one is given.
+    """
     from ..language.problems import listed
     from ..masters.sheet import sheet
 

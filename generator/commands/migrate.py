@@ -41,13 +41,13 @@ def run(arguments: argparse.Namespace) -> int:
     from .read_specs import specs_to_judge
 
     paths = specs_to_judge(arguments.specs, "migrate").paths
-    changes = 0
+    change_count = 0
     for path in _specs_and_second_readings(paths):
-        changes += _migrate_file(path, only_check=arguments.check)
+        change_count += _migrate_file(path, only_check=arguments.check)
     if arguments.check:
-        print(f"{counted(changes, 'change')} to apply")
-        return 1 if changes else 0
-    return _print_decisions(paths, changes)
+        print(f"{counted(change_count, 'change')} to apply")
+        return 1 if change_count else 0
+    return _print_decisions(paths, change_count)
 
 
 def _print_decisions(paths: Sequence[Path], changes: int) -> int:

@@ -23,7 +23,8 @@ EXAMPLES = (
     "codewheel new bench_encoder --line biss:position=32,error,warning,crc=6:0x43",
 )
 _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
-_LONGEST_NAME = 40
+#: Characters of the longest name of a family, and those of an invalid name that a message shows.
+_LONGEST_NAME, _SHOWN_CHARACTERS = 40, 60
 #: Encoders to start from. The rotary ones count revolutions, except over SPI.
 LIKE = ("biss", "ssi", "rs485", "rs485-exchanges", "spi", "linear")
 #: Function that returns the text of a spec for a family, its manufacturer, and the path of the schema.
@@ -151,10 +152,12 @@ def _refuse_invalid_name(name: str) -> None:
     """
     from ..language.rules.names import TAKEN
 
+    # A file of this name describes the manufacturer.
     is_reserved = iskeyword(name) or name == "manufacturer"
     if not _NAME.fullmatch(name) or len(name) > _LONGEST_NAME or is_reserved:
         rule = "use lowercase letters, digits and underscores"
-        raise NameRefused(f"'{name[:60]}' is not a valid family name; {rule}, such as {_suggested_name(name)}")
+        start_of_name = name[:_SHOWN_CHARACTERS]
+        raise NameRefused(f"'{start_of_name}' is not a valid family name; {rule}, such as {_suggested_name(name)}")
     if name in TAKEN:
         raise NameRefused(f"'{name}' is the name of {TAKEN[name]}; choose another name for the family")
 
@@ -178,7 +181,10 @@ def _write_new_files(text_by_path: dict[Path, str]) -> Iterator[Path]:
 
 
 def _suggested_name(name: str) -> str:
-    """Return the name in lowercase with underscores instead of other characters, or an example if that is not valid."""
+    """Return the name in lowercase with underscores instead of other characters: ``my_encoder`` for ``My-Encoder``.
+
+    If that is not valid, or is the name itself, return an example.
+    """
     with_underscores = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
     suggestion = with_underscores[:_LONGEST_NAME]
     is_valid = _NAME.fullmatch(suggestion) is not None
@@ -221,7 +227,10 @@ def _in_one_checkout(folder: Path, kind: str) -> bool:
 
 
 def _schema_reference(folder: Path, kind: str) -> str:
-    """Return the schema's path relative to the spec: the tool's own, or the copy next to the spec."""
+    """Return the path of the schema for a spec in ``folder``: the relative one of the tool's own, or that of the copy.
+
+    ``kind`` is ``device`` or ``manufacturer``. The copy is next to the spec, so its path is only its name.
+    """
     if not _in_one_checkout(folder, kind):
         return f"{kind}.schema.json"
     return Path(os.path.relpath(_schema_of_tool(kind), folder)).as_posix()

@@ -20,6 +20,7 @@ from ..targets.registry import PackageMissing, files_of, load_target, problems_o
 from .edition_devices import edition_devices
 from .terminal import Stop
 
+#: Families named in a message. If there are more, it has their number.
 _MOST_FAMILIES = 8
 
 
@@ -54,6 +55,7 @@ def devices_by_target(
     return accepted
 
 
+#: Columns of the text about the targets for ``--help``.
 _WIDTH = 79
 
 
@@ -79,10 +81,14 @@ def targets_named(names: Iterable[str] | None = None, default_names: Iterable[st
 
 
 def are_built_in(targets: Iterable[Target], names: Iterable[str] | None) -> bool:
-    """Return whether ``names``, or all built-in targets without names, are built in, and all of them were loaded."""
+    """Return whether all wanted targets are built in and were loaded. Without ``names``, all built-in ones are wanted.
+
+    ``targets`` are the loaded ones, in the order of the names.
+    """
     wanted_names = list(dict.fromkeys(names or BUILT_IN))
     all_are_loaded = [target.name for target in targets] == wanted_names
-    return all_are_loaded and set(wanted_names) <= set(BUILT_IN)
+    all_are_built_in = set(wanted_names) <= set(BUILT_IN)
+    return all_are_loaded and all_are_built_in
 
 
 def _unknown_target_message(name: str) -> str:
@@ -137,7 +143,7 @@ def load_for_targets(paths: Sequence[Path], targets: Iterable[Target]) -> tuple[
         Stop: A target fails. The exit code is 1.
     """
     families, report = load_families(paths)
-    return complete_devices(families, targets, (), report), report
+    return complete_devices(families, targets, editions=(), report=report), report
 
 
 def complete_devices(
@@ -221,6 +227,7 @@ def render_targets(
 def targets_help() -> str:
     """Return the text about all targets and their options for ``--help``. A target that fails has its error instead."""
     known_names = target_names()
+    # Two spaces are in front of a name, and at least two behind it.
     indent = " " * (max(map(len, known_names)) + 4)
     lines = [f"targets ({listed(BUILT_IN)} run by default):"]
     for name in known_names:

@@ -35,11 +35,11 @@ def _placeholders_of(path: Path) -> Iterator[Placeholder]:
     document = read_document(path, Report())
     if document is None:
         return
-    placeholders = []
+    positions_and_paths = []
     for path_in_spec in placeholder_paths(document.data):
         line, column = document.position(path_in_spec)
-        placeholders.append((line, column, path_in_spec))
-    for line, column, path_in_spec in sorted(placeholders):
+        positions_and_paths.append((line, column, path_in_spec))
+    for line, column, path_in_spec in sorted(positions_and_paths):
         name = placeholder_name(document.data, path_in_spec)
         yield Placeholder(file=document.file, line=line, column=column, name=name)
 
@@ -62,9 +62,10 @@ def placeholder_line(files: Iterable[str]) -> str:
     placeholders = list(placeholders_in(files))
     if not placeholders:
         return ""
-    first = placeholders[0]
+    first_placeholder = placeholders[0]
+    place = f"{first_placeholder.file}:{first_placeholder.line}"
     count_text = _counted_placeholders(len(placeholders))
-    return f"{count_text}, the first at {first.file}:{first.line}; codewheel check lists them"
+    return f"{count_text}, the first at {place}; codewheel check lists them"
 
 
 def _counted_placeholders(number: int) -> str:

@@ -96,6 +96,7 @@ def _has_settings(file: Path) -> bool:
 
 #: Number of files and folders after which the search below the current folder ends. It takes less than 50 ms.
 MOST_NAMES = 10_000
+#: Folders named in the message about those that were not searched. If there are more, it has their number.
 _MOST_SHOWN = 8
 
 
@@ -201,7 +202,8 @@ def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
 def _output_with_specs(specs: Specs) -> str:
     """Return a clause for an error message if the output folder has specs, which are not searched, else nothing."""
     output = specs.settings.output if specs.settings is not None else None
-    if output is None or not is_folder(output) or not find_files(output).specs:
+    has_specs = output is not None and is_folder(output) and bool(find_files(output).specs)
+    if output is None or not has_specs:
         return ""
     return f", apart from those in {output.as_posix()}, which is the output folder and is not searched"
 
@@ -235,6 +237,7 @@ def _report_not_entered(specs: Specs, folder: Path) -> None:
         not_entered += [(path, reason) for path, reason in search_result.not_entered if reason != UNREADABLE]
     paths_with_reasons = []
     for path, reason in not_entered:
+        # All of these paths end in a separator.
         is_searched_anyway = reason == LINK and _real_folder(path).startswith(searched_folders)
         if not is_searched_anyway:
             paths_with_reasons.append(f"{path.as_posix()} ({reason})")
@@ -271,6 +274,7 @@ def _specs_without_output(settings: Configuration) -> Iterator[Path]:
     """Yield the specs in the settings. A folder around the output folder is replaced by its specs outside of that."""
     output_paths = _output_paths(settings)
     for path in settings.specs:
+        # The folder ends in a separator, so only paths in it begin with it.
         contains_output = any(output.startswith(_real_folder(path)) for output in output_paths)
         if contains_output:
             yield from find_files(path, outputs=output_paths).specs
@@ -303,6 +307,7 @@ def _packaged_except(paths: Sequence[Path]) -> Iterator[Path]:
     user_paths = [os.path.realpath(path) for path in paths]
     for folder in packaged_families():
         packaged_folder = _real_folder(folder)
+        # Each folder ends in a separator in these comparisons, so that ``acme`` does not contain ``acme_new``.
         is_inside_user_folder = any(packaged_folder.startswith(os.path.join(path, "")) for path in user_paths)
         has_user_files = any(path.startswith(packaged_folder) for path in user_paths)
         if is_inside_user_folder:
@@ -354,7 +359,8 @@ def _report_unknown_targets(
     report = Report()
     for name, place in unknown_targets:
         message = f"there is no target '{name}'{suggestion(name, known_names, 'there are')}"
-        add_error(report, file, place, "undefined-reference", message, at_key=place[0] == "only")
+        is_key = place[0] == "only"
+        add_error(report, file, place, "undefined-reference", message, at_key=is_key)
     return report
 
 
@@ -382,6 +388,7 @@ def report_unknown_families(settings: Configuration | None, family_names: Iterab
                 add_error(report, settings.file, place, "undefined-reference", message)
 
 
+#: Files named in the line about the specs that were read. If there are more, it has their number.
 _MOST_FILES = 8
 
 
@@ -432,6 +439,7 @@ def _packaged_text(
     ``packaged`` are the names on the command line, of families or manufacturers. Files outside the folders of
     ``packaged_files`` are the user's.
     """
+    # The file of a family has its name.
     packaged_families_found = {path.stem for path in packaged_files}
     families_read = ", ".join(name for name in families if name in packaged_families_found)
     beginning = f"read the packaged specs of {', '.join(packaged)}: {families_read}"

@@ -119,7 +119,8 @@ def _is_named_first(family: Family, manual: Manual) -> bool:
     from ..reread.sections import WORD
 
     first_words = {word.casefold() for section in manual.sections[:1] for word in section.words}
-    return first_words >= set(WORD.findall(family.device.manual.title.casefold()))
+    title_words = set(WORD.findall(family.device.manual.title.casefold()))
+    return title_words <= first_words
 
 
 def _unnumbered_sections(family: Family) -> Mapping[int, str]:
@@ -142,6 +143,7 @@ def _passage_with_facts(
     """
     section = passage.section
     section_names = {section.number} | old.without_heading_after(section.number)
+    # Without a title on its page, this adds the number again. No section is on page 0.
     section_names.add(titles_by_page.get(section.page or 0, section.number))
     facts, number_of_facts = touched_facts.touched_by(passage, section_names)
     return _ChangedPassage(passage=passage, facts=facts, facts_of_section=number_of_facts)
@@ -211,8 +213,8 @@ def _groups_of_equal_facts(facts: Sequence[Citing]) -> list[list[Citing]]:
 
 
 def _shorten_text(text: str) -> str:
-    """Return the text with at most ``_LONGEST`` characters."""
-    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+    """Return the text with at most ``_LONGEST`` characters, cut with three dots."""
+    return text if len(text) <= _LONGEST else text[: _LONGEST - len("...")] + "..."
 
 
 def _as_data(family: Family, changed_passages: Sequence[_ChangedPassage], *, compares_words: bool) -> Mapping[str, Any]:

@@ -35,7 +35,11 @@ def as_review(findings: Sequence[Finding], form: str) -> str:
 
 
 def _workflow_command(finding: Finding) -> str:
-    """Return a workflow command, in which line ends and percent signs are escaped."""
+    """Return a workflow command, in which line ends and percent signs are escaped.
+
+    For example ``::error file=x24.yaml,line=3,col=5,title=not-allowed::the message``.
+    """
+    # In the properties, a comma or a colon would end the value.
     file = _escape_workflow_text(finding.file, ",:")
     rule = _escape_workflow_text(finding.rule, ",:")
     place = f"file={file},line={finding.line},col={finding.column},title={rule}"
@@ -43,6 +47,8 @@ def _workflow_command(finding: Finding) -> str:
 
 
 def _escape_workflow_text(text: str, more_characters: str = "") -> str:
+    """Return a text in which line ends, percent signs and ``more_characters`` are escaped: ``%0A`` for a line feed."""
+    # The percent sign comes first, so that those of the escapes stay.
     for character in f"%\r\n{more_characters}":
         text = text.replace(character, f"%{ord(character):02X}")
     return text

@@ -54,6 +54,7 @@ class Selection:
         """
         if not self.is_narrowed:
             return self.options
+        # The file of a family has its name.
         packaged_names = {path.stem for path in self.packaged}
         user_families = [name for name in families if name not in packaged_names]
         *other_options, limit = self.options
@@ -121,9 +122,10 @@ def _command_with(families: Sequence[str], user_arguments: argparse.Namespace, s
         if settings is not None and settings.specs and not packaged:
             return "codewheel generate"
     elif not user_arguments.packaged:
-        # The command has no names and reads the user's own specs, which a name would exclude.
+        # The user's command has no names and reads all own specs, which a name would exclude.
         folders = [*_own_specs(settings), *folders]
     elif needs_folder:
+        # The user's command reads only packaged specs, and the other families may be among the user's own.
         folders = _own_specs(settings) or folders
     arguments = argparse.Namespace(**vars(user_arguments))
     for family in packaged:
@@ -133,7 +135,10 @@ def _command_with(families: Sequence[str], user_arguments: argparse.Namespace, s
 
 
 def command_again(arguments: argparse.Namespace, *more_specs: str) -> str:
-    """Return the command line that writes the outputs with the arguments that the user gave, and with more specs."""
+    """Return the command line that writes the outputs with the arguments that the user gave, and with more specs.
+
+    For example ``codewheel generate my_encoder.yaml -o out --target c``.
+    """
     words = ["codewheel", "generate", *map(str, [*arguments.specs, *arguments.more_specs]), *more_specs]
     for name in arguments.packaged:
         words += ["--packaged", name]
@@ -151,7 +156,10 @@ def command_again(arguments: argparse.Namespace, *more_specs: str) -> str:
 def _is_packaged(family: str) -> bool:
     """Return True if a family, such as ``maker/my_encoder``, is among the packaged specs."""
     manufacturer, _, name = family.partition("/")
-    return any(folder.name == manufacturer and (folder / f"{name}.yaml").is_file() for folder in packaged_families())
+    for folder in packaged_families():
+        if folder.name == manufacturer and (folder / f"{name}.yaml").is_file():
+            return True
+    return False
 
 
 def _own_specs(settings: Configuration | None) -> list[str]:
@@ -208,8 +216,9 @@ def _filters_for(output: Path, settings: Configuration | None) -> FamilyFilters:
     """Return the conditions of the settings for an output folder. There are none for a folder of another run."""
     if settings is None:
         return NO_FILTERS
-    folder_of_settings = os.path.realpath(settings.output or OUTPUT)
-    return settings.only if os.path.realpath(output) == folder_of_settings else NO_FILTERS
+    configured_output = os.path.realpath(settings.output or OUTPUT)
+    is_configured_output = os.path.realpath(output) == configured_output
+    return settings.only if is_configured_output else NO_FILTERS
 
 
 def _find_packaged(arguments: argparse.Namespace, cache: Cache) -> tuple[tuple[Path, ...], tuple[str, ...]]:
@@ -218,11 +227,12 @@ def _find_packaged(arguments: argparse.Namespace, cache: Cache) -> tuple[tuple[P
     The option is one text, such as ``("c.only=X-24,my_encoder",)``, or there is none if no name is an order code.
     """
     paths: list[Path] = []
+    # For a family or a manufacturer, the option needs its families, so that the limit does not exclude them.
     families_and_codes: list[str] = []
     for name in arguments.packaged:
-        specs, names_in_specs = _packaged_specs(name, cache)
+        specs, families_or_code = _packaged_specs(name, cache)
         paths += specs
-        families_and_codes += names_in_specs
+        families_and_codes += families_or_code
     return tuple(dict.fromkeys(paths)), _option_to_limit_c(arguments, families_and_codes)
 
 
@@ -244,6 +254,7 @@ def _packaged_specs(name: str, cache: Cache) -> tuple[Sequence[Path], Sequence[s
     except Stop as stop:
         raise _no_packaged_error(name, stop, folders) from None
     spec = folders[device.manufacturer.name] / f"{device.name}.yaml"
+    # A family has no match.
     if match is None or match.unlisted:
         return [spec], [device.name]
     return [spec], [match.variant.code]

@@ -75,12 +75,14 @@ def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device
         if len(named_files) > 1:
             return None
         if named_files:
+            # Without a label, there is always one device.
             return (_load_if_possible(named_files[0].path, cache)[0],)
         devices: list[Device] = []
         for device_file in device_files:
             if not device_file.can_have(label):
                 continue
-            shows_beginnings = all(device_file.beginnings)  # They have been compared with the label just now.
+            # Beginnings that the text shows have been compared with the label by ``can_have``.
+            shows_beginnings = all(device_file.beginnings)
             devices += _load_if_possible(device_file.path, cache, label="" if shows_beginnings else label)
         return tuple(devices)
     except (OSError, ValueError, _NotSelectable):
@@ -138,17 +140,20 @@ def _read_spec_file(path: Path) -> _SpecFile:
     """
     if not path.is_file():
         raise OSError
+    # The expressions begin with the end of a line, so that they only match at the beginning of one.
     spec_text = b"\n" + path.read_bytes()
     keys = set(_KEY.findall(spec_text))
     device_names = _NAME.findall(spec_text)
     if not keys.isdisjoint(_OTHER_KINDS):
         return _SpecFile(path)
+    # A file with the key of a device that is also of another kind, or that names no single device, has no known kind.
+    has_device_key = b"device" in keys
     if not keys.isdisjoint(_MASTER_KEYS):
-        return _SpecFile(path, kind="" if b"device" in keys else _MASTER)
+        return _SpecFile(path, kind="" if has_device_key else _MASTER)
     if len(device_names) == 1:
         name = device_names[0].decode()
         return _SpecFile(path, kind=_DEVICE, name=name, beginnings=_beginnings_in_text(spec_text))
-    return _SpecFile(path, kind="" if b"device" in keys else _MANUFACTURER)
+    return _SpecFile(path, kind="" if has_device_key else _MANUFACTURER)
 
 
 def _beginnings_in_text(text: bytes) -> tuple[str, ...]:
@@ -188,7 +193,9 @@ def _read_beginnings(spec: Path) -> tuple[str, ...]:
 
 
 def _load_if_possible(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
-    """Return the device of a spec as one item, or no item if it cannot have the order code ``label``. "" is any.
+    """Return the device of a spec in a sequence, which is empty if the device cannot have the order code ``label``.
+
+    An empty label is not compared.
 
     Raises:
         _NotSelectable: The spec has problems or overlays.

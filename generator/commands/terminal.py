@@ -125,7 +125,8 @@ def _replace_in_text(error: UnicodeError) -> tuple[str | bytes, int]:
     character = error.object[error.start]
     # Python represents a byte of a file name that does not decode by one of these characters.
     if "\udc80" <= character <= "\udcff":
-        return bytes([ord(character) - 0xDC00]), error.start + 1
+        byte = ord(character) - 0xDC00
+        return bytes([byte]), error.start + 1
     base_letters = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
     return STAND_INS.get(character, base_letters or "?"), error.start + 1
 
@@ -139,7 +140,7 @@ def _replace_in_json(error: UnicodeError) -> tuple[str, int]:
         raise error
     character = error.object[error.start]
     hex_digits = character.encode("utf-16-be", "surrogatepass").hex()
-    # A character beyond 16 bits has two escapes.
+    # An escape has four digits. A character beyond 16 bits has two escapes.
     escapes = [f"\\u{hex_digits[start : start + 4]}" for start in range(0, len(hex_digits), 4)]
     return "".join(escapes), error.start + 1
 

@@ -60,7 +60,7 @@ _NO_PARAMETERS: Mapping[str, int] = MappingProxyType({})
 
 def device_dump(device: Device) -> Item:
     """Return a family as plain data."""
-    return _Dump(device, None).whole(device.variants, _NO_PARAMETERS, None)
+    return _Dump(device, variant=None).whole(device.variants, parameters=_NO_PARAMETERS, label=None)
 
 
 def variant_dump(device: Device, code_match: Match) -> Item:
@@ -218,8 +218,10 @@ class _Dump:
         return plain_members | _sources_data(own_sources) if described_part.is_sourced else plain_members
 
     def _member_data(self, member: Member, value: Any, inherited: Sources) -> Any:
-        """Return a member as plain data. A missing word, whose shape lists ``|`` and its words, is an empty string."""
-        return "" if value is None and member.shape.startswith("|") else self.plain(value, inherited)
+        """Return a member as plain data. If it is a word of a list and missing, it is an empty string."""
+        # The shape of such a member is ``|`` and the possible words.
+        is_missing_word = value is None and member.shape.startswith("|")
+        return "" if is_missing_word else self.plain(value, inherited)
 
     def _number_or_text(self, expression: Expression) -> int | str:
         """Return the number for an order code. For a family, it may be a text, such as ``48 - singleturn_bits``."""
@@ -252,7 +254,10 @@ class _Dump:
         return layout_data
 
     def _fields_data(self, layout: Layout, inherited: Sources) -> list[Item]:
-        """Return the fields of a layout, each with its highest bit. An order code has only those that have bits."""
+        """Return the fields of a layout, each with its highest bit.
+
+        For a family, these are all fields, and for an order code only those that have bits.
+        """
         fields_data: list[Item] = []
         if self.variant is None:
             for field in layout.fields:
@@ -264,7 +269,10 @@ class _Dump:
         return fields_data
 
     def _field_data(self, field: Field, high: Expression, inherited: Sources) -> Item:
-        """Return a field with the name and the members of its kind, which are members of the field in the data."""
+        """Return a field with the name and the members of its kind, which are members of the field in the data.
+
+        ``high`` is its highest bit.
+        """
         # A plain number has no members that would get in the way of those of the real kind.
         field_data: Item = self.plain(replace(field, kind=Number()), inherited)
         field_data["high"] = self._number_or_text(high)

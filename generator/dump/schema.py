@@ -85,7 +85,7 @@ def _object_schema(part: Part) -> JsonSchema:
 def _schema_of(notation: str) -> JsonSchema:
     """Return the schema of a type in the notation of ``Member.shape``, such as ``=1``, ``integer?`` or ``hex=0``."""
     if notation.startswith("="):
-        return {"const": int(notation[1:])}
+        return {"const": int(notation.removeprefix("="))}
     type_notation, _, default = notation.partition("=")
     schema = _schema_without_default(type_notation)
     return schema | {"default": json.loads(default)} if default else schema
@@ -93,10 +93,12 @@ def _schema_of(notation: str) -> JsonSchema:
 
 def _schema_without_default(notation: str) -> JsonSchema:
     """Return the schema of a list ``[x]``, a map ``{key:x}``, an optional ``x?``, words ``a|b``, or a named type."""
+    inside_brackets = notation[1:-1]
     if notation.startswith("["):
-        return {"type": "array", "items": _schema_of(notation[1:-1])}
+        return {"type": "array", "items": _schema_of(inside_brackets)}
     if notation.startswith("{"):
-        key_name, colon, value_notation = notation[1:-1].rpartition(":")
+        # ``{text}`` is a map with any keys, and ``{name:register}`` one whose keys are the member ``name``.
+        key_name, colon, value_notation = inside_brackets.rpartition(":")
         key_member = {"x-key": key_name} if colon else {}
         return {"type": "object"} | key_member | {"additionalProperties": _schema_of(value_notation)}
     if notation.endswith("?"):
@@ -213,7 +215,10 @@ def resolve_reference(shape: Shape) -> tuple[Shape, str]:
 
 
 def _data_member(name: str, unresolved: Shape) -> DataMember:
-    """Return a member with its form in XML. For a list or a map, its shape and its type are those of the values."""
+    """Return a member with its form in XML. For a list or a map, its shape and its type are those of the values.
+
+    ``unresolved`` is the shape in the schema, which may be a reference to a named one.
+    """
     shape, type_name = resolve_reference(unresolved)
     if type_name == "text":
         return DataMember(name, Kind.TEXT, shape)

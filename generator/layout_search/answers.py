@@ -71,13 +71,15 @@ def _parts_of_line(recording: Recording, layout: FoundLayout) -> _Parts:
     behind = [_field_text(field, "after") for field in split.behind]
     if layout.parity is not None:
         parity = "parity=odd" if layout.parity.is_odd else "parity=even"
-        if layout.parity.place == 0:
+        is_first_bit = layout.parity.place == 0
+        if is_first_bit:
             front.insert(0, parity)
         else:
             behind.append(parity)
     crc = ""
     if layout.crc is not None:
-        crc = _crc_text(recording.interface, layout.crc, layout.crc.forms[0])
+        most_usual_form = layout.crc.forms[0]
+        crc = _crc_text(recording.interface, layout.crc, most_usual_form)
     return _Parts(
         options=options,
         front=_with_distinct_names(front),
@@ -101,7 +103,8 @@ def _with_distinct_names(fields: Sequence[str]) -> list[str]:
         occurrence = fields_by_name.get(name, 0) + 1
         fields_by_name[name] = occurrence
         may_repeat = name == "unused"
-        distinct_fields.append(field if occurrence == 1 or may_repeat else f"{name}_{occurrence}={width}")
+        keeps_name = occurrence == 1 or may_repeat
+        distinct_fields.append(field if keeps_name else f"{name}_{occurrence}={width}")
     return distinct_fields
 
 
@@ -117,10 +120,14 @@ def _crc_text(interface: str, crc: FoundCrc, form: CrcForm) -> str:
 
 
 def _equal_lines(recording: Recording, layout: FoundLayout, line_parts: _Parts) -> Iterator[EqualLine]:
-    """Yield the lines that differ from the first one only in what the frames cannot show."""
+    """Yield the lines that differ from the first one only in what the frames cannot show, each with the reason.
+
+    ``line_parts`` are the parts of the first one.
+    """
     interface = recording.interface
     if layout.crc is not None:
         reason = "start value and inversion of a CRC cannot be told apart with frames of one length"
+        # The line itself has the first form.
         for form in layout.crc.forms[1:]:
             crc = _crc_text(interface, layout.crc, form)
             yield EqualLine(replace(line_parts, crc=crc).line(interface), reason)
@@ -154,6 +161,7 @@ def _line_with_wider_position(recording: Recording, layout: FoundLayout, line_pa
     front = layout.split.front
     if front and not front[-1].changes:
         width = layout.split.width + front[-1].width
+        # The last field in front becomes part of the position.
         wider_parts = replace(line_parts, front=line_parts.front[:-1], position=f"position={width}")
         reason = "constant bits in front of the position may be its highest bits"
         yield EqualLine(wider_parts.line(recording.interface), reason)

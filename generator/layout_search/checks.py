@@ -54,7 +54,7 @@ def crcs_of(recording: Recording) -> list[FoundCrc]:
     """
     polynomials = dict.fromkeys(known.polynomial for known in KNOWN_CRCS)
     if recording.interface == "rs485":
-        # Only a CRC of 8 bits fills the last byte.
+        # Only a CRC of 8 bits fills the last byte. Its polynomial has 9 bits with the top bit.
         polynomials = {polynomial: None for polynomial in polynomials if polynomial.bit_length() == 9}
     dividing_polynomials = [polynomial for polynomial in polynomials if _divides_all(recording, polynomial)]
     known_crcs = [_crc_with_polynomial(recording, polynomial) for polynomial in dividing_polynomials]
@@ -64,8 +64,10 @@ def crcs_of(recording: Recording) -> list[FoundCrc]:
 
 def _divides_all(recording: Recording, polynomial: int) -> bool:
     """Return True if the polynomial divides the differences of all frames, and its CRC leaves bits in front."""
-    has_room = polynomial.bit_length() <= recording.bits
-    return has_room and not any(remainder(difference, polynomial) for difference in recording.differences)
+    # A polynomial has one bit more than its CRC.
+    leaves_bits = polynomial.bit_length() <= recording.bits
+    # The remainder of a difference is 0 if the polynomial divides it.
+    return leaves_bits and not any(remainder(difference, polynomial) for difference in recording.differences)
 
 
 def _crc_with_polynomial(recording: Recording, polynomial: int) -> FoundCrc:
@@ -123,7 +125,10 @@ def _start_value(constant: int, message_bits: int, polynomial: int) -> int:
 
 
 def _unlisted_crcs(recording: Recording) -> Iterator[FoundCrc]:
-    """Yield the CRC whose polynomial is the greatest common divisor of all differences, if the frames prove it."""
+    """Yield the CRC whose polynomial is the greatest common divisor of all differences, if the frames prove it.
+
+    Nothing is yielded over RS-485, or if the CRC has fewer than 3 or more than 32 bits.
+    """
     polynomial = 0  # The divisor of 0 and any number is that number.
     for difference in recording.differences:
         polynomial = _common_divisor(polynomial, difference)

@@ -60,7 +60,8 @@ class Split:
 def splits_of(recording: Recording, first: int, end: int) -> Iterator[Split]:
     """Yield every split of the bits from ``first`` to before ``end`` that has a position, with its cost in bits.
 
-    There is one for each place of the position, and each code or byte order in which it may be sent.
+    There is one for each place of the position, and each code or byte order in which it may be sent. The cost is the
+    number of bits that describe the recording with this split, so the lowest one is the best.
     """
     step = 8 if recording.interface == "rs485" else 1
 
@@ -138,6 +139,7 @@ def _read_in_each_code(recording: Recording, sent_values: Sequence[int], width: 
 
 
 def _with_bytes_swapped(two_bytes: int, byte_count: int) -> int:
+    """Return the number with its bytes in reverse order: 0x3412 for 0x1234."""
     return int.from_bytes(two_bytes.to_bytes(byte_count, "big"), "little")
 
 
@@ -163,11 +165,15 @@ def _position_cost(recording: Recording, values: Sequence[int], width: int, cons
         moving_cost = smooth_cost(values, width)
     # The constant bits are described only once.
     moving_cost -= constant_bits
-    return min(random_cost, moving_cost), moving_cost < random_cost
+    is_smooth = moving_cost < random_cost
+    return min(random_cost, moving_cost), is_smooth
 
 
 def _divide_by_change(recording: Recording, start: int, end: int, step: int) -> Iterator[Field]:
-    """Yield a field for each run of bits, or of bytes, that all change or that are all constant."""
+    """Yield a field for each run of bits, or of bytes, that all change or that are all constant.
+
+    ``step`` is 1 for bits and 8 for bytes. A byte changes if one of its bits does.
+    """
 
     def does_change(place: int) -> bool:
         return any(recording.changing[place : place + step])
@@ -180,10 +186,14 @@ def _divide_by_change(recording: Recording, start: int, end: int, step: int) -> 
 
 
 def _field_cost(recording: Recording, field: Field, *, is_in_front: bool) -> float:
-    """Return the bits that describe a field other than the position, with its values."""
+    """Return the cost of a field other than the position: the bits that describe it and its values.
+
+    A constant field costs its width and a few bits more, and any other also the bits of its value in each frame.
+    ``is_in_front`` is true for a field in front of the position.
+    """
     if not field.changes:
-        # Such flags have a lower cost, so that they are not read as the highest bits of the position.
         are_inactive_flags = is_in_front and field.width <= _MOST_FLAGS and is_all_ones(recording, field)
+        # Such flags have a lower cost, so that they are not read as the highest bits of the position.
         return field.width - 1.0 if are_inactive_flags else field.width + _CONSTANT_BITS
     values = recording.values(field.start, field.end)
     if field.width == 1:
@@ -200,8 +210,10 @@ def is_all_ones(recording: Recording, field: Field) -> bool:
 def _cost_of_flag(values: Sequence[int]) -> float:
     """Return the bits of a flag, which are few if it is seldom active."""
     share_of_ones = sum(values) / len(values)
-    # The number of ones takes log2(len(values)) bits. Their places take none if all values are equal.
+    # Bits that describe how many of the values are 1.
+    bits_of_count = log2(len(values))
+    # The places of the ones take no bits if all values are equal, and else as many for each value as its entropy.
     if share_of_ones in (0.0, 1.0):
-        return log2(len(values))
+        return bits_of_count
     entropy = -share_of_ones * log2(share_of_ones) - (1 - share_of_ones) * log2(1 - share_of_ones)
-    return len(values) * entropy + log2(len(values))
+    return len(values) * entropy + bits_of_count

@@ -37,10 +37,11 @@ class Recording:
     @cached_property
     def changing(self) -> tuple[bool, ...]:
         """Which bits change, in the order in which they are sent."""
-        changes = 0
+        changing_bits = 0
         for difference in self.differences:
-            changes |= difference
-        return tuple(bool((changes >> place) & 1) for place in range(self.bits - 1, -1, -1))
+            changing_bits |= difference
+        highest_bit = self.bits - 1  # It is sent first.
+        return tuple(bool((changing_bits >> bit) & 1) for bit in range(highest_bit, -1, -1))
 
     @cached_property
     def independent(self) -> int:
@@ -50,15 +51,21 @@ class Recording:
     def values(self, start: int, end: int) -> list[int]:
         """Return the number in the bits from ``start`` to before ``end``, for each of the first frames."""
         mask = (1 << (end - start)) - 1
-        return [(frame >> (self.bits - end)) & mask for frame in self.frames[:MOST_FRAMES]]
+        bits_behind = self.bits - end
+        return [(frame >> bits_behind) & mask for frame in self.frames[:MOST_FRAMES]]
 
     def level(self, place: int) -> int:
-        """Return the value of a constant bit."""
-        return (self.frames[0] >> (self.bits - 1 - place)) & 1
+        """Return the value of a constant bit. ``place`` counts from 0 for the first bit sent."""
+        bits_behind = self.bits - 1 - place
+        # A constant bit is the same in all frames.
+        return (self.frames[0] >> bits_behind) & 1
 
 
 def rank(numbers: Sequence[int]) -> int:
-    """Return the rank of numbers as vectors over GF(2): how many of them are not the XOR of others."""
+    """Return the rank of numbers as vectors over GF(2): how many of them are not the XOR of others.
+
+    It is 2 for 0b01, 0b10 and 0b11, since 0b11 is the XOR of the other two.
+    """
     # Numbers that are independent of each other, by their numbers of bits.
     pivot_by_length: dict[int, int] = {}
     for number in numbers:

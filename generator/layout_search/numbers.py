@@ -25,7 +25,8 @@ def smooth_cost(values: Sequence[int], width: int) -> float:
     by_steps = width + _spread_cost(steps, width)
     if not changes_of_steps:
         return by_steps
-    return min(by_steps, 2 * width + _spread_cost(changes_of_steps, width))
+    by_changes = 2 * width + _spread_cost(changes_of_steps, width)
+    return min(by_steps, by_changes)
 
 
 def _spread_cost(numbers: Sequence[float], width: int) -> float:
@@ -37,9 +38,10 @@ def _spread_cost(numbers: Sequence[float], width: int) -> float:
 
 
 def signed(number: int, width: int) -> int:
-    """Return a number modulo 2^width as one between -2^(width-1) and 2^(width-1)."""
+    """Return a number modulo 2^width as one from -2^(width-1) to 2^(width-1) - 1: -1 for 7 with 3 bits."""
     half = 1 << (width - 1)
-    return ((number + half) & ((1 << width) - 1)) - half
+    mask = (1 << width) - 1
+    return ((number + half) & mask) - half
 
 
 def cost_beside_positions(values: Sequence[int], width: int, positions: Sequence[float]) -> float:
@@ -49,13 +51,17 @@ def cost_beside_positions(values: Sequence[int], width: int, positions: Sequence
     counts or degrees, in either direction. The best of these counts.
     """
     costs = [_spread_cost(_residuals_of_line(values, width, positions), width)]
-    for factor in (1.0, -1.0, (1 << width) / 360, -(1 << width) / 360):
+    counts_per_degree = (1 << width) / 360
+    for factor in (1.0, -1.0, counts_per_degree, -counts_per_degree):
         costs.append(_spread_cost(_residuals_of_factor(values, width, positions, factor), width))
     return 2 * width + min(costs)
 
 
 def _residuals_of_line(values: Sequence[int], width: int, positions: Sequence[float]) -> list[float]:
-    """Return the differences of the values from the line that fits best, without a wrap."""
+    """Return the differences of the values from the line that fits best, without a wrap.
+
+    The line has the user's positions as x, and the values as y.
+    """
     middle_position = sorted(positions)[len(positions) // 2]
     middle_value = values[list(positions).index(middle_position)]
     # Relative to the value in the middle, so that the values are as far from the wrap as possible.

@@ -43,6 +43,7 @@ def find_layouts(recording: Recording) -> list[FoundLayout]:
     if len(set(recording.frames)) < FEWEST:
         raise NoLayout("all frames are equal; turn the shaft, and give at least 2 different frames")
     best_layouts: dict[object, FoundLayout] = {}
+    # From the lowest cost on, so the first layout of a group is the best.
     for layout in sorted(_possible_layouts(recording), key=lambda layout: layout.cost):
         best_layouts.setdefault(_group_key(recording, layout), layout)
     layouts = _with_undecided_codes_joined(list(best_layouts.values()))
@@ -60,12 +61,13 @@ def _possible_layouts(recording: Recording) -> Iterator[FoundLayout]:
     if not any(crc.evidence > _CERTAIN for crc in crcs):
         crc_candidates.append(None)
     for crc in crc_candidates:
+        # The CRC is the last bits of a frame, and the body all others.
         body_bits = recording.bits - (crc.width if crc is not None else 0)
         crc_cost = crc.cost if crc is not None else 0.0
         for parity in (*parities_of(recording, body_bits), None):
-            first, end = _bits_between_checks(parity, body_bits)
+            first_bit, end = _bits_between_checks(parity, body_bits)
             parity_cost = _parity_cost(recording, parity, crc) if parity is not None else 0.0
-            for split in splits_of(recording, first, end):
+            for split in splits_of(recording, first_bit, end):
                 # A line has no parity over Gray code.
                 if parity is not None and split.is_gray:
                     continue
@@ -77,13 +79,15 @@ def _bits_between_checks(parity: FoundParity | None, body_bits: int) -> tuple[in
     """Return the first bit and the end of the bits between a CRC and a parity bit."""
     if parity is None:
         return 0, body_bits
-    return (1, body_bits) if parity.place == 0 else (0, body_bits - 1)
+    is_first_bit = parity.place == 0
+    return (1, body_bits) if is_first_bit else (0, body_bits - 1)
 
 
 def _parity_cost(recording: Recording, parity: FoundParity, crc: FoundCrc | None) -> float:
-    """Return the bits of a parity bit: all that the frames do not prove, and its place and kind."""
+    """Return the cost of a parity bit in bits: one for each frame that does not prove it, and its place and kind."""
     sample_count = min(len(recording.frames), MOST_FRAMES)
-    cost = _PARITY_BITS + max(sample_count - recording.independent, 0)
+    unproved_bits = max(sample_count - recording.independent, 0)
+    cost = _PARITY_BITS + unproved_bits
     usual_is_first_bit = recording.interface == "spi"
     is_first_bit = parity.place == 0
     if is_first_bit != usual_is_first_bit:

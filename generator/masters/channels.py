@@ -23,8 +23,9 @@ class FrameChannels:
         """Return the reason why a master for a single data channel cannot read the position, or an empty string."""
         if not self.before:
             return ""
-        first = f"'{self.before[0]}' is the first in the frame, and '{position_layout}' with the position follows it"
-        return f"The description of this master covers a single data channel, but {first}."
+        first_name = self.before[0]
+        order_text = f"'{first_name}' is the first in the frame, and '{position_layout}' with the position follows it"
+        return f"The description of this master covers a single data channel, but {order_text}."
 
     @property
     def gap(self) -> str:
@@ -44,8 +45,8 @@ def frame_channels(interface: Interface, position_layout: PlacedLayout) -> Frame
     names = [layout.name for layout in layouts if layout.is_sent(position_layout.parameters)]
     if position_layout.name not in names:
         return NO_CHANNELS
-    place = names.index(position_layout.name)
-    return FrameChannels(before=tuple(names[:place]), after=tuple(names[place + 1 :]))
+    index = names.index(position_layout.name)
+    return FrameChannels(before=tuple(names[:index]), after=tuple(names[index + 1 :]))
 
 
 def channel_notes(interface: Interface, position_layout: PlacedLayout) -> Iterator[str]:

@@ -107,7 +107,8 @@ def rough_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: 
         if field.name in turn_bits:
             yield from _position_parts(field, turn_bits[field.name])
             continue
-        role = _expected_role(field, "after")  # with this stage, zero bits are "after"
+        # With this stage, zero bits are "after", which also counts as padding.
+        role = _expected_role(field, stage="after")
         if role == "other" and _is_parity_of_frame(field, placed_layout):
             role = "parity"
         yield _part_without_position(field, role)
@@ -129,8 +130,10 @@ def _role_of_field(
             raise NoRecord(f"the position is not in one piece: other bits are sent before '{field.name}'")
         return "position"
     # The last field of the position has not been sent yet.
-    if stage == "position" and field.low > placed_layout.place_of(position_field_names[-1])[0]:
-        raise NoRecord(f"the position is not in one piece: '{field.name}' is sent within it")
+    if stage == "position":
+        lowest_bit_of_position, _ = placed_layout.place_of(position_field_names[-1])
+        if field.low > lowest_bit_of_position:
+            raise NoRecord(f"the position is not in one piece: '{field.name}' is sent within it")
     role = _expected_role(field, stage)
     roles_from_stage = _ROLES_AS_SENT[_ROLES_AS_SENT.index(stage) :]
     # Before the position, the common frame has only zero bits.
@@ -153,6 +156,7 @@ def _expected_role(field: PlacedField, stage: str) -> str:
         return "crc"
     if isinstance(kind, (Constant, Unused)) and kind.value == 0:
         return "before" if stage == "before" else "after"
+    # A constant or unused bit is 1 here, since zeros have been handled above.
     is_status_bit = field.width == 1 and isinstance(kind, (Flag, Constant, Unused))
     return "status" if is_status_bit else "other"
 
@@ -268,7 +272,8 @@ def _bits_of_role(frame_parts: Sequence[Part], role: str) -> int:
 def bit_counts(frame_parts: Sequence[Part]) -> dict[str, int | None]:
     """Return the numbers of bits of a frame by the names of the items for rules: ``{"crc_bits": 6, ...}``.
 
-    Left is what is sent before the position. ``frame_bits`` leaves out the parity bit.
+    ``left`` in a name means the bits sent before the position, and ``right`` those after it. ``frame_bits`` leaves out
+    the parity bit.
     """
     roles = ("multiturn", "singleturn", "padding", "status", "crc", "other", "parity")
     bits = {role: _bits_of_role(frame_parts, role) for role in roles}
@@ -297,9 +302,10 @@ def bit_counts(frame_parts: Sequence[Part]) -> dict[str, int | None]:
 
 
 def _parts_before_position(frame_parts: Sequence[Part]) -> Sequence[Part]:
+    """Return the parts that are sent before the position, which every frame of a record has."""
     roles = [part.role for part in frame_parts]
-    position_indices = [roles.index(role) for role in ("multiturn", "singleturn") if role in roles]
-    return frame_parts[: min(position_indices)]
+    first_indices = [roles.index(role) for role in ("multiturn", "singleturn") if role in roles]
+    return frame_parts[: min(first_indices)]
 
 
 def _parts_after_status(frame_parts: Sequence[Part]) -> Sequence[Part]:

@@ -39,19 +39,24 @@ def _register_in_words(device: Device, name: str) -> str:
 def frame_notes(
     device: Device, position_name: str, placed_layout: PlacedLayout, frame_parts: Sequence[Part], as_delivered: bool
 ) -> Iterator[str]:
-    """Yield sentences about registers that change the frame, about a signed position, and about fixed status bits."""
+    """Yield sentences about registers that change the frame, about a signed position, and about fixed status bits.
+
+    ``as_delivered`` is true if the registers have their factory defaults.
+    """
     yield from _register_notes(device, "widths depend", set(placed_layout.layout.bits.parameters), as_delivered)
     yield from _register_notes(device, "code depends", {placed_layout.layout.gray_when} - {""}, as_delivered)
     position = placed_layout.find_field(position_name)
     if position is not None and position.field.number.signed:
         lowest, highest = device.signed_range(position, placed_layout)
+        all_ones = (1 << position.width) - 1
         yield (
             f"The position is signed, in two's complement: {lowest} to {highest}. A master that reads it as unsigned "
-            f"shows -1 as {(1 << position.width) - 1}."
+            f"shows -1 as {all_ones}."
         )
-    fixed = [part.name for part in frame_parts if part.role == "status" and not part.active]
-    if fixed:
-        yield f"{' and '.join(fixed)}: always 1, which a master treats as an inactive status bit."
+    # A status bit without an active level never changes.
+    fixed_bits = [part.name for part in frame_parts if part.role == "status" and not part.active]
+    if fixed_bits:
+        yield f"{' and '.join(fixed_bits)}: always 1, which a master treats as an inactive status bit."
 
 
 def split_notes(
@@ -77,7 +82,10 @@ def split_notes(
 
 
 def _register_notes(device: Device, dependence: str, parameters: set[str], as_delivered: bool) -> Iterator[str]:
-    """Yield a sentence about the registers that set any of these parameters. ``dependence`` begins it."""
+    """Yield a sentence about the registers that set any of these parameters.
+
+    ``dependence`` is ``widths depend`` or ``code depends``: "The widths depend on registers: …".
+    """
     needed_names = device.needed_parameters(parameters)
     register_names = [parameter.register for parameter in device.run_time_parameters if parameter.name in needed_names]
     registers = dict.fromkeys(_register_in_words(device, name) for name in register_names)

@@ -175,15 +175,15 @@ def _without_not_given(text: str) -> str:
 
 
 def _parse_bits(text: str) -> tuple[int | None, int | None]:
-    """Return the highest and the lowest bit of ``5:0`` or ``6``, or None for both."""
+    """Return the highest and the lowest bit of ``5:0`` or ``6``, or None for both if the text is empty."""
     if not text:
         return None, None
     high, _, low = text.partition(":")
-    return int(high), int(low or high)
+    return int(high), int(low or high)  # A single bit is both.
 
 
 def reason_for_misfit(name: str, value: int | bool | str | None, places: Sequence[Place]) -> str:
-    """Return the reason that a place cannot hold a value, or an empty string. Texts fit everywhere."""
+    """Return ``Bits would be 70, but it is at most 63`` for a value that does not fit, or "". Texts fit everywhere."""
     if not isinstance(value, int):
         return ""
     for place in places:
@@ -199,7 +199,8 @@ def _highest_value(place: Place) -> int | None:
     """Return the highest value that fits the range and the bits of a location, or None without a limit."""
     limits = [] if place.maximum is None else [place.maximum]
     if place.kind == "unsigned" and place.bits is not None:
-        limits.append((1 << place.bits) - 1)
+        all_ones = (1 << place.bits) - 1
+        limits.append(all_ones)
     return min(limits, default=None)
 
 
@@ -402,7 +403,7 @@ class _Ordering(NamedTuple):
 def _names_in_order(names: tuple[str, ...], orderings: tuple[_Ordering, ...]) -> tuple[str, ...]:
     """Return the names with all predecessors of each before it. Remembered, since order codes share their rules.
 
-    The first name whose predecessors have all been written is next.
+    The first name whose predecessors have all been written is next. The check of a description finds cycles.
     """
     predecessors = {name: set[str]() for name in names}
     for ordering in orderings:

@@ -145,7 +145,7 @@ def record(
         *channel_notes(frame.interface, frame.placed_layout),
         *filter(None, (obstacle, crc_obstacle)),
     )
-    # Without the limit of a cable.
+    # The record is first built for any cable.
     unlimited = _build_record(frame, parts, numbers, cables, notes, needed_answers)
     unlimited = replace(unlimited, obstacle=obstacle, crc_obstacle=crc_obstacle)
     return unlimited if cable_m is None else _limit_to_cable(unlimited, cable_m)
@@ -173,7 +173,10 @@ def _position_frame(device: Device, variant: Variant, answers: Mapping[str, str]
 
 
 def _parts_and_obstacle(frame: _PositionFrame) -> tuple[tuple[Part, ...], str]:
-    """Return the parts of the frame and an empty string, or its rough parts and why no master can take them."""
+    """Return the parts of the frame, and the reason why no master can take them, or an empty string if they can.
+
+    With a reason, the parts are only the rough ones.
+    """
     layout = frame.placed_layout.layout
     try:
         if layout.in_bytes:
@@ -189,8 +192,8 @@ def _crc_obstacle(device: Device, placed_layout: PlacedLayout) -> str:
     crc = device.crc_of(placed_layout)
     if crc is None or _is_common_form(device, crc):
         return ""
-    form = "is not sent most significant bit first, either plain or fully inverted"
-    return f"No master described here can check the CRC: '{crc.name}' {form}."
+    problem = "is not sent most significant bit first, either plain or fully inverted"
+    return f"No master described here can check the CRC: '{crc.name}' {problem}."
 
 
 def _is_common_form(device: Device, crc: Crc) -> bool:
@@ -199,7 +202,9 @@ def _is_common_form(device: Device, crc: Crc) -> bool:
     The polynomial must end with + 1, since masters may omit this 1.
     """
     is_reflected = device.reflects_input(crc) or crc.refout
-    return not is_reflected and crc.xorout in (0, crc.mask) and bool(crc.poly & 1)
+    is_plain_or_inverted = crc.xorout in (0, crc.mask)
+    ends_with_1 = bool(crc.poly & 1)
+    return not is_reflected and is_plain_or_inverted and ends_with_1
 
 
 def _build_record(
@@ -210,7 +215,10 @@ def _build_record(
     notes: tuple[str, ...],
     answers: Mapping[str, str],
 ) -> Record:
-    """Return the record without a cable length."""
+    """Return the record for any cable length, without the reasons why masters cannot use it.
+
+    ``used_hz`` is empty if the highest clock is known.
+    """
     device, interface = frame.device, frame.interface
     timeout = interface.timeout_of(frame.variant.code) if isinstance(interface, Biss) else None
     clock = interface.clock_of(frame.variant.code)
@@ -234,7 +242,10 @@ def _build_record(
 
 
 def _numbers_by_name(frame: _PositionFrame, frame_parts: Sequence[Part]) -> dict[str, int | None]:
-    """Return the numbers of a record by name, in the order of ``NUMBERS``."""
+    """Return the numbers of a record by name, in the order of ``NUMBERS``: ``{"position_bits": 24, …}``.
+
+    A number that the spec does not give is None.
+    """
     variant = frame.variant
     crc = frame.device.crc_of(frame.placed_layout)
     widths = bit_counts(frame_parts)
@@ -265,17 +276,22 @@ def _words_by_name(
 
 def _status_active(frame_parts: Sequence[Part]) -> str:
     """Return the level at which the status bits are active, ``mixed`` if they differ, or ``none``."""
-    # A bit that is always 1 is an active-low bit that is never active.
+    # A bit that is always 1 has no level. It is an active-low bit that is never active.
     levels = {part.active or "low" for part in frame_parts if part.role == "status"}
     if not levels:
         return "none"
-    return levels.pop() if len(levels) == 1 else "mixed"
+    have_same_level = len(levels) == 1
+    return levels.pop() if have_same_level else "mixed"
 
 
 def _limit_to_cable(unlimited: Record, metres: int) -> Record:
-    """Return the record with the highest clock for this cable length, or with the clocks in use if that is not known.
+    """Return the record with the highest clock for this cable length: that of the table or, if lower, the encoder's.
 
-    The row of the table is kept only if it limits the clock, and not the encoder.
+    If the encoder's is not known, the record has the clocks in use that the table allows. ``cable_row`` is the row of
+    the table if it limits the clock, or None if the encoder does.
+
+    Raises:
+        NoRecord: The table has no such length, or its clock is lower than the encoder's lowest.
     """
     row = _cable_row(unlimited, metres)
     slowest_hz, fastest_hz = unlimited.numbers["clock_min_hz"], unlimited.numbers["clock_max_hz"]
@@ -325,17 +341,21 @@ def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
     The polynomial x^6 + x + 1 is 0x43, or 0x03 without its top bit, or 0x21 without its last 1.
     """
     polynomial = crc.poly_with_top_bit if crc is not None else 0
+    is_inverted = crc is not None and crc.xorout != 0
     return {
         "crc_polynomial": polynomial,
         "crc_polynomial_without_top_bit": crc.poly if crc is not None else 0,
         "crc_polynomial_without_last_1": polynomial >> 1,
         "crc_start": crc.init if crc is not None else 0,
-        "crc_inverted": int(crc is not None and crc.xorout != 0),
+        "crc_inverted": int(is_inverted),
     }
 
 
 def _clock_and_times(interface: Biss | Ssi, code: str) -> dict[str, int | None]:
-    """Return clock and times of an order code by name, with None for those that the spec does not give."""
+    """Return clock and times of an order code by name, with None for those that the spec does not give.
+
+    For example ``{"clock_min_hz": 80000, "clock_max_hz": 5000000, "pause_us": 20, …}``.
+    """
     timings = {timing.name: timing for timing in facts_for_code(interface.timings, code)}
     pause, busy = timings.get("pause"), timings.get("busy")
     clock = interface.clock_of(code)
@@ -361,6 +381,7 @@ def _longest_timeout_us(timeout: Timeout, clock: Clock) -> int | None:
 
 
 def _divide_rounding_up(number: int, divisor: int) -> int:
+    # Division rounds down, so that of the negative number rounds its amount up.
     return -(-number // divisor)
 
 
@@ -381,8 +402,8 @@ def _measurement_numbers(measurement: Measurement, variant: Variant, multiturn_b
     return {
         "counts_per_turn": counts.value(variant.parameters) if counts is not None else None,
         "turns": turn_count,
-        "step_um": _whole_number(step, 1),
-        "step_pm": _whole_number(step, 1_000_000),
+        "step_um": _whole_number(step, per_um=1),
+        "step_pm": _whole_number(step, per_um=1_000_000),
     }
 
 
@@ -395,12 +416,17 @@ def _singleturn_codes(movement: str, singleturn_bits: int | None, counts_per_tur
         return "none"
     if counts_per_turn is None or singleturn_bits is None:
         return "unknown"
-    return "all" if counts_per_turn == 1 << singleturn_bits else "some"
+    number_of_codes = 1 << singleturn_bits
+    return "all" if counts_per_turn == number_of_codes else "some"
 
 
 def _whole_number(step: Fraction | None, per_um: int) -> int | None:
-    """Return a length in micrometres in another unit, or None if it is not a whole number of that unit."""
+    """Return a length in micrometres in another unit, or None if it is not a whole number of that unit.
+
+    ``per_um`` is the number of these units in a micrometre, such as 1,000,000 for picometres.
+    """
     if step is None:
         return None
     length = step * per_um
-    return int(length) if length.denominator == 1 else None
+    is_whole = length.denominator == 1
+    return int(length) if is_whole else None

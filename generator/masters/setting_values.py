@@ -37,7 +37,10 @@ class UnknownValue(Exception):
 
 
 def _unknown_number(number: str, step: Fraction | None = None) -> UnknownValue:
-    """Return the error about a number without a value. A step may be known, but not whole in the unit of the item."""
+    """Return the error about a number without a value.
+
+    ``number`` is its name, such as ``step_um``. The ``step`` may be known, but not whole in the unit of this item.
+    """
     if number in STEPS and step is not None:
         return UnknownValue(f"one count is {decimal(step)} µm, not a whole number of {STEPS[number]}")
     return UnknownValue(f"not in the encoder's spec ({NUMBERS[number]})")
@@ -60,7 +63,7 @@ def _condition_holds(condition: Raw, record: Record) -> bool:
 
 
 def is_within_limits(limit: Raw, record: Record) -> bool:
-    """Return whether an item of the record is within its limits or unknown.
+    """Return whether an item of the record is within its limits, or a number without a value.
 
     The limits of a word are the list ``is``. Those of a number are ``at_least``, ``at_most``, ``one_of`` and
     ``none_of``, all of them optional.
@@ -71,6 +74,7 @@ def is_within_limits(limit: Raw, record: Record) -> bool:
     number = record.numbers[name]
     if number is None:
         return True
+    # A limit that is not given has the number itself as default, so it always holds.
     is_in_range = limit.get("at_least", number) <= number <= limit.get("at_most", number)
     is_listed = number in limit.get("one_of", (number,))
     is_excluded = number in limit.get("none_of", ())
@@ -244,6 +248,7 @@ def _selectable_clock(clock_rule: Raw, record: Record) -> ValueOfSetting:
     clock_hz = best_selectable_clock(clock_rule, record)
     bound = "at_most" if _is_highest_clock_known(record) else START_WITH
     row = record.cable_row
+    # If the table prints an exclusive limit, ``row.highest_hz`` is lower than the printed ``row.hz``, which is shown.
     if row is not None and row.is_below and clock_hz == row.highest_hz:
         clock_hz = row.hz
         bound = "below"
@@ -251,9 +256,10 @@ def _selectable_clock(clock_rule: Raw, record: Record) -> ValueOfSetting:
     if unit not in _HZ_BY_UNIT:
         return ValueOfSetting(clock_hz, hertz(clock_hz), bound)
     whole_number, remainder_hz = divmod(clock_hz, _HZ_BY_UNIT[unit])
-    number = f"{clock_hz / _HZ_BY_UNIT[unit]:g}" if remainder_hz else str(whole_number)
-    text = f"{number} Hz ({hertz(clock_hz)})" if unit == "Hz" else f"{number} {unit}"
-    value: int | str = int(number) if number.isdigit() else number
+    number_text = f"{clock_hz / _HZ_BY_UNIT[unit]:g}" if remainder_hz else str(whole_number)
+    text = f"{number_text} Hz ({hertz(clock_hz)})" if unit == "Hz" else f"{number_text} {unit}"
+    # A number with decimals stays a text, such as "1.25".
+    value: int | str = int(number_text) if number_text.isdigit() else number_text
     return ValueOfSetting(value, text, bound)
 
 
@@ -318,7 +324,9 @@ def _field_texts(rule: Raw, setting_name: str, record: Record) -> Iterator[str]:
         if rule_applies(field_rule, record):
             template_by_kind.setdefault(field_rule["of"], field_rule["text"])
     yield _filled_if_known(rule.get("start", ""), record)
-    parts = _with_whole_position(record) if "position" in template_by_kind else _with_two_parts_of_position(record)
+    has_whole_position = "position" in template_by_kind
+    parts = _with_whole_position(record) if has_whole_position else _with_two_parts_of_position(record)
+    # The record has the parts in the order sent.
     if rule["first"] != "sent_first":
         parts = parts[::-1]
     for part in parts:
@@ -345,7 +353,11 @@ def _with_two_parts_of_position(record: Record) -> Sequence[Part]:
 
 
 def _with_neighbours_merged(frame_parts: Sequence[Part], roles: Collection[str]) -> Sequence[Part]:
-    """Return the parts with neighbours that have the same one of these roles merged, under the name of that role."""
+    """Return the parts, in which neighbours with the same one of these roles are one part.
+
+    Two neighbouring parts of 4 and 8 singleturn bits become the part ``singleturn`` of 12 bits. A part with one of the
+    roles is named after it, even if it has no such neighbour.
+    """
     merged_parts: list[Part] = []
     for part in frame_parts:
         if part.role not in roles:

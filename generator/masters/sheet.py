@@ -137,6 +137,7 @@ def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Report
     """
     report = Report()
     masters: dict[str, Master] = {}
+    # The user's masters come second, so they replace shipped ones. Within a group, each name may occur once.
     for group in ([packaged_masters()], paths):
         group_names: set[str] = set()
         for document in read_specs(group, report):
@@ -276,14 +277,20 @@ def _refusals_of_values(settings: Sequence[Setting]) -> Iterator[Refusal]:
 
 
 def _refusals_of_crc(master: Master, record: Record) -> Iterator[Refusal]:
-    """Yield a refusal if no master can check the CRC, and this one does, since its rules depend on the CRC."""
-    if record.crc_obstacle and _CRC_ITEMS & _mentioned_items((master.limits, master.settings)):
+    """Yield a refusal if no master can check the CRC, and this one does, since its rules depend on the CRC.
+
+    ``crc_obstacle`` is the reason why none can, or an empty string.
+    """
+    checks_crc = bool(_CRC_ITEMS & _mentioned_items((master.limits, master.settings)))
+    if record.crc_obstacle and checks_crc:
         yield Refusal(reason=record.crc_obstacle, standing="inferred", source="")
 
 
+#: Items about the computation of the CRC, such as ``crc_polynomial``.
 _CRC_ITEMS = {name for name in NUMBERS if name.startswith("crc_")} - {"crc_bits"}
 #: Items whose values are valid for any frame, as they do not depend on other bits of it.
 _ITEMS_OF_ANY_FRAME = {"multiturn_bits", "singleturn_bits", "position_bits", "status_bits", *_CRC_ITEMS, "crc_bits"}
+#: Items that count bits of the frame, such as ``data_bits``, ``padding_left`` and ``other_bits_right``.
 _FRAME_ITEMS = {name for name in NUMBERS if name.endswith("_bits") or "padding" in name or "bits_" in name}
 
 
@@ -298,7 +305,8 @@ def _depends_on_whole_frame(rule: Raw) -> bool:
     items_in_value = _mentioned_items({key: rule[key] for key in ("value", "choice") if key in rule})
     items_in_text = set(re.findall(r"\{(\w+)\}", rule.get("text", "")))
     frame_items = _FRAME_ITEMS & (items_in_value | items_in_text)
-    return len(frame_items) > 1 or not frame_items <= _ITEMS_OF_ANY_FRAME
+    has_several_items = len(frame_items) > 1
+    return has_several_items or not frame_items <= _ITEMS_OF_ANY_FRAME
 
 
 def _uncovered_parts(master: Master, record: Record) -> str:
@@ -308,6 +316,7 @@ def _uncovered_parts(master: Master, record: Record) -> str:
     bits and other bits. The description mentions one if a rule depends on the item that counts its bits.
     """
     parts_and_items = zip(record.parts, _items_of_parts(record.parts), strict=True)
+    # The common parts have an empty item.
     item_by_uncommon_part = {part.name: item for part, item in parts_and_items if item}
     if not item_by_uncommon_part:
         return ""
@@ -377,6 +386,8 @@ def _with_setting_names(rule: Raw, record: Record) -> Raw:
 
 def _setting_of_rule(rule: Raw, master: Master, record: Record, unknown_parts: str) -> Setting:
     """Return a setting. Its value is None if the record lacks it, or if it depends on ``unknown_parts`` of the frame.
+
+    ``unknown_parts`` are names in a text, such as ``'parity' and 'reserved'``, which is empty if there are none.
 
     Raises:
         UnsupportedFeature: The master has no value for it.

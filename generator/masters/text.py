@@ -157,10 +157,10 @@ def _crc_text(record: Record) -> str:
     notations = f"0x{polynomial:02X} ({polynomial}) with its top bit, 0x{without_top_bit:02X} without it"
     notations += f", 0x{without_last_1:02X} without its trailing 1 (Koopman notation)"
     inversion = "inverted" if numbers["crc_inverted"] else "not inverted"
-    form = f"sent {inversion}"
+    form_text = f"sent {inversion}"
     if record.crc_obstacle:
-        form = "in a form that masters cannot check, see below"
-    return f"{numbers['crc_bits']} bits, polynomial {notations}, start value {numbers['crc_start']}, {form}"
+        form_text = "in a form that masters cannot check, see below"
+    return f"{numbers['crc_bits']} bits, polynomial {notations}, start value {numbers['crc_start']}, {form_text}"
 
 
 def legend_of_marks(masters: Sequence[Master], sheets: Sequence[Sheet], with_places: bool) -> str:
@@ -174,7 +174,8 @@ def legend_of_marks(masters: Sequence[Master], sheets: Sequence[Sheet], with_pla
         rules: tuple[Setting | WriteCondition | Refusal, ...] = (*sheet.settings, *sheet.writing, *refusals)
         standings |= {rule.standing for rule in rules}
         if with_places:
-            standings |= {place.standing for setting in sheet.settings for place in setting.places}
+            for setting in sheet.settings:
+                standings |= {place.standing for place in setting.places}
     inferred = " * = derived, not stated there." if "inferred" in standings else ""
     tried = "Not yet tested on hardware."
     if "tried" in standings:
@@ -226,7 +227,7 @@ def _lines_of_needed_values(rule: WriteCondition, master: Master, indent: str) -
     lines: list[str] = []
     for write in (*rule.needs, *rule.then):
         places = place_lines(write.places, write.text, master.devices)
-        lines += (wrapped(f"{write.title}: {place}", WIDTH, f"{indent}  ", indent) for place in places)
+        lines += (wrapped(f"{write.title}: {place}", WIDTH, prefix=f"{indent}  ", first=indent) for place in places)
     return lines
 
 
@@ -242,21 +243,24 @@ def sheet_text(device: Device, code_match: Match, record: Record, sheets: Sequen
     lines = _record_lines(device, code_match, record)
     if record.obstacle:
         return "\n".join(lines)
-    lines += ["", wrapped(legend_of_marks([sheet.master for sheet in sheets], sheets, len(sheets) == 1), WIDTH)]
+    is_single_master = len(sheets) == 1
+    legend = legend_of_marks([sheet.master for sheet in sheets], sheets, with_places=is_single_master)
+    lines += ["", wrapped(legend, WIDTH)]
     usable_sheets = [sheet for sheet in sheets if not sheet.refusals]
     for sheet in usable_sheets:
-        lines += ["", *_sheet_lines(sheet, with_documents=len(sheets) == 1)]
+        lines += ["", *_sheet_lines(sheet, with_documents=is_single_master)]
+    # Masters that are not described for the interface are only listed.
     refusing_sheets = [sheet for sheet in sheets if sheet.refusals and sheet.is_described]
     if refusing_sheets:
         lines += ["", wrapped(f"According to their documentation, these cannot use {record.code}:", WIDTH)]
     for sheet in refusing_sheets:
-        lines.append(wrapped(f"{sheet.master.title} ({sheet.master.name})", WIDTH, "    ", "  "))
-        lines += [wrapped(refusal_text(reason), WIDTH, "      ", "    ") for reason in sheet.refusals]
+        lines.append(wrapped(f"{sheet.master.title} ({sheet.master.name})", WIDTH, prefix="    ", first="  "))
+        lines += [wrapped(refusal_text(reason), WIDTH, prefix="      ", first="    ") for reason in sheet.refusals]
     undescribed_titles = [sheet.master.title for sheet in sheets if not sheet.is_described]
     if undescribed_titles:
         title = INTERFACES[record.words["interface"]].title
         sentence = f"These masters are not described for {title}: {'; '.join(undescribed_titles)}."
-        lines += ["", wrapped(sentence, WIDTH, "  ", "")]
+        lines += ["", wrapped(sentence, WIDTH, prefix="  ", first="")]
     if usable_sheets and len(sheets) > 1:
         example = usable_sheets[0].master.name
         lines += ["", f"--master NAME shows one of them with its documents, such as {example}."]
@@ -265,25 +269,27 @@ def sheet_text(device: Device, code_match: Match, record: Record, sheets: Sequen
 
 def _record_lines(device: Device, code_match: Match, record: Record) -> list[str]:
     """Return the order code, notes about how its label is written, and the record."""
-    lines = [wrapped(f"{code_match.variant.code}: {device.title}", WIDTH, "  ", "")]
+    lines = [wrapped(f"{code_match.variant.code}: {device.title}", WIDTH, prefix="  ", first="")]
     if code_match.written_as_in:
-        lines.append(wrapped(f"the label is written as in {code_match.written_as_in}", WIDTH, "  "))
+        lines.append(wrapped(f"the label is written as in {code_match.written_as_in}", WIDTH, prefix="  "))
     if code_match.unlisted:
         lines.append(
-            wrapped(f"accepted, although not listed in the manual: {', '.join(code_match.unlisted)}", WIDTH, "  ")
+            wrapped(
+                f"accepted, although not listed in the manual: {', '.join(code_match.unlisted)}", WIDTH, prefix="  "
+            )
         )
     statements = (*grade_below_manual(device), *origin(device))
-    lines += [wrapped(PLAIN_STYLE.sentence(statement), WIDTH, "  ") for statement in statements]
+    lines += [wrapped(PLAIN_STYLE.sentence(statement), WIDTH, prefix="  ") for statement in statements]
     if code_match.special:
-        lines.append(wrapped("A code that ends in /Sxxx may differ from the manual.", WIDTH, "  "))
-    lines += two_columns(record_facts(record), 2)
-    lines += [wrapped(note, WIDTH, "  ") for note in record.notes]
+        lines.append(wrapped("A code that ends in /Sxxx may differ from the manual.", WIDTH, prefix="  "))
+    lines += two_columns(record_facts(record), indent=2)
+    lines += [wrapped(note, WIDTH, prefix="  ") for note in record.notes]
     return lines
 
 
 def _sheet_lines(sheet: Sheet, with_documents: bool) -> list[str]:
     """Return the settings of a master, with the places of settings, files and documents if ``with_documents``."""
-    lines = [wrapped(f"{sheet.master.title} ({sheet.master.name})", WIDTH, "  ", "")]
+    lines = [wrapped(f"{sheet.master.title} ({sheet.master.name})", WIDTH, prefix="  ", first="")]
     longest_name = max((len(setting.name) for setting in sheet.settings), default=0)
     longest_value = max((len(_setting_text(setting)) for setting in sheet.settings), default=0)
     name_width, value_width = min(longest_name, _WIDEST_NAME), min(longest_value, _WIDEST_VALUE)
@@ -291,11 +297,11 @@ def _sheet_lines(sheet: Sheet, with_documents: bool) -> list[str]:
         lines += _setting_lines(setting, sheet, name_width, value_width)
         if with_documents:
             lines += _lines_of_places(setting, sheet)
-    lines += [wrapped(refusal_text(gap), WIDTH, "    ", "  - ") for gap in sheet.gaps]
+    lines += [wrapped(refusal_text(gap), WIDTH, prefix="    ", first="  - ") for gap in sheet.gaps]
     for rule in sheet.shared_writing:
-        lines.append(wrapped(condition_text(rule), WIDTH, "    ", "  - "))
+        lines.append(wrapped(condition_text(rule), WIDTH, prefix="    ", first="  - "))
         lines += _lines_of_needed_values(rule, sheet.master, "    ") if with_documents else []
-    lines += [wrapped(note, WIDTH, "    ", "  - ") for note in sheet.notes]
+    lines += [wrapped(note, WIDTH, prefix="    ", first="  - ") for note in sheet.notes]
     if with_documents:
         lines += _lines_of_files_and_documents(sheet.master)
     return lines
@@ -309,17 +315,20 @@ def _setting_lines(setting: Setting, sheet: Sheet, name_width: int, value_width:
     lines = [row]
     if len(row) > WIDTH:
         name_and_place = f"{setting.name}, {setting.at}" if setting.at else setting.name
-        lines = [wrapped(name_and_place, WIDTH, "      ", "  "), wrapped(_setting_text(setting), WIDTH, "      ")]
+        lines = [
+            wrapped(name_and_place, WIDTH, prefix="      ", first="  "),
+            wrapped(_setting_text(setting), WIDTH, prefix="      "),
+        ]
     if setting.note:
-        lines.append(wrapped(setting.note, WIDTH, "      "))
-    lines += [wrapped(sentence, WIDTH, "      ") for sentence in condition_texts(setting, sheet)]
+        lines.append(wrapped(setting.note, WIDTH, prefix="      "))
+    lines += [wrapped(sentence, WIDTH, prefix="      ") for sentence in condition_texts(setting, sheet)]
     return lines
 
 
 def _lines_of_places(setting: Setting, sheet: Sheet) -> list[str]:
     """Return the places of a setting, and of the values that its conditions need."""
     places = place_lines(setting.places, setting.text, sheet.master.devices)
-    lines = [wrapped(line, WIDTH, "        ", "      ") for line in places]
+    lines = [wrapped(line, WIDTH, prefix="        ", first="      ") for line in places]
     for rule in sheet.writing_of(setting):
         lines += _lines_of_needed_values(rule, sheet.master, "      ")
     return lines
@@ -330,17 +339,17 @@ def _lines_of_files_and_documents(master: Master) -> list[str]:
     lines = []
     if master.files:
         formats = listed((file["format"] for file in master.files), "or")
-        lines.append(wrapped(f"file: --format {formats}", WIDTH, "      ", "  "))
+        lines.append(wrapped(f"file: --format {formats}", WIDTH, prefix="      ", first="  "))
     for document in master.documents:
         title = f"{document.title}, {document.url}" if document.url else document.title
-        lines.append(wrapped(title, WIDTH, "      ", f"  {document.key}: "))
+        lines.append(wrapped(title, WIDTH, prefix="      ", first=f"  {document.key}: "))
     return lines
 
 
 def masters_text(masters: Sequence[Master]) -> str:
     """Return the list of masters, one per line."""
     rows = ((master.name, f"{master.title}: {_interface_titles(master)}") for master in masters)
-    return "\n".join(two_columns(rows, 0))
+    return "\n".join(two_columns(rows, indent=0))
 
 
 def _interface_titles(master: Master) -> str:

@@ -30,22 +30,24 @@ def problems_of_fields(fields: Sequence[LineField], interface: str) -> Iterator[
 
 def _can_change(field: LineField) -> bool:
     """Return True if a field is not a check or a constant."""
-    is_constant = (isinstance(field, Number) and field.value is not None) or field.name == "zero"
-    return not is_constant and not isinstance(field, Parity | Crc)
+    is_constant_number = isinstance(field, Number) and field.value is not None
+    is_constant = is_constant_number or field.name == "zero"
+    is_check = isinstance(field, Parity | Crc)
+    return not is_constant and not is_check
 
 
 def _problems_of_position(fields: Sequence[LineField], interface: str) -> Iterator[LineProblem]:
     """Yield the problems of the parts of the position: the whole one, or turns before the position within a turn."""
-    places = {field.name: index for index, field in enumerate(fields)}
-    if POSITION in places and (TURNS in places or IN_TURN in places):
+    index_by_name = {field.name: index for index, field in enumerate(fields)}
+    if POSITION in index_by_name and (TURNS in index_by_name or IN_TURN in index_by_name):
         message = "'position' is the whole position; write either it, or multiturn and singleturn"
-        yield LineProblem(fields[places[POSITION]].column, message)
-    if TURNS not in places:
+        yield LineProblem(fields[index_by_name[POSITION]].column, message)
+    if TURNS not in index_by_name:
         return
-    column = fields[places[TURNS]].column
-    if IN_TURN not in places:
+    column = fields[index_by_name[TURNS]].column
+    if IN_TURN not in index_by_name:
         yield LineProblem(column, "'multiturn' needs 'singleturn'; add singleturn=BITS")
-    elif places[TURNS] > places[IN_TURN] and interface != "rs485":
+    elif index_by_name[TURNS] > index_by_name[IN_TURN] and interface != "rs485":
         yield LineProblem(column, "'multiturn' must be before 'singleturn'; swap the two, or write position=BITS")
 
 
@@ -54,10 +56,10 @@ def _problems_of_length(fields: Sequence[LineField], interface: str) -> Iterator
     if not fields:
         return
     bits = sum(field.bits for field in fields)
-    fewest = 8 if interface in ("spi", "rs485") else 1
-    most = _MOST_BITS_OF_BYTES if interface == "rs485" else WIDEST
-    if not fewest <= bits <= most:
-        yield LineProblem(fields[0].column, f"the fields have {bits} bits; write {fewest} to {most}")
+    fewest_bits = 8 if interface in ("spi", "rs485") else 1
+    most_bits = _MOST_BITS_OF_BYTES if interface == "rs485" else WIDEST
+    if not fewest_bits <= bits <= most_bits:
+        yield LineProblem(fields[0].column, f"the fields have {bits} bits; write {fewest_bits} to {most_bits}")
     elif interface == "rs485" and bits % 8:
         yield LineProblem(fields[0].column, f"the fields have {bits} bits; over RS-485, write whole bytes")
 
@@ -86,6 +88,7 @@ def _problems_of_gray(
             yield LineProblem(field.column, "a parity over Gray code is not supported; write its bit as unused=1")
     names = [field.name for field in fields]
     has_turns = TURNS in names
+    # The other order of the two is a problem of its own.
     if has_turns and IN_TURN in names and names.index(IN_TURN) > names.index(TURNS) + 1:
         message = "with gray, 'singleturn' must follow 'multiturn' directly; move the fields between them"
         yield LineProblem(fields[names.index(IN_TURN)].column, message)
@@ -94,8 +97,8 @@ def _problems_of_gray(
             yield LineProblem(field.column, f"'{field.name}' has one bit, which is the same in Gray code; remove gray")
         if isinstance(field, Number) and field.is_signed:
             yield LineProblem(field.column, f"'{field.name}' is signed, and Gray code is not; remove one of the two")
-    # The counts are not a power of two.
-    if options.counts & (options.counts - 1):
+    is_power_of_two = options.counts & (options.counts - 1) == 0  # Also if there are no counts (0).
+    if not is_power_of_two:
         message = f"Gray code with {options.counts} counts (Gray excess) is not supported; remove gray and counts"
         yield LineProblem(columns.get("counts", 1), f"{message}, and convert the number in your program")
 
@@ -111,17 +114,22 @@ def _problems_of_counts(
         yield LineProblem(column, message)
     if options.turns and not options.counts:
         yield LineProblem(columns.get("turns", 1), "'turns' needs the counts per revolution; add counts=NUMBER")
+    turns = options.turns or 1
     for field in positions:
-        if options.counts * (options.turns or 1) > 1 << field.bits:
-            message = f"{options.counts} counts × {options.turns or 1} turns do not fit into {field.bits} bits"
-            yield LineProblem(column, f"{message}; write at most {1 << field.bits} counts in all")
+        number_of_values = 1 << field.bits
+        if options.counts * turns > number_of_values:
+            message = f"{options.counts} counts × {turns} turns do not fit into {field.bits} bits"
+            yield LineProblem(column, f"{message}; write at most {number_of_values} counts in all")
         if field.is_signed:
             message = "a signed position has no counts in a line; remove counts, and add its range to the spec"
             yield LineProblem(column, message)
 
 
 def _problems_of_byte_order(options: Options, fields: Sequence[LineField], interface: str) -> Iterator[LineProblem]:
-    """Yield the numbers of several bytes whose byte order is not known, or that are not whole bytes."""
+    """Yield the problems of numbers of several bytes.
+
+    Over RS-485, their byte order must be known. Over SPI, a number that is sent low byte first must be whole bytes.
+    """
     bits_before = 0  # Number of bits sent before the field.
     for field in fields:
         is_wide = field.bits > 8 and not isinstance(field, Filler)
@@ -135,8 +143,12 @@ def _problems_of_byte_order(options: Options, fields: Sequence[LineField], inter
 
 
 def _problems_of_split(field: LineField, bits_before: int) -> Iterator[LineProblem]:
-    """Yield the problems of a number over SPI that is sent low byte first, ``bits_before`` bits after the first one."""
-    if bits_before % 8 or field.bits % 8:
+    """Yield the problems of a number over SPI that is sent low byte first.
+
+    ``bits_before`` is the number of bits sent before it.
+    """
+    is_whole_bytes = bits_before % 8 == 0 and field.bits % 8 == 0
+    if not is_whole_bytes:
         message = f"'{field.name}' is not whole bytes, so low_byte_first cannot apply; add zero or unused bits"
         yield LineProblem(field.column, message)
     if isinstance(field, Number) and (field.is_signed or field.value is not None):

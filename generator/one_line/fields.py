@@ -52,6 +52,7 @@ def read_field(text: str, column: int, interface: str) -> LineField:
     if name == "parity":
         return _read_parity(values, column)
     if name in ("zero", "unused"):
+        # Written like this, so that the type is one of the two words.
         return _read_filler("zero" if name == "zero" else "unused", values, column)
     if values and values[0] in ("low", "high"):
         return _read_flag(name, values, column)
@@ -69,7 +70,8 @@ def _read_width(name: str, width_text: str, widest: int = WIDEST) -> int:
     """Return a width in bits, or raise a ``FieldError`` if the text is not a number from 1 to ``widest``."""
     bits = number_in(width_text)
     if bits is None or not 0 < bits <= widest:
-        raise FieldError(f"{quoted(width_text)} is not a width of '{name}'; write 1 to {widest}", len(name) + 1)
+        offset = len(name) + 1  # after "name="
+        raise FieldError(f"{quoted(width_text)} is not a width of '{name}'; write 1 to {widest}", offset)
     return bits
 
 
@@ -111,7 +113,8 @@ def _read_flag(name: str, values: Sequence[str], column: int) -> Flag:
         effect = "status"
     if len(values) > 2 or effect not in VERDICTS:
         message = f"{quoted(':'.join(values[1:]))} is not an effect of a flag; write error, warning or status"
-        raise FieldError(message, len(name) + len(values[0]) + 2)
+        offset = len(name) + len(values[0]) + 2  # after "name=low:"
+        raise FieldError(message, offset)
     return Flag(name, column, level, VERDICTS[effect])
 
 
@@ -148,6 +151,7 @@ def _read_crc(values: Sequence[str], column: int, interface: str) -> Crc:
     bits = _read_width("crc", values[0], _WIDEST_CRC)
     is_inverted = interface == "biss"
     numbers = list(values[1:])
+    # A word at the end replaces the default. What is left are the polynomial and perhaps the start value.
     if numbers[-1] in ("inverted", "plain"):
         is_inverted = numbers.pop() == "inverted"
     offset = len("crc=") + len(values[0]) + 1  # after "crc=width:"
@@ -170,7 +174,8 @@ def _read_polynomial(polynomial_text: str, bits: int, offset: int) -> int:
     polynomial = number_in(polynomial_text)
     top_bit = 1 << bits
     highest = 2 * top_bit - 1
-    if polynomial is None or polynomial % 2 == 0 or polynomial > highest:
+    is_even = polynomial is not None and polynomial % 2 == 0
+    if polynomial is None or is_even or polynomial > highest:
         reason = f"write an odd number of at most {highest:#x}, with or without its top bit"
         raise FieldError(f"{quoted(polynomial_text)} is not a polynomial of {bits} bits; {reason}", offset)
     return polynomial & (top_bit - 1)

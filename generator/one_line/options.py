@@ -13,6 +13,7 @@ from .line import Options
 
 _HERTZ = re.compile(r"([0-9]{1,12})([.][0-9]{1,6})?(|k|M)(?:Hz)?")
 _FACTORS = {"": 1, "k": 1_000, "M": 1_000_000}
+#: Most bytes of the request in a line.
 _LONGEST_REQUEST = 8
 
 #: Options without a value: the interfaces that have them, and the members that they set.
@@ -42,7 +43,8 @@ def _read_spi_mode(option_text: str) -> int | None:
 def _read_positive_number(option_text: str) -> int | None:
     """Return the number in a text, or None if it is 0, too large, or not a number."""
     number = number_in(option_text)
-    return number if number and number < 1 << 63 else None
+    is_too_large = number is not None and number >= 1 << 63
+    return number if number and not is_too_large else None
 
 
 def _read_hex_bytes(option_text: str) -> bytes | None:
@@ -78,15 +80,17 @@ def with_option(options: Options, text: str, interface: str) -> Options:
         known_names = [*_WORDS, *_SETTINGS]
         hint = suggestion(name, known_names) or f"; write {listed(known_names, 'or')}"
         raise FieldError(f"{quoted(name)} is not an option{hint} (a field belongs after the colon)")
-    interfaces = _WORDS[name][0] if is_word else _SETTINGS[name][0]
+    interfaces, *_ = _WORDS[name] if is_word else _SETTINGS[name]
     if interface and interface not in interfaces:
         raise FieldError(f"'{name}' is not an option of {interface}, only of {listed(interfaces)}; remove it")
     if is_word:
         if equals:
             raise FieldError(f"'{name}' has no value; write only {name}", len(name))
-        return replace(options, **_WORDS[name][1])
+        _, changed_members = _WORDS[name]
+        return replace(options, **changed_members)
     _, member, read_value, example = _SETTINGS[name]
     value = read_value(value_text)
     if value is None:
-        raise FieldError(f"{quoted(value_text)} is not a value of '{name}'; write it like {example}", len(name) + 1)
+        offset = len(name) + 1  # after "name="
+        raise FieldError(f"{quoted(value_text)} is not a value of '{name}'; write it like {example}", offset)
     return replace(options, **{member: value})

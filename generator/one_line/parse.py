@@ -67,7 +67,8 @@ def _read_interface(text: str, problems: list[LineProblem]) -> tuple[str, int]:
             message = f"there is no colon after '{interface}' and its options; write {_EXAMPLE}"
             problems.append(LineProblem(len(text) + 1, message))
         return interface, len(head)
-    if "=" in word or word.lower() in ("error", "warning", POSITION) or not colon:
+    is_field = "=" in word or interface in ("error", "warning", POSITION)
+    if is_field or not colon:
         message = "the line does not begin with its interface; write biss:, ssi:, spi: or rs485: in front of it"
         problems.append(LineProblem(1, message))
         return "biss", 0

@@ -11,6 +11,8 @@ from .line import IN_TURN, POSITION, TURNS, Crc, Filler, Flag, Line, LineField, 
 _LINE, _NOT_STATED = '"line: fields"', "TODO not stated"
 _LAYOUTS = {"biss": "single_cycle_data", "ssi": "ssi_word", "spi": "position_word", "rs485": "reply"}
 _CRC_NAME = "line_crc"
+#: Baud rate in the spec if the line states none. It is marked with TODO.
+_PLACEHOLDER_BAUD = 115200
 #: Units and meanings of fields.
 _NUMBERS = {
     POSITION: ("counts", "Position"),
@@ -81,8 +83,8 @@ def _write_head(line: Line, family_name: str, manufacturer: str, schema: str) ->
     yield f'  pattern: "{_fixed_text_of_code(family_name)}-{{output}}"'
     yield f"  source: {_LINE}"
     yield "  parts:"
-    value = f"{{{line.interface.upper()}: {{meaning: The interface of the line, interface: {line.interface}}}}}"
-    yield f"    - {{name: output, meaning: Interface, values: {value}}}"
+    only_value = f"{{{line.interface.upper()}: {{meaning: The interface of the line, interface: {line.interface}}}}}"
+    yield f"    - {{name: output, meaning: Interface, values: {only_value}}}"
     yield ""
     yield from _write_measurement(line)
 
@@ -99,8 +101,9 @@ def _write_measurement(line: Line) -> Iterator[str]:
     else:
         return
     # Without turns, the position within a revolution is the whole position.
-    of = POSITION if TURNS in widths or IN_TURN not in widths else IN_TURN
-    yield f"measurement: {{of: {of}, counts_per_turn: {counts}, turns: {turns}, source: {_LINE}}}"
+    has_only_position_in_turn = IN_TURN in widths and TURNS not in widths
+    measured_field = IN_TURN if has_only_position_in_turn else POSITION
+    yield f"measurement: {{of: {measured_field}, counts_per_turn: {counts}, turns: {turns}, source: {_LINE}}}"
     yield ""
 
 
@@ -108,11 +111,12 @@ def _write_crc(line: Line) -> Iterator[str]:
     """Yield the definition of the CRC, if the line has one."""
     for field in line.fields:
         if isinstance(field, Crc):
-            xorout = (1 << field.bits) - 1 if field.is_inverted else 0
+            all_ones = (1 << field.bits) - 1
+            xorout = all_ones if field.is_inverted else 0
             numbers = f"width: {field.bits}, poly: {field.poly:#x}, init: {field.init:#x}"
             yield "crcs:"
-            order = "refin: false, refout: false"
-            yield f"  - {{name: {_CRC_NAME}, {numbers}, {order}, xorout: {xorout:#x}, source: {_LINE}}}"
+            bit_order = "refin: false, refout: false"
+            yield f"  - {{name: {_CRC_NAME}, {numbers}, {bit_order}, xorout: {xorout:#x}, source: {_LINE}}}"
             yield ""
 
 
@@ -155,7 +159,7 @@ def _write_clock(line: Line) -> Iterator[str]:
 def _write_serial_port(line: Line) -> Iterator[str]:
     """Yield the serial port, and the exchange that has the reply."""
     source = _LINE if line.options.baud else _NOT_STATED
-    port = f"baud: {line.options.baud or 115200}, data_bits: 8, parity: none, stop_bits: 1"
+    port = f"baud: {line.options.baud or _PLACEHOLDER_BAUD}, data_bits: 8, parity: none, stop_bits: 1"
     yield f"    source: {_LINE}"
     yield f"    port: {{{port}, source: {source}}}"
     yield "    exchanges:"
@@ -165,7 +169,10 @@ def _write_serial_port(line: Line) -> Iterator[str]:
 
 
 def _write_request(line: Line) -> Iterator[str]:
-    """Yield the request. If the line does not state it, it is one byte of any value."""
+    """Yield the request to which the frame is the reply over RS-485.
+
+    If the line does not state it, it is one byte of any value.
+    """
     request = line.options.request
     content = f"constant: {int.from_bytes(request, 'big'):#x}" if request else "meaning: Request"
     yield "      - name: position_request"
@@ -173,7 +180,8 @@ def _write_request(line: Line) -> Iterator[str]:
     yield "        byte_order: high_byte_first"
     yield f"        source: {_LINE if request else _NOT_STATED}"
     yield "        fields:"
-    yield f"          - {{name: request, bits: {8 * (len(request) or 1)}, {content}}}"
+    request_bytes = len(request) or 1
+    yield f"          - {{name: request, bits: {8 * request_bytes}, {content}}}"
 
 
 def _write_layout(line: Line) -> Iterator[str]:
@@ -206,11 +214,11 @@ def _names_in_spec(line: Line) -> list[str]:
     names: list[str] = []
     for field in line.fields:
         name = f"{field.name}_bits" if isinstance(field, Filler) else field.name
-        first_name = name
+        name_without_number = name
         number = 1
         while isinstance(field, Filler) and (name in names or name in taken_names):
             number += 1
-            name = f"{first_name}_{number}"
+            name = f"{name_without_number}_{number}"
         names.append(name)
     return names
 
@@ -241,10 +249,11 @@ def _write_joins(line: Line) -> Iterator[str]:
     """
     fields_of_number: dict[str, Sequence[str]] = {}
     for field in line.fields:
-        byte_names = _byte_names(field, line)
-        fields_of_number[field.name] = byte_names[::-1] or [field.name]
-        if byte_names:
-            yield f"          {field.name}: [{', '.join(byte_names[::-1])}]"
+        # The bytes are sent low byte first.
+        most_significant_first = _byte_names(field, line)[::-1]
+        fields_of_number[field.name] = most_significant_first or [field.name]
+        if most_significant_first:
+            yield f"          {field.name}: [{', '.join(most_significant_first)}]"
     if TURNS in fields_of_number and IN_TURN in fields_of_number:
         yield f"          {POSITION}: [{', '.join([*fields_of_number[TURNS], *fields_of_number[IN_TURN]])}]"
 
@@ -284,9 +293,10 @@ def _places_unlike_biss(line: Line) -> Iterator[str]:
             yield f"crcs.{_CRC_NAME}.xorout"
     if flag_names == ["warning", "error"]:
         yield f"{frame}.warning"
-    late_names = [name for name in names[names.index(flag_names[0]) :] if name in _NUMBERS]
-    if late_names:
-        yield f"{frame}.{late_names[0]}"
+    names_from_first_flag = names[names.index(flag_names[0]) :]
+    numbers_after_flags = [name for name in names_from_first_flag if name in _NUMBERS]
+    if numbers_after_flags:
+        yield f"{frame}.{numbers_after_flags[0]}"
     if "crc" not in names:
         yield f"{frame}.fields"
 
@@ -305,7 +315,8 @@ def _write_field(field: LineField, name: str, line: Line, parity_fields: Sequenc
     match field:
         case Number():
             has_counts = field.name == POSITION and line.options.counts
-            yield _keys_of_number(field) + (", note: The line states its bits and its counts." if has_counts else "")
+            note = ", note: The line states its bits and its counts." if has_counts else ""
+            yield _keys_of_number(field) + note
         case Flag():
             effect = f", makes_position: {field.verdict}" if has_position else ""
             yield f"name: {name}, active: {field.level}{effect}, when_active: {_MEANINGS[field.verdict]}"

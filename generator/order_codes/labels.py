@@ -53,8 +53,8 @@ def nearest_codes_hint(codes: str) -> str:
     return f"; the nearest are {codes}"
 
 
-#: Highest number of characters in a label.
-LONGEST = 100
+#: Highest number of characters in a label, and those shown of a longer text.
+LONGEST, _SHOWN_CHARACTERS = 100, 20
 #: Least similarity, of 1, for a code to be suggested.
 NEAR = 0.4
 
@@ -135,7 +135,7 @@ def find_code(device: Device, text: str) -> Match:
         UnknownOrderCode: A part is missing or wrong, or the text is longer than any label.
     """
     if len(text) > LONGEST:
-        raise UnknownOrderCode(too_long(text[:20], str(len(text)), str(LONGEST)), close=True)
+        raise UnknownOrderCode(too_long(text[:_SHOWN_CHARACTERS], str(len(text)), str(LONGEST)), close=True)
     label = without_blanks(text).upper()
     # A part of the code itself may look like /Sxxx, which is a special model only after the code.
     for spelling in (as_listed(device.order_code), *device.order_code.also_written):
@@ -165,7 +165,7 @@ def without_blanks(text: str) -> str:
 
 
 def values_by_spelling(part: CodePart, spelling: Spelling) -> Mapping[str, str]:
-    """Return the listed values of ``part`` by their texts in this spelling."""
+    """Return the listed values of ``part`` by their texts in this spelling, which are mostly the same."""
     spellings_of_part = {value.text: value.value for value in spelling.values if value.part == part.name}
     return spellings_of_part or {value.text: value.text for value in part.values}
 
@@ -243,9 +243,10 @@ def _listed_value(part: CodePart, text: str) -> str | None:
 
 
 def _fitting_variant(device: Device, listed_values: Mapping[str, str | None]) -> Variant | None:
-    """Return the first listed code with these parts, where None stands for an unlisted value, or None.
+    """Return the first listed code with these parts, or None if there is none.
 
-    There is no such code if a part is unlisted where only listed values are possible.
+    In ``listed_values``, None stands for an unlisted value, which any listed code fits. There is no such code if a part
+    is unlisted where only listed values are possible.
     """
     for part in device.order_code.parts:
         if listed_values[part.name] is None and not _can_be_open(part, listed_values):
@@ -270,7 +271,7 @@ def _can_be_open(part: CodePart, listed_values: Mapping[str, str | None]) -> boo
 def expression_of_code(order_code: OrderCode, spelling: Spelling, anything: str = "") -> str:
     """Return a regular expression for the whole code in this spelling, with a group for each part.
 
-    The part named ``anything`` can have any text.
+    It is ``X\\-(?P<bits>17|24)`` for the pattern ``X-{bits}``. The part named ``anything`` can have any text.
     """
     spelled_parts = {value.part for value in spelling.values}
     pattern_by_part: dict[str, str] = {}
@@ -330,7 +331,10 @@ def _fits_if_changed(device: Device, part: CodePart, listed_values: Mapping[str,
 
 
 class _WrongPart(NamedTuple):
-    """A part that may be the wrong one. The likeliest has the fewest unlisted other parts, and then no text itself."""
+    """A part that may be the wrong one.
+
+    The least one is the likeliest: it has the fewest unlisted other parts and, if several have as few, no text itself.
+    """
 
     unlisted_others: int
     is_present: bool
@@ -369,13 +373,15 @@ def _possible_wrong_parts(device: Device, label: str) -> Iterator[_WrongPart]:
 def _has_more_than(label_match: re.Match[str], part: CodePart, label: str) -> bool:
     """Return True if a label has letters or digits of the family, apart from a wrong part and the tail.
 
-    A family whose codes consist of one part, such as ``{model}``, would otherwise be close to every label.
+    A family whose codes consist of one part, such as ``{model}``, would otherwise be close to every label. If the part
+    is missing, the whole label is of the family.
     """
     if label_match[part.name] == "":
         return True
     tail_length = len(label_match["tail_"] or "") + len(label_match["special_"] or "")
     text_before = label[: label_match.start(part.name)]
-    text_after = label[label_match.end(part.name) : len(label) - tail_length]
+    end_of_code = len(label) - tail_length
+    text_after = label[label_match.end(part.name) : end_of_code]
     return any(character.isalnum() for character in text_before + text_after)
 
 

@@ -100,7 +100,10 @@ def _expressions_over(device: Device, interface_name: str) -> Iterator[Expressio
 
 
 def _expressions_of_layout(layout: Layout) -> Iterator[Expression]:
-    """Yield the length, the positions and widths of all fields, their documented values, and the Gray excess."""
+    """Yield the length, the positions and widths of all fields, their documented values, and the Gray excess.
+
+    Documented values that are texts, such as names, are left out.
+    """
     yield layout.bits
     for field in layout.fields:
         yield field.low
@@ -193,7 +196,12 @@ def extreme_states(device: Device) -> Sequence[Sequence[State]]:
 
 def possible_states(parameters: Sequence[Parameter]) -> Sequence[Sequence[State]]:
     """Return all states of each field that holds one of the parameters: every value, or each of its codes."""
-    return _states_of_fields(parameters, lambda parameter: range(parameter.min or 0, (parameter.max or 0) + 1))
+
+    def all_values(parameter: Parameter) -> Iterable[int]:
+        lowest, highest = parameter.min or 0, parameter.max or 0
+        return range(lowest, highest + 1)
+
+    return _states_of_fields(parameters, all_values)
 
 
 def _limits_of_parameter(parameter: Parameter) -> Iterable[int]:
@@ -204,12 +212,13 @@ def _limits_of_parameter(parameter: Parameter) -> Iterable[int]:
 def _states_of_fields(
     parameters: Sequence[Parameter], values_of: Callable[[Parameter], Iterable[int]]
 ) -> Sequence[Sequence[State]]:
-    """Return the states of each field, from the lowest values to the highest.
+    """Return the states of each field. The states of one field go from the lowest values to the highest.
 
-    A parameter that is not read from a code has a field of its own, with the values that ``values_of`` lists.
-    Parameters that are read from the same code change together, so their field has a state for each code.
+    A parameter that is not read from a code has a field of its own, with the values that ``values_of`` lists in this
+    order. Parameters that are read from the same code change together, so their field has a state for each code, as
+    ``coded_states`` sorts them: ``[{"bits": 12, "turns": 0}, {"bits": 16, "turns": 4096}]``.
     """
-    # The value by code of each parameter, by the field that holds the code.
+    # By the field that holds the code, then by parameter, then by code: {"bank.mode": {"bits": {0: 12, 1: 16}}}.
     codes_by_field: dict[str, dict[str, Mapping[int, int]]] = {}
     states_by_field: list[Sequence[State]] = []
     for parameter in parameters:

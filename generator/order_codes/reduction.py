@@ -105,7 +105,7 @@ def _reduced_values(values: tuple[Any, ...], codes: Collection[str], manual_step
 
 
 def parts_of(part: Any) -> Iterator[tuple[str, Any]]:
-    """Yield the members of an object of the model that are objects themselves, or tuples."""
+    """Yield name and value of the members of an object of the model that are such objects themselves, or tuples."""
     for name in names_of_members(part.__class__):
         value = getattr(part, name)
         if isinstance(value, tuple) or names_of_members(value.__class__):
@@ -130,7 +130,7 @@ def for_codes(device: Device, codes: Collection[str]) -> Device:
     """Return the device with only these listed order codes, without interfaces and examples of the others."""
     variants = tuple(variant for variant in device.variants if variant.code in codes)
     interface_names = {variant.interface for variant in variants}
-    # The kind of an interface is its name, such as "biss".
+    # The variants have the names of interfaces, such as "biss".
     has_all_interfaces = interface_names == _names_of_parts(device.interfaces)
     with_interfaces = device if has_all_interfaces else for_interfaces(device, interface_names)
     reduced = reduced_to_codes(with_interfaces, [variant.code for variant in variants])
@@ -147,12 +147,12 @@ def for_codes(device: Device, codes: Collection[str]) -> Device:
 
 
 def _names_of_parameters(device: Device, kinds: Collection[str]) -> set[str]:
-    """Return the names of the parameters that matter for one of the interfaces."""
+    """Return the names of the parameters that matter for one of the interfaces, such as ``{"ssi", "biss"}``."""
     return {parameter.name for kind in kinds for parameter in parameters_of(device, kind)}
 
 
 def _with_used_values(part: CodePart, variants: Collection[Variant]) -> CodePart:
-    """Return the part of the order code with only the values that one of the variants has."""
+    """Return the part of the order code with only those of its values that some of the variants have."""
     used_texts = {variant.parts[part.name] for variant in variants}
     return replace(part, values=tuple(value for value in part.values if value.text in used_texts))
 
@@ -169,7 +169,7 @@ def for_interfaces(device: Device, kinds: Collection[str]) -> Device:
     """
     with_interfaces = _with_interfaces(device, kinds)
     reduced = _with_used_parts(with_interfaces, all_sent_crcs=sent_crcs(device.interfaces))
-    # By the list of the device, which is the beginning of a path in an erratum.
+    # The key is a list of the device, which is the beginning of a path in an erratum: ``registers.preset.default``.
     remaining_names = {
         "interfaces": _names_of_parts(reduced.interfaces),
         "registers": _names_of_parts(reduced.registers),
@@ -224,7 +224,8 @@ def _with_used_parts(device: Device, all_sent_crcs: Collection[str]) -> Device:
     """
     removed_crcs = set(all_sent_crcs) - sent_crcs(device.interfaces)
     layouts: list[Layout] = []
-    used_groups = {""}  # An alarm may have neither a group nor a register.
+    # With "" among the used groups and registers, an alarm that has none of its own remains.
+    used_groups = {""}
     for interface in device.interfaces:
         layouts += interface.layouts
         for layout in interface.layouts:
@@ -306,8 +307,8 @@ def _concerns_interfaces(
             is_about_part = True
         case _:
             assert_never(example)
-    codes = (variant for variant in device.variants if variant.code == example.order_code)
-    return is_about_part and all(variant.interface in interfaces for variant in codes)
+    variants_of_example = (variant for variant in device.variants if variant.code == example.order_code)
+    return is_about_part and all(variant.interface in interfaces for variant in variants_of_example)
 
 
 #: The parts of a device that contain expressions.
@@ -319,7 +320,7 @@ def with_quantities(device: Device, variant: Variant) -> Device:
 
     Quantities held in registers have their factory defaults.
     """
-    # Those that the answer to a question sets.
+    # The answer to a question sets these parameters, so their values stay open.
     open_parameters = {parameter.name for parameter in device.parameters if parameter.alternative}
     known_parameters = {name: value for name, value in variant.parameters.items() if name not in open_parameters}
     parts_with_numbers = {name: _with_numbers(getattr(device, name), known_parameters) for name in _NUMBERED_PARTS}
@@ -384,11 +385,11 @@ def _with_numbers(part: Any, known_parameters: Mapping[str, int]) -> Any:
 
 
 def _with_fixed_code(layout: Layout, known_parameters: Mapping[str, int]) -> Layout:
-    """Return the layout with a fixed code, Gray or binary, if the parameter that decides it is known."""
+    """Return the layout with a fixed code, Gray or binary, if the parameter ``gray_when`` that decides it is known."""
     if layout.gray_when not in known_parameters:
         return layout
     if known_parameters[layout.gray_when]:
-        return replace(layout, gray_when="")
+        return replace(layout, gray_when="")  # Without a condition, ``gray_of`` is always in Gray code.
     return replace(layout, gray_of="", gray_when="", gray_excess=None)
 
 
@@ -402,7 +403,7 @@ def _without_empty_fields(layout: Layout) -> Layout:
         return layout
     joins = [_without_fields(join, empty_names) for join in layout.joins]
     remaining_fields = [field for field in layout.fields if field.name not in empty_names]
-    # A join of which one field remains is that field.
+    # If one field of a join remains, the join is replaced by that field.
     field_by_join = {join.name: join.fields[0] for join in joins if len(join.fields) == 1}
     reduced = replace(
         layout,
@@ -433,7 +434,10 @@ def _without_fields(join: Join, removed_names: Collection[str]) -> Join:
 
 
 def _with_known_terms_added(expression: Expression, known_parameters: Mapping[str, int]) -> Expression:
-    """Return the expression with the terms of known parameters added to its constant."""
+    """Return the expression with the terms of known parameters added to its constant.
+
+    With ``bits`` known as 12, ``bits + turns + 1`` becomes ``turns + 13``.
+    """
     if expression.is_constant:
         return expression
     known_terms = tuple(term for term in expression.terms if _is_known(term, known_parameters))

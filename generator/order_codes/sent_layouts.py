@@ -21,8 +21,8 @@ def with_sent_layouts(interface: Interface, parameters: Mapping[str, int]) -> In
 
 def _with_sent_channels(channels: DataChannels, sent_names: Collection[str]) -> DataChannels | None:
     """Return the channels of a frame that have bits, or None if it carries a single one."""
-    order = tuple(name for name in channels.order if name in sent_names)
-    if len(order) < 2:
+    sent_order = tuple(name for name in channels.order if name in sent_names)
+    if len(sent_order) < 2:
         return None
     compared = {name: field for name, field in channels.compared.items() if name in sent_names}
-    return replace(channels, order=order, compared=compared)
+    return replace(channels, order=sent_order, compared=compared)

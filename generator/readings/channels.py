@@ -31,7 +31,9 @@ def channel_facts(reading: Reading, interface: Biss) -> Iterator[Fact]:
         for case, parameters in reading.cases(interface.name).items():
             field = compared.layout.place(parameters).field(compared.name)
             compared_bits = frame.compared_bits.value(parameters)
-            bits_by_case[case] = bits(field.high, field.high + 1 - compared_bits)
+            # The highest bits of the field are compared.
+            lowest_compared = field.high + 1 - compared_bits
+            bits_by_case[case] = bits(field.high, lowest_compared)
         channel = compared.layout.channel or 0
         yield Fact(
             sort=Sort.POSITION,

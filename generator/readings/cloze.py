@@ -92,7 +92,10 @@ def sheet(spec: Document, old_entries: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _valid_words(cloze: ClozeText, words: Sequence[str], choices: Mapping[str, Sequence[str]]) -> list[str]:
-    """Return the filled words, with a question mark for one that is no longer a choice, such as a renamed signal."""
+    """Return the filled words, with a question mark for one that is no longer a choice, such as a renamed signal.
+
+    ``choices`` are the valid words by kind of gap.
+    """
     return [word if word in choices[gap.kind] else "?" for gap, word in zip(cloze.gaps, words, strict=False)]
 
 
@@ -111,9 +114,10 @@ def read_sheet(family: Family, report: Report) -> Document | None:
     document = read_document(file, report) if file.is_file() else None
     if document is None:
         return None
-    problems_before = len(report)
-    checked = check_schema(document, report, FileKind.WORDS)
-    return document if checked is not None and len(report) == problems_before else None
+    problem_count_before = len(report)
+    checked_data = check_schema(document, report, FileKind.WORDS)
+    has_new_problems = len(report) != problem_count_before
+    return document if checked_data is not None and not has_new_problems else None
 
 
 def check_sheets(families: Iterable[Family], sound: Collection[str], report: Report, read: Reader = read_sheet) -> None:
@@ -124,7 +128,8 @@ def check_sheets(families: Iterable[Family], sound: Collection[str], report: Rep
     """
     for loaded_family in families:
         family = loaded_family.plain or loaded_family
-        sheet_document = read(family, report) if not family.device.base else None
+        is_derived = bool(family.device.base)
+        sheet_document = read(family, report) if not is_derived else None
         if sheet_document is not None and family.document.file in sound:
             compare_words(family.document, sheet_document, report)
 
@@ -172,6 +177,7 @@ def _compare_gaps(
 
     A word that is not among the choices, such as a question mark, makes the sheet outdated.
     """
+    # ``sheet_place`` is ("texts", path).
     words: Sequence[str] = sheet_document.data["texts"][sheet_place[1]]["words"]
     choices = sheet_document.data["choices"]
     for number, (gap, word) in enumerate(zip(cloze.gaps, words, strict=True), 1):
@@ -187,7 +193,9 @@ def _compare_gaps(
         sheet_text = f"{quoted(word)} in {File(sheet_document.file).name}:{line}"
         context = _text_around_gap(cloze, number)
         message = f"{context}: {quoted(gap.word)} here, {sheet_text}; check the manual and correct one of them"
-        report.add(RULE, spec, place, message, cause=f"{gap.word} {word}" if gap.kind == SIGNAL else "")
+        # Two exchanged signals differ in many texts, so they are reported as one cause.
+        cause = f"{gap.word} {word}" if gap.kind == SIGNAL else ""
+        report.add(RULE, spec, place, message, cause=cause)
 
 
 #: Number of characters of a text shown on each side of a gap.

@@ -32,6 +32,7 @@ def compare(spec: Facts, second: Facts) -> Comparison:
     spec = with_rows_of(with_order_of(spec, second), second)
     comparison = Comparison(has_names_of_spec=use_same_names(spec, second))
     place_in_spec = partial(_nearest_place, comparison, spec, second)
+    # A fact that the second reading gives by its path has the key of the spec's fact.
     second_facts = second.facts | dict(_facts_by_path(spec, second))
     disagreements = chain(
         compare_facts(comparison, spec.facts, second_facts, place_in_spec),
@@ -146,6 +147,7 @@ def _is_decided(sort: Sort, path: str, decided: Sequence[str]) -> bool:
     """Return whether ``decided`` contains the class of a fact, such as "time", its path or a path above it."""
     if sort.value in decided:
         return True
+    # With a dot at both ends, ``registers.mode`` is not above ``registers.mode_2``.
     return any(f"{path}.".startswith(f"{decided_path}.") for decided_path in decided)
 
 

@@ -75,7 +75,8 @@ def _compare_values(comparison: Comparison, spec_fact: Fact, second_fact: Fact) 
     readings have an alternative in common.
     """
     spec_value, second_value = _common_value(spec_fact.value), _common_value(second_fact.value)
-    if isinstance(spec_value, str) is not isinstance(second_value, str):
+    has_one_common_value = isinstance(spec_value, str) is not isinstance(second_value, str)
+    if has_one_common_value:
         # Only one reading has the same value in all cases. Its cases are compared with those of the other one.
         spec_value, second_value = spec_fact.value, second_fact.value
     if not isinstance(spec_value, str) and not isinstance(second_value, str):
@@ -94,7 +95,8 @@ def _common_value(value_or_cases: Value) -> Value:
     if isinstance(value_or_cases, str):
         return value_or_cases
     distinct_values = set(value_or_cases.values())
-    return distinct_values.pop() if len(distinct_values) == 1 else value_or_cases
+    has_common_value = len(distinct_values) == 1
+    return distinct_values.pop() if has_common_value else value_or_cases
 
 
 def value_text(value_or_cases: Value) -> str:
@@ -136,7 +138,10 @@ def _is_as_by_default(values: Mapping[Case, str], case: Case) -> bool:
 
 
 def _different_values(spec_fact: Fact, spec_text: str, second_fact: Fact, second_text: str) -> Disagreement:
-    """Return the disagreement on two values of a fact. For the length of a frame, it names the frame."""
+    """Return the disagreement on two values of a fact.
+
+    For the length of a frame, ``resized_frame`` has the words for the frame, and it is empty for any other fact.
+    """
     is_length = spec_fact.key[-1] == "length"
     return Disagreement(
         sort=spec_fact.sort,

@@ -154,6 +154,7 @@ def _different_ranges(spec_bits: tuple[Bit, ...], second_bits: tuple[Bit, ...]) 
         if _have_same_meaning(spec_bits[bit], second_bits[bit]):
             continue
         bit_above = bit + 1
+        # A range is (high, low), and the last one is the lowest so far.
         is_below_last_range = bool(ranges) and ranges[-1][1] == bit_above
         if (
             is_below_last_range

@@ -21,7 +21,8 @@ def with_order_of(spec: Facts, second: Facts) -> Facts:
     new_keys: dict[Key, Key] = {}
     for (_, interface, kind), keys_by_name in _connector_keys(spec).items():
         second_keys_by_name = _connector_keys(second).get(("connector", interface, kind), {})
-        if not second_keys_by_name or not second_keys_by_name.keys() <= keys_by_name.keys():
+        are_names_of_spec = second_keys_by_name.keys() <= keys_by_name.keys()
+        if not second_keys_by_name or not are_names_of_spec:
             continue
         numbered_names = list(second_keys_by_name)
         numbered_names += [name for name in keys_by_name if name not in second_keys_by_name]

@@ -38,7 +38,8 @@ def add_names(subject: Subject, placed_field: PlacedField, owner: str | int, fac
     place = subject.place
     bits_text = f"{bits(placed_field.high, placed_field.low)} of '{owner}'"
     low_and_width = placed_field.low, placed_field.width
-    if place[-2:] == ("fields", field_name):
+    has_name_at_place = place[-2:] == ("fields", field_name)
+    if has_name_at_place:
         name_fact = Fact(
             sort=Sort.POSITION,
             key=low_and_width,
@@ -84,7 +85,7 @@ def properties(
 def _facts_of_kind(subject: Subject, field: Field) -> Iterator[Fact]:
     """Yield the facts that depend on the kind of the field: about its bits, its CRC, and its named values.
 
-    The other reading may lack the verdict of unused bits, but no other verdict.
+    The other reading may lack the verdict of unused bits (``may_be_missing``), but no other of these facts.
     """
     reading = subject.reading
     for fact in subject.stated_facts(field.kind):
@@ -208,7 +209,8 @@ def _owner_text(kind: Kind, placed_field: PlacedField, placed_layout: PlacedLayo
             if not covered:
                 return "the CRC"
             lowest_covered, covered_width = placed_layout.crc_covers
-            return f"the CRC of {bits(lowest_covered + covered_width - 1, lowest_covered)}"
+            highest_covered = lowest_covered + covered_width - 1
+            return f"the CRC of {bits(highest_covered, lowest_covered)}"
         case Parity():
             return _parity_text(kind, placed_layout)
         case Text():
@@ -250,7 +252,8 @@ def _weight_in_join(placed_field: PlacedField, placed_layout: PlacedLayout) -> i
         if placed_field.name not in join.fields:
             continue
         joined_fields = placed_layout.find_fields(join.fields)
-        lower_fields = joined_fields[joined_fields.index(placed_field) + 1 :]
+        index = joined_fields.index(placed_field)
+        lower_fields = joined_fields[index + 1 :]
         total_bits = sum(field.width for field in joined_fields)
         if total_bits > longest_bits:
             longest_bits = total_bits
@@ -259,7 +262,10 @@ def _weight_in_join(placed_field: PlacedField, placed_layout: PlacedLayout) -> i
 
 
 def describe_bits(adjacent_bits: Sequence[Bit]) -> str:
-    """Describe adjacent bits of one item, highest first: ``bits 7:0 of a number``, ``constant 0010``, ``a flag``."""
+    """Describe adjacent bits of one item, such as ``bits 7:0 of a number``, ``constant 0010`` or ``a flag``.
+
+    ``adjacent_bits`` has the highest bit first.
+    """
     highest_bit = adjacent_bits[0]
     lowest_bit = adjacent_bits[-1]
     if highest_bit.fixed is not None:

@@ -81,7 +81,7 @@ def _exchange_constants(interface: Interface) -> dict[str, str]:
                 constant_texts.append(f"{in_hex(field.kind.value)} from bit {field.low.render()}")
         constants_text = ", ".join(constant_texts)
         constants_by_frame[exchange.request] = constants_text
-        # A reply to several requests is identified by the first one.
+        # A reply to several requests is identified by the first one. An exchange without a reply adds the name "".
         constants_by_frame.setdefault(exchange.reply, constants_text)
     return constants_by_frame
 
@@ -185,7 +185,7 @@ def _interface_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
     yield from interface_subject.stated_facts(interface)
     for name, joint in _JOINT_BY_PART.items():
         subject = replace(interface_subject, key=(name, interface.name), place=(*place, name), joint=joint)
-        # No kind of interface has all of these parts.
+        # No kind of interface has all of these parts. A part may differ by order code, as ``clocks_by_code`` has it.
         part = getattr(interface, name, None)
         parts_by_code = getattr(interface, f"{name}s_by_code", ())
         if part:
@@ -206,11 +206,15 @@ def _interface_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
 
 
 def _cable_clocks(reading: Reading, interface: Ssi) -> Iterator[Fact]:
-    """Yield the highest clock for each length of the cable, for each order code if it depends on that."""
-    index_by_length: dict[int, int] = {}
+    """Yield a fact for each length of the cable: its highest clock, such as ``below 400000 Hz``.
+
+    If that depends on the order code, the value is a map with the text for each one.
+    """
+    # The fact is placed at the first row for its length.
+    first_index_by_length: dict[int, int] = {}
     for index, cable in enumerate(interface.cable_lengths):
-        index_by_length.setdefault(cable.shorter_than_m, index)
-    for length, index in index_by_length.items():
+        first_index_by_length.setdefault(cable.shorter_than_m, index)
+    for length, index in first_index_by_length.items():
         rows = [row for row in interface.cable_lengths if row.shorter_than_m == length]
         rows_with_texts = [(row, f"below {row.below_hz} Hz") for row in rows]
         yield Fact(
@@ -223,7 +227,7 @@ def _cable_clocks(reading: Reading, interface: Ssi) -> Iterator[Fact]:
 
 
 def _value_by_code(reading: Reading, interface: str, rows_with_texts: Sequence[tuple[Restricted, str]]) -> Value:
-    """Return the text of the only row, or that for each order code if rows are for different order codes."""
+    """Return the text of the only row, or a map with the text for each order code if rows are for different ones."""
     first_row, first_text = rows_with_texts[0]
     if len(rows_with_texts) == 1 and not first_row.only:
         return first_text
@@ -250,14 +254,17 @@ def _biss_facts(reading: Reading, interface: Biss) -> Iterator[Fact]:
                 description=f"time-out over BiSS at {printed.clock_hz} Hz",
                 place=("interfaces", interface.name, "timeout", "printed", index, "timeout_ns"),
             )
-    offset = 0
+    bits_before = 0
     for control_field in interface.control_data:
-        yield from _control_field_facts(reading, control_field, offset)
-        offset += control_field.bits
+        yield from _control_field_facts(reading, control_field, offset=bits_before)
+        bits_before += control_field.bits
 
 
 def _control_field_facts(reading: Reading, control_field: ControlField, offset: int) -> Iterator[Fact]:
-    """Yield the facts of a field of the control frame: its bits, its values, and its CRC. ``offset`` counts from 0."""
+    """Yield the facts of a field of the control frame: its bits, its values, and its CRC.
+
+    ``offset`` is the number of bits sent before the field.
+    """
     place: Path = ("interfaces", "biss", "control_data", "fields", control_field.name)
     subject = Subject(
         reading, key=("control", offset), place=place, description=f"field of the control frame from bit {offset + 1}"
@@ -268,6 +275,7 @@ def _control_field_facts(reading: Reading, control_field: ControlField, offset: 
         value_subject = subject.inside(("value", named_value.value), ("values", named_value.name), description)
         yield from value_subject.all_facts(Sort.VALUE, named_value, "named")
     if control_field.crc:
+        # The parameters of a CRC are in the list of CRCs, outside the field.
         crc_subject = subject.inside(("crc",), (), "the control frame's CRC over BiSS")
         crc_subject = replace(crc_subject, place=("crcs", control_field.crc))
         yield from crc_subject.stated_facts(reading.device.crc(control_field.crc))

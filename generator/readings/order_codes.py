@@ -168,7 +168,10 @@ def _label_with_spelling(spelling: Spelling, variant: Variant, parts: Iterable[C
 
 
 def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[Fact]:
-    """Yield the limits of a parameter in a register, identified by the bits that hold it."""
+    """Yield the limits of a parameter in a register, such as ``minimum held in register 0x49 bits 7:4``.
+
+    They are identified by the bits that hold the parameter.
+    """
     bits_text = reading.bits_at(parameter.read_from)
     register = reading.register(parameter.register)
     for bound_name, bound in (("min", parameter.min), ("max", parameter.max)):
@@ -177,7 +180,7 @@ def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[Fa
                 sort=Sort.LIMIT,
                 key=("held", bits_text, bound_name),
                 value=count_text(bound),
-                description=f"{bound_name}imum held in {bits_text}",
+                description=f"{bound_name}imum held in {bits_text}",  # minimum or maximum
                 place=("parameters", parameter.name, bound_name),
                 depends_on=reading.key_of(register) if register is not None else (),
             )
@@ -210,7 +213,8 @@ def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]
             # The width is 0 if the frame lacks the position in this case.
             low_bit, width = layout.place(parameters).place_of(measurement.of)
             if width:
-                position_bits[case] = bits(low_bit + width - 1, low_bit)
+                high_bit = low_bit + width - 1
+                position_bits[case] = bits(high_bit, low_bit)
         if position_bits:
             position_key = (*subject.key, "of", layout.sender, *layout.selects)
             description = f"measured bits of '{layout.name}'"

@@ -60,7 +60,7 @@ class Sort(Enum):
         return self in _NEEDED
 
 
-_NEEDED = frozenset(list(Sort)[: list(Sort).index(Sort.VALUE)])
+_NEEDED = frozenset(list(Sort)[: list(Sort).index(Sort.VALUE)])  # from POSITION up to WAIT
 
 #: Key that identifies a fact within its family, without names.
 Key = tuple[str | int, ...]
@@ -178,9 +178,9 @@ class Facts:
                 self._add_name_of(key, fact)
 
     def _add_name_of(self, key: Key, fact: Fact) -> None:
-        """Add ``fact.name`` as the name of an item, under its kind: ``("register", "ssi")``, or one element."""
+        """Add ``fact.name`` as the name of an item, under its kind: ``("register", "ssi")``, or ``("alarm",)``."""
         kind = key[:2] if key[0] in _BY_INTERFACE else key[:1]
-        item_place = fact.place[: fact.place.index(fact.name) + 1]
+        item_place = fact.place[: fact.place.index(fact.name) + 1]  # It ends with the name.
         description = f"name of {fact.description}"
         name_fact = Fact(sort=fact.sort, key=key, value=fact.name, description=description, place=(*item_place, "name"))
         self.add_name(kind, name_fact)
@@ -350,7 +350,7 @@ class Reading:
         return None
 
     def field_place(self, owner: Path, field: Field) -> Path:
-        """Return the place of a field in the spec, or ``other_bits`` for added zero bits, or else its owner."""
+        """Return the place of a field in the spec, or ``other_bits`` for added zero bits, or else its owner's place."""
         if field.group:
             owner = ("field_groups", field.group)
         own_place: Path = (*owner, "fields", field.padding_of or field.name)
@@ -406,12 +406,12 @@ def interface_label(interface: str) -> str:
 
 
 def in_hex(value: int) -> str:
-    """Return a number in the notation that specs use for bits."""
+    """Return a number in the notation that specs use for bits: ``9``, ``0x0A``."""
     return f"0x{value:02X}" if value > 9 else str(value)
 
 
 def count_text(value: int) -> str:
-    """Return a number in the notation for counts."""
+    """Return a number in the notation for counts: ``9999``, ``0x2710``."""
     return str(value) if value < _LEAST_IN_HEX else f"0x{value:X}"
 
 
@@ -445,6 +445,6 @@ def same_name(names: str, other_names: str) -> bool:
 
 
 def comparable_text(text: str) -> str:
-    """Return text without the differences between readers: capitals and punctuation."""
+    """Return text without the differences between readers, capitals and punctuation: ``start bit`` for "Start-Bit"."""
     without_punctuation = _PUNCTUATION.sub(" ", text).strip()
-    return without_punctuation.casefold() or text
+    return without_punctuation.casefold() or text  # The text itself if it is only punctuation.

@@ -44,18 +44,23 @@ def _add_names(subject: Subject, register: Register, facts: Facts) -> None:
 
     The name of the first is empty if the limits name no field, that of the second is "nothing".
     """
-    description, place = f"field that the limits of {subject.description} apply to", (*subject.place, "limits_of")
-    facts.add_name(
-        ("bounded",),
-        Fact(sort=Sort.LIMIT, key=subject.key, value=register.limits_of, description=description, place=place),
+    name_of_limited_field = Fact(
+        sort=Sort.LIMIT,
+        key=subject.key,
+        value=register.limits_of,
+        description=f"field that the limits of {subject.description} apply to",
+        place=(*subject.place, "limits_of"),
     )
+    facts.add_name(("bounded",), name_of_limited_field)
     if register.opened_by:
-        opening_field_name, description = register.opened_by_field or NOTHING, f"field that opens {subject.description}"
-        place = (*subject.place, "opened_by")
-        facts.add_name(
-            ("opener",),
-            Fact(sort=Sort.BEHAVIOUR, key=subject.key, value=opening_field_name, description=description, place=place),
+        name_of_opening_field = Fact(
+            sort=Sort.BEHAVIOUR,
+            key=subject.key,
+            value=register.opened_by_field or NOTHING,
+            description=f"field that opens {subject.description}",
+            place=(*subject.place, "opened_by"),
         )
+        facts.add_name(("opener",), name_of_opening_field)
 
 
 def _register_facts(subject: Subject, register: Register) -> Iterator[Fact]:
@@ -63,11 +68,13 @@ def _register_facts(subject: Subject, register: Register) -> Iterator[Fact]:
     length_text = counted(register.length, "byte")
     yield subject.existence_fact(Sort.ADDRESS, length_text, at="address", name=register.name)
     # A single byte has no byte order.
-    yield from subject.stated_facts(register, without=("byte_order",) if register.length == 1 else ())
+    members_without_fact = ("byte_order",) if register.length == 1 else ()
+    yield from subject.stated_facts(register, without=members_without_fact)
     default = as_delivered(register)
     if default is not None:
         # Without a stated default, it is computed from the fixed values of the fields.
-        place = (*subject.place, "fields" if register.default is None else "default")
+        stated_at = "fields" if register.default is None else "default"
+        place = (*subject.place, stated_at)
         yield subject.detail_fact(Sort.DEFAULT, "default", in_hex(default), "default", place)
     if register.opened_by:
         yield subject.detail_fact(Sort.BEHAVIOUR, "opened_by", _opener_text(subject.reading, register), "opener")

@@ -91,7 +91,8 @@ def _is_in_frame(disagreement: Disagreement, frames: Sequence[str]) -> bool:
     spec_items_elsewhere = [bits_text for bits_text in spec_items if not any_frame.search(bits_text)]
     second_items_elsewhere = [bits_text for bits_text in second_items if not any_frame.search(bits_text)]
     has_items_in_frame = (spec_items_elsewhere, second_items_elsewhere) != (spec_items, second_items)
-    return has_items_in_frame and spec_items_elsewhere == second_items_elsewhere
+    differ_only_in_frame = spec_items_elsewhere == second_items_elsewhere
+    return has_items_in_frame and differ_only_in_frame
 
 
 def _own_cause(disagreement: Disagreement) -> object:
@@ -109,9 +110,11 @@ def _own_cause(disagreement: Disagreement) -> object:
     if disagreement.sort is Sort.HISTORY:
         edition = _EDITION.search(disagreement.description)
         return edition[0] if edition is not None else None
-    is_table = len(disagreement.spec_place) == 2
-    if disagreement.sort is Sort.TABLE and (is_table or disagreement.spec_value == NOTHING):
-        return "rows of a table", disagreement.second_place[1]
+    # The place of a whole table is ("tables", name), and that of a row is longer.
+    is_whole_table = len(disagreement.spec_place) == 2
+    if disagreement.sort is Sort.TABLE and (is_whole_table or disagreement.spec_value == NOTHING):
+        _, table_name, *_ = disagreement.second_place
+        return "rows of a table", table_name
     return _changed_values(disagreement)
 
 
@@ -147,6 +150,7 @@ def _changed_parameters(disagreement: Disagreement, all_disagreements: Sequence[
 
 def _digits_of_numbers(text: str) -> Set[str]:
     """Return the digits of each number in a text without zeros at its ends: ``{"3", "25"}`` for ``30 ms to 2.5 s``."""
+    # Without zeros at the ends, 30 ms and 30,000 µs have the same digits. For zero itself, "0" remains.
     return {number.replace(".", "").strip("0") or "0" for number in _NUMBER.findall(text)}
 
 
@@ -159,6 +163,7 @@ def _known_renaming_of_entry(disagreement: Disagreement, known_causes: Iterable[
         return None
     entry_name = _plain_name(str(disagreement.second_place[-1]))
     for cause in known_causes:
+        # A renaming is a tuple of the two names.
         if isinstance(cause, tuple) and cause[1] == entry_name:
             return cause
     return None

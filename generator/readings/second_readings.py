@@ -142,11 +142,12 @@ def second_of(document: Document, manufacturer: Manufacturer, report: Report) ->
 
     The problems are added to ``report``.
     """
-    problems_before = len(report)
+    problem_count_before = len(report)
     valid_data = check_second(document, report)
     device = build_device(valid_data, manufacturer, report.for_document(document)) if valid_data is not None else None
     # A device can be built although the report has new problems.
-    if device is None or len(report) != problems_before:
+    has_new_problems = len(report) != problem_count_before
+    if device is None or has_new_problems:
         return SecondReading(document, facts=None)
     return SecondReading(document, facts_of(Reading(device, document)))
 
@@ -164,12 +165,14 @@ def compare_readings(
 
     ``sound`` are the files of specs without problems. Left out are derived families, families without a second reading,
     and those in which one of the two files has problems. A second reading is checked even if its spec has some.
+    ``read`` returns the second reading of a family.
     """
     coverages = []
     for loaded_family in families:
         # A reader reads only the manual, so the family is compared without overlays.
         family = loaded_family.plain or loaded_family
-        second = read(family, report) if not family.device.base else None
+        is_derived = bool(family.device.base)
+        second = read(family, report) if not is_derived else None
         if second is None or second.facts is None or family.document.file not in sound:
             continue
         facts = facts_of(Reading(family.device, family.document))
@@ -241,6 +244,7 @@ def _report_disagreements(disagreements: Related, spec: Document, second: Docume
 
     The report is about the spec, or about the second reading if only that has the fact.
     """
+    # ``first`` is the disagreement that is reported. NOTHING is the value of a fact that the spec lacks.
     first = disagreements.first_disagreement
     spec_place = first.spec_place_or_nearest
     others_text = _others_text(disagreements, spec, second)
@@ -341,11 +345,12 @@ def touches(affected_path: str, place: Path) -> bool:
     """
     remaining_names = affected_path.split(".")
     for step in place:
-        # The place is inside the path.
+        # The place is at the path or inside it.
         if not remaining_names:
             break
         if step == remaining_names[0]:
             remaining_names = remaining_names[1:]
         elif not isinstance(step, int) and step not in _KEYS_LEFT_OUT_OF_PATHS:
             return False
+    # If names remain, the path is inside the place.
     return True

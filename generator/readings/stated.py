@@ -197,8 +197,9 @@ def _register_and_bits(reading: Reading, register_name: str, field_name: str) ->
     """Return ``0x49 bits 3:0``, or only ``0x49`` for a field that is the whole register, or without a field."""
     register = reading.device.register(register_name)
     bits_text = ""
+    register_bits = 8 * register.length
     for field in register.layout.fields:
-        is_whole_register = field.width.is_constant and field.width.constant == 8 * register.length
+        is_whole_register = field.width.is_constant and field.width.constant == register_bits
         if field.name == field_name and not is_whole_register:
             bits_text = f" {reading.bits_of(register.interface, field)}"
     return f"{register_text(register).removeprefix('register ')}{bits_text}"
@@ -300,7 +301,8 @@ class Subject:
                 # The key of the member in the spec is its name in the model or in the table.
                 place = self.reading.first_existing((*self.place, member.attribute), (*self.place, member.name))
                 text = _value_text(self.reading, member, member_value, self.interface)
-                yield self.detail_fact(Sort(member.read), member.name, text, member.noun or member.words, place)
+                noun = member.noun or member.words
+                yield self.detail_fact(Sort(member.read), member.name, text, noun, place)
         for language, text in self.reading.printed_names(model_part).items():
             places = (*self.place, "names", language), (*self.place, "printed_name"), self.place
             place = self.reading.first_existing(*places)
@@ -343,7 +345,7 @@ def _value_text(reading: Reading, member: Member, member_value: Any, interface: 
     if isinstance(member_value, tuple):
         return f"{' '.join(map(_part_text, member_value))}{_UNITS.get(member.notation, '')}"
     if isinstance(member_value, Scale):
-        # Two readers may write the same formula with different numbers.
+        # Two readers may write the same formula with different numbers, so it is reduced to a factor and an offset.
         factor = member_value.quantity(1) - member_value.quantity(0)
         offset = member_value.quantity(0)
         return f"number * {factor} + {offset} {member_value.unit}"

@@ -135,7 +135,7 @@ def _table_facts(reading: Reading) -> Iterator[Fact]:
         yield from subject.all_facts(Sort.TABLE, table, f"{len(table.rows)} rows")
         for row_index, row in enumerate(table.rows):
             for column_index, cell in enumerate(row):
-                cell_numbers = numbers_in(cell)
+                cell_numbers = numbers_in(cell)  # A text, such as "5V 10ms", or "".
                 if cell_numbers:
                     place = (*subject.place, "rows", row_index, column_index)
                     noun = f"row {row_index + 1}, column {column_index + 1}"

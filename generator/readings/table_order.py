@@ -44,6 +44,7 @@ def _rows_of(facts: Facts, table_key: Key) -> Mapping[int, _Row]:
     """Return the rows of a table that have numbers, by their number in the file."""
     cells_by_row: dict[int, list[tuple[int, Value]]] = defaultdict(list)
     for key, fact in facts.facts.items():
+        # The key of a cell ends with its row and column: ("table", "limits", "3 0").
         is_cell = key[:2] == table_key and len(key) == 3 and " " in str(key[2])
         if is_cell:
             row_number, column = map(int, str(key[2]).split())
@@ -52,7 +53,10 @@ def _rows_of(facts: Facts, table_key: Key) -> Mapping[int, _Row]:
 
 
 def _paired_numbers(spec_rows: Mapping[int, _Row], second_rows: Mapping[int, _Row]) -> Mapping[int, int]:
-    """Return the number in the second reading for each row of the spec, or a number after its last row."""
+    """Return the number in the second reading for each row of the spec, by the number in the spec: ``{0: 0, 1: 2}``.
+
+    A row that the second reading lacks gets a number after its last row.
+    """
     spec_numbers, second_numbers = list(spec_rows), list(second_rows)
     new_numbers = {
         spec_numbers[spec_index]: second_numbers[second_index]

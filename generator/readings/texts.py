@@ -28,7 +28,10 @@ _COMMA = re.compile(r"(?<=\d),(?=\d{3}(?!\d))")
 
 def numbers_in(text: str) -> str:
     """Return the numbers in a text in their order, each with its unit: ``5V 10ms``. Empty if there is none."""
-    numbers = (match.rstrip(".,-").replace(" ", "").lstrip("+") for match in _NUMBER.findall(_COMMA.sub("", text)))
+    # 4,096 is read as 4096.
+    without_commas = _COMMA.sub("", text)
+    # The expression may include punctuation after a number.
+    numbers = (match.rstrip(".,-").replace(" ", "").lstrip("+") for match in _NUMBER.findall(without_commas))
     return " ".join(numbers).replace("−", "-")
 
 
@@ -83,7 +86,9 @@ def _compared_text(key: str | int, text: str) -> str:
     """Return what is compared of a text: its numbers, or the sections of the manual itself that a source cites."""
     if not is_source(key):
         return numbers_in(text)
-    return ", ".join(sorted({cited.section for cited in parse_sources(text) if not cited.document and cited.section}))
+    # A source without a document cites the manual itself.
+    sections = {cited.section for cited in parse_sources(text) if not cited.document and cited.section}
+    return ", ".join(sorted(sections))
 
 
 def by_path(reading: Reading) -> dict[str, tuple[str, Path]]:
@@ -119,8 +124,10 @@ def prose_texts(place: Path, node: Any) -> Iterator[tuple[Path, str]]:
     elif isinstance(node, list):
         for index, member in enumerate(node):
             yield from prose_texts((*place, label_of(member) or index), member)
-    elif isinstance(node, str) and (place[-1] in _TEXTS or (place[0], place[-1]) == ("characteristics", "value")):
-        yield place, node
+    elif isinstance(node, str):
+        is_characteristic = (place[0], place[-1]) == ("characteristics", "value")
+        if is_characteristic or place[-1] in _TEXTS:
+            yield place, node
 
 
 def dotted_path(place: Path) -> str:

@@ -66,6 +66,7 @@ class Vocabulary:
         for line in _WORDS.splitlines():
             kind, _, senses = line.partition(": ")
             self._add_kind(kind, [sense.split(", ") for sense in senses.split(" | ")])
+        # Signals of one or two characters are left out. Each other one is a sense of its own.
         self._add_kind(SIGNAL, [[signal] for signal in sorted(set(signals)) if len(signal) > 2])
         # The regular expression takes the first alternative that matches, so "no longer" must come before "no".
         spellings = sorted(self._senses, key=len, reverse=True)
@@ -91,7 +92,9 @@ class Vocabulary:
             gaps.append(self._senses[match[0].casefold()])
             return f"{{{len(gaps)} {gaps[-1].kind}}}"
 
-        return ClozeText(self._pattern_of_word.sub(numbered_gap, " ".join(text.split())), tuple(gaps))
+        text_in_one_line = " ".join(text.split())
+        # The substitution also fills the list of gaps.
+        return ClozeText(self._pattern_of_word.sub(numbered_gap, text_in_one_line), tuple(gaps))
 
 
 def _pattern_of_word(word: str) -> str:

@@ -99,6 +99,7 @@ def parity_bit(placed: PlacedLayout, parity: Parity, number: int) -> int:
     for placed_field in placed.find_fields(parity.of):
         value = (number >> placed_field.low) & placed_field.mask
         ones += (value & parity.mask).bit_count()
+    # ``odd`` is 1 for odd parity, which makes the whole number of ones odd.
     return (ones + parity.odd) & 1
 
 
@@ -140,7 +141,8 @@ def from_gray(placed: PlacedLayout, number: int) -> int:
 def to_gray(placed: PlacedLayout, number: int) -> int:
     """Return the frame ``number`` with the fields that are sent in Gray code, if any, converted from binary.
 
-    The excess is added first.
+    The excess is added first. It is a number that some encoders add so that their Gray code also wraps around in one
+    bit if the counts are not a power of two.
     """
     _, width = placed.place_of(placed.layout.gray_of)
     mask = (1 << width) - 1

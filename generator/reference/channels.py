@@ -43,10 +43,13 @@ def channel_findings(
     agree = None
     if frame.compared:
         agree = frame.agree([decoded.values for decoded in decoded_channels])
-    verdicts = [] if agree is not False else [Verdict.NOT_USABLE]
+    # If nothing is compared, ``agree`` is None, and the fields do not disagree.
+    verdicts = [Verdict.NOT_USABLE] if agree is False else []
     for placed, channel in zip(frame.channels, findings_by_channel, strict=True):
         has_position = device.sends_position(variant.interface, placed.layout)
-        if channel.verdict is not None and (has_position or channel.verdict is not Verdict.UNKNOWN):
+        # A channel without the position is not asked whether it is usable, so its UNKNOWN does not count.
+        is_relevant = has_position or channel.verdict is not Verdict.UNKNOWN
+        if channel.verdict is not None and is_relevant:
             verdicts.append(channel.verdict)
     from_worst_to_best = list(Verdict)
     worst = min(verdicts, key=from_worst_to_best.index)

@@ -106,7 +106,7 @@ def select_layout(
         valid_selector_values.extend(layout.selects)
         if _selector_value(placed, data) in layout.selects:
             return placed, ()
-    first_layout = layouts[0]  # Its position of the selector is used in the message.
+    first_layout = layouts[0]  # The message has the value at its place of the selector.
     selector_value = _selector_value(first_layout.place(variant.parameters), data)
     if selector_value is None:
         message = report.too_few_bytes(counted(len(data), "byte"))
@@ -134,7 +134,8 @@ def _selector_value(placed: PlacedLayout, data: bytes) -> int | None:
     if len(data) < needed_length:
         return None
     number = number_from_bytes(placed.layout, data[:needed_length])
-    return (number >> (selector.low - missing_low_bits)) & selector.mask
+    low_in_number = selector.low - missing_low_bits
+    return (number >> low_in_number) & selector.mask
 
 
 def decode_bytes(device: Device, variant: Variant, sender: str, data: bytes) -> Decoded:
@@ -172,7 +173,7 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
 
     Errors are in the order of ``Fault``. A number with more bits than the frame has the wrong length.
     """
-    if number >> placed.bits:
+    if number >> placed.bits:  # Bits above the highest one of the frame.
         return _result_of_wrong_length(placed, number, f"{placed.bits} bits", number.bit_length())
     problems: list[Problem] = []
     fields: list[DecodedField] = []
@@ -272,7 +273,10 @@ def _decode_join(placed: PlacedLayout, join: Join, frame: int, binary_frame: int
 
 
 def _computed_field(name: str, raw: int, value: int, meaning: str) -> DecodedField:
-    """Return a field that is computed from several others. Its bit positions are -1, since it has none of its own."""
+    """Return a field that is computed from several others.
+
+    It has no bit positions of its own, so ``high`` and ``low`` are -1.
+    """
     return DecodedField(name, raw=raw, value=value, unit="", meaning=meaning, high=-1, low=-1)
 
 
@@ -287,6 +291,7 @@ def _decode_field(placed_field: PlacedField, sent_value: int, binary_value: int)
     value, meaning = value_and_meaning(field, binary_value, placed_field.width)
     yield DecodedField(field.name, sent_value, value, field.unit, meaning, high, low, field.scale)
     for run in field.runs:
+        # The digits 34 of 1234 have divisor 1 and modulus 100, and its digits 12 divisor 100 and modulus 100.
         digits = binary_value // run.divisor % run.modulus
         yield DecodedField(run.name, raw=digits, value=digits, unit="", meaning=run.meaning, high=high, low=low)
 
@@ -432,6 +437,7 @@ def _encode_field(placed: PlacedLayout, placed_field: PlacedField, values: Value
     if isinstance(kind, (Unused, CrcValue, Parity)):
         return 0
     if isinstance(kind, Decimal) and name not in values:
+        # The values may have its digits under their own names instead.
         return encode_digits(kind, values)
     if name not in values:
         if name == placed.layout.selector and len(placed.layout.selects) == 1:

@@ -136,6 +136,7 @@ def _is_active_field(placed_field: PlacedField, decoded_field: DecodedField) -> 
         case Flag():
             return bool(decoded_field.value)
         case Unused(value):
+            # The documented value may have more bits than the field has in this order code.
             return decoded_field.raw != value & placed_field.mask
         case _:
             return False
@@ -177,19 +178,22 @@ def _find_worst_verdict(placed: PlacedLayout, active_fields: Sequence[Field]) ->
     active_names = {field.name for field in active_fields}
     verdicts = [Verdict.USABLE if placed.judges_position else Verdict.UNKNOWN]
     for field in active_fields:
-        # A flag that sums up others adds no information if one of them is active.
+        # A flag that sums up others, ``sums_up``, adds no information if one of them is active.
         is_redundant = isinstance(field.kind, Flag) and not active_names.isdisjoint(field.kind.sums_up)
         verdict = field.kind.makes_position
         if verdict is not None and not is_redundant:
             verdicts.append(verdict)
-    from_worst_to_best = list(Verdict)
+    from_worst_to_best = list(Verdict)  # in the order of their definition
     return min(verdicts, key=from_worst_to_best.index)
 
 
 def _yield_differences(
     variant: Variant, decoded: Decoded, decoded_fields: Mapping[str, DecodedField], is_register: bool
 ) -> Iterator[Difference]:
-    """Yield the fields whose documented value for this order code is not the actual one."""
+    """Yield the fields whose documented value for this order code is not the actual one.
+
+    ``is_register`` is true if they are those of a register, for which the message has other words.
+    """
     assert decoded.layout is not None
     for placed_field in decoded.layout.fields:
         documented = placed_field.field.documented(variant.parameters)
@@ -287,7 +291,11 @@ def _compare_register(
 
 
 def _known_digits(field_bits: int, known_bits: int, width: int) -> str:
-    """Return the hexadecimal digits of a field, with dots for unknown digits, such as ``..A3h``."""
+    """Return the hexadecimal digits of a field, with dots for unknown digits, such as ``..A3h``.
+
+    In ``known_bits``, the known bits of the field are 1. Whole bytes are known or not, so a digit with one known bit is
+    known.
+    """
     digits = ""
     highest_digit_shift = (width - 1) // 4 * 4  # A digit is 4 bits. The highest one may have fewer.
     for shift in range(highest_digit_shift, -1, -4):
@@ -301,6 +309,7 @@ def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
 
     A value is impossible if it fails the test of an edition: the field ``run`` is not from ``min`` to ``max``.
     """
+    # Only the layout of a register has no sender.
     if decoded.layout is None or decoded.layout.layout.sender:
         return
     register = decoded.layout.name

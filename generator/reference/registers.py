@@ -93,6 +93,7 @@ def register_writes(
         placed = register.layout.place(variant.parameters)
         value = _value_of_step(step, arguments)
         if step.value is None:
+            # The limits may depend on how the procedure means the argument.
             limits = device.limits(register, meaning_by_argument.get(step.value_name, ""))
             _check_argument(register, _name_of_written_field(register, step), value, placed, limits)
         if isinstance(step, ModifyStep):
@@ -132,6 +133,7 @@ def _writes_of_register(register: Register, content: int) -> list[Write]:
 def _with_field_changed(placed: PlacedLayout, field_name: str, field_value: int, old_content: int) -> int:
     """Return the content of a register with ``field_value`` in one of its fields, and the other bits as they were."""
     placed_field = placed.find_field(field_name)
+    # Bits outside the mask mean that the value is too wide for the field.
     if placed_field is None or field_value & ~placed_field.mask:
         raise codec.EncodeError(f"{field_value} does not fit '{field_name}'")
     other_bits = old_content & ~(placed_field.mask << placed_field.low)

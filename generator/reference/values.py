@@ -60,8 +60,12 @@ def value_and_meaning(field: Field, raw: int, width: int) -> tuple[int | str | b
 
 
 def signed_or_plain(number: Number, raw: int, width: int) -> int:
-    """Return the value of these bits: two's complement if the field is signed. Zero may stand for another value."""
-    if number.signed and raw >> (width - 1):
+    """Return the value of these bits: two's complement if the field is signed. Zero may stand for another value.
+
+    0b111 of 3 bits is -1 in a signed field, and else 7. ``zero_means`` is 0 unless the manual gives 0 another meaning.
+    """
+    sign_bit = raw >> (width - 1)
+    if number.signed and sign_bit:
         return raw - (1 << width)
     return raw or number.zero_means
 
@@ -72,6 +76,7 @@ def encode_value(kind: DataKind, placed_field: PlacedField, value: int | str | b
         case Number():
             return _encode_number(kind, placed_field, checked_number(value))
         case Flag():
+            # 1 for an active flag that is active high, and for an inactive one that is active low.
             return int(bool(value) != kind.active_low)
         case Choice(named_values) if isinstance(value, str):
             return _number_of_name(placed_field.name, named_values, value)

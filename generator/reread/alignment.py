@@ -104,7 +104,10 @@ def _divide_at_phrases(old: Sequence[str], new: Sequence[str], ranges: Ranges, p
 
 
 def _places_of_phrases(words: Sequence[str], low: int, high: int, length: int) -> dict[tuple[str, ...], int]:
-    """Return the index of the first word of each phrase of this length that occurs once in a range."""
+    """Return the index of the first word of each phrase of this length that occurs once in a range.
+
+    For the range of "at most 10 at least" and a length of 2: ``{("at", "most"): 0, ("most", "10"): 1, …}``.
+    """
     places: dict[tuple[str, ...], int] = {}
     repeated_phrases: set[tuple[str, ...]] = set()
     for place in range(low, high - length + 1):

@@ -60,7 +60,7 @@ class Citing:
         """The fact in one line, with its value shortened: ``specs/x24.yaml:12: clock.max_hz: 4_000_000``."""
         value_text = self.spelling or " ".join(str(self.value).split())
         if len(value_text) > _SHOWN_LETTERS:
-            value_text = value_text[: _SHOWN_LETTERS - 3] + "..."
+            value_text = value_text[: _SHOWN_LETTERS - len("...")] + "..."
         return f"{_relative_path(self.file)}:{self.line}: {self.path}: {value_text}"
 
     @property
@@ -161,8 +161,9 @@ def _is_order_code_label(words_text: str) -> bool:
     That is a number of 4 or more digits, or another text of 3 or more characters or with a digit. A or TO can be words.
     """
     if words_text.isdigit():
-        return len(words_text) > 3
-    return len(words_text) > 2 or any(letter.isdigit() for letter in words_text)
+        return len(words_text) >= 4
+    has_digit = any(letter.isdigit() for letter in words_text)
+    return len(words_text) >= 3 or has_digit
 
 
 def _last_digits(words: Iterable[str]) -> set[str]:
@@ -199,7 +200,7 @@ def _printed_words(value: object) -> Iterator[str]:
     yield from (with_commas, with_commas.replace(",", "."))
     yield f"{value:g}"
     for scale in (1000, 1_000_000):
-        # 100 can be printed as 0.1 of the larger unit.
+        # With a scale of 1000, a value of 100 can be printed as 0.1 of the larger unit.
         if value >= scale // 10:
             yield f"{value / scale:g}"
     yield from (str(value), f"{value / 10:.1f}")
@@ -321,10 +322,12 @@ def _build_fact(document: Document, fact_value: object, path: Path, around: _Sur
 
     Citations of other documents are left out.
     """
+    # A citation without a document is one of the manual itself.
     in_manual = [citation for citation in around.source if not citation.document]
+    line, _ = document.position(path)
     return Citing(
         file=document.file,
-        line=document.position(path)[0],
+        line=line,
         path=document.name_path(path),
         value=fact_value,
         sections=frozenset(citation.section for citation in in_manual if citation.section),

@@ -35,7 +35,8 @@ def find_page_numbers(lines: Sequence[str]) -> set[int]:
     #: The lines of the longest series that ends with each page.
     series_by_last_page: dict[int, list[int]] = {}
     for index, line in enumerate(lines):
-        number_match = re.search(r"\d{1,4}", line) if _PAGE.fullmatch(line) else None
+        is_only_page = _PAGE.fullmatch(line) is not None
+        number_match = re.search(r"\d{1,4}", line) if is_only_page else None
         if number_match is None:
             continue
         page = int(number_match[0])
@@ -106,12 +107,14 @@ def _is_regular(indices: Sequence[int]) -> bool:
     At least 80 % of the distances are between half and twice the usual one, which is at least 12 lines.
     """
     distances = sorted(following - previous for previous, following in pairwise(indices))
-    # The median.
-    usual_distance = distances[len(distances) // 2]
+    median_index = len(distances) // 2
+    usual_distance = distances[median_index]
+    # With whole numbers: from usual / factor to usual * factor.
     distances_near_usual = [
         distance for distance in distances if usual_distance <= _FACTOR * distance <= _FACTOR**2 * usual_distance
     ]
-    return usual_distance >= _SHORT_PAGE and len(distances_near_usual) >= _MOSTLY * len(distances)
+    are_mostly_near_usual = len(distances_near_usual) >= _MOSTLY * len(distances)
+    return usual_distance >= _SHORT_PAGE and are_mostly_near_usual
 
 
 def find_heads_at_edges(pages: Sequence[Sequence[str]]) -> set[str]:

@@ -27,9 +27,9 @@ _SAME_LANGUAGE = 0.5
 class Passage:
     """A difference: its ``section`` in the old edition, or in the new one if it is new.
 
-    ``old`` and ``new`` contain the words that differ, ``close`` and ``around`` those within a row and within a
-    paragraph of them in both editions, and ``shown`` the two texts for display. ``next_to`` contains the words next to
-    an insertion.
+    ``old`` and ``new`` contain the words that differ. ``close`` has these and 8 words on both sides in both editions,
+    about a row of a table, and ``around`` has those of about a paragraph. ``shown`` is the old and the new text for
+    display. ``next_to`` contains the words next to an insertion, and is empty if there are old words.
     """
 
     section: Section
@@ -110,7 +110,9 @@ def _passages_of_section(
         new_row = _with_words_around(new, new_low, new_high, count_before=_CLOSE, count_after=_CLOSE)
         old_paragraph = _with_words_around(old, low, high, count_before=_BEFORE, count_after=_AFTER)
         new_paragraph = _with_words_around(new, new_low, new_high, count_before=_BEFORE, count_after=_AFTER)
+        # Only an insertion has words next to it. It has no old words that facts could be found by.
         words_next_to = _with_words_around(old, low, high, count_before=_NEXT, count_after=_NEXT)
+        is_insertion = not old_words
         yield Passage(
             section=section,
             old=old_words,
@@ -118,19 +120,22 @@ def _passages_of_section(
             close=(*old_row, *new_row),
             around=(*old_paragraph, *new_paragraph),
             shown=(_shown_text(old, low, high), _shown_text(new, new_low, new_high)),
-            next_to=() if old_words else tuple(words_next_to),
+            next_to=tuple(words_next_to) if is_insertion else (),
         )
 
 
 def _with_words_around(
     words: Sequence[str], low: int, high: int, *, count_before: int, count_after: int
 ) -> Sequence[str]:
-    """Return a range of words with some words before and after it."""
+    """Return the words from ``low`` up to ``high``, without that at ``high``, with some words before and after them."""
     return words[max(low - count_before, 0) : high + count_after]
 
 
 def _differences_with_near_joined(old: Sequence[str], new: Sequence[str]) -> Iterator[Ranges]:
-    """Yield the ranges that differ. Those with at most 6 equal words of the old edition between them are one."""
+    """Yield the ranges of words that differ in the old and the new text.
+
+    If at most 6 equal words of the old text are between two of them, they are joined, with these words, into one.
+    """
     joined_ranges: Ranges | None = None
     for ranges in differing_ranges(old, new):
         if joined_ranges is not None and ranges.low - joined_ranges.high <= _TOGETHER:
@@ -144,7 +149,7 @@ def _differences_with_near_joined(old: Sequence[str], new: Sequence[str]) -> Ite
 
 
 def _shown_text(words: Sequence[str], low: int, high: int) -> str:
-    """Return a range of words in brackets, between a few words before and after it: ``at most [ 10 ] MHz``."""
+    """Return a range of words in brackets, between 5 words before and after it: ``at most [ 10 ] MHz``."""
     words_before = words[max(low - _SHOWN, 0) : low]
     words_after = words[high : high + _SHOWN]
     text = " ".join([*words_before, "[", *words[low:high], "]", *words_after])

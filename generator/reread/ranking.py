@@ -64,6 +64,7 @@ class SectionFacts:
         ``_score_of_fact``). Facts with the same score are in the order of the spec.
         """
         passage_words = _PassageWords(
+            # An insertion has no old words.
             differing=_comparable_words(passage.old or passage.new),
             next_to=_comparable_words(passage.next_to),
             row=_comparable_words(passage.close),
@@ -176,15 +177,16 @@ class TouchedFacts:
             return inserted_facts[:_MOST_INSERTED]
         equal_facts = list(chain.from_iterable(equal_facts_by_value.values()))
         containing_facts = [fact for fact in facts if change.is_in(fact)]
-        return inserted_facts[:_MOST_INSERTED] + equal_facts + containing_facts[: _MOST_EQUAL - group_count]
+        most_containing = _MOST_EQUAL - group_count
+        return inserted_facts[:_MOST_INSERTED] + equal_facts + containing_facts[:most_containing]
 
     def _facts_of_referring_items(self, item: str, passage: Passage) -> list[Citing]:
         """Return a fact of each item that refers to this one, by path or name, for at most 3 items.
 
-        It is the one with the most words of the passage, and items with more such words come first. An item without any
-        is left out, except an erratum, of which the value that is used instead is returned.
+        The fact of an item is the one with the most words of the passage, and for an erratum, the value used instead.
+        Items with more such words come first. Of the items without any, only errata are returned.
         """
-        item_name = item.rpartition(".")[2]
+        _, _, item_name = item.rpartition(".")
         items_by_reference = self._items_by_reference
         referring_items = dict.fromkeys((*items_by_reference.get(item, ()), *items_by_reference.get(item_name, ())))
         passage_words = _comparable_words((*passage.old, *passage.new))
@@ -199,9 +201,12 @@ class TouchedFacts:
             is_erratum = referring_item.startswith("errata.")
             if not highest_word_count and not is_erratum:
                 continue
-            used_value_facts = [fact for fact in item_facts if is_erratum and fact.path.endswith(".used")]
-            likeliest_fact = max(used_value_facts or item_facts, key=common_word_count)
+            candidates = item_facts
+            if is_erratum:
+                candidates = [fact for fact in item_facts if fact.path.endswith(".used")] or item_facts
+            likeliest_fact = max(candidates, key=common_word_count)
             counted_facts.append((highest_word_count, likeliest_fact))
+        # Highest count first. Items with the same count stay in the order of the spec.
         counted_facts.sort(key=lambda counted_fact: -counted_fact[0])
         return [fact for _, fact in counted_facts[:_MOST_REFERRING]]
 
@@ -215,8 +220,9 @@ class _Change:
     """Words that were removed from a passage: the text, its numbers and its labels of order codes."""
 
     def __init__(self, passage: Passage) -> None:
-        # If the passage only adds words, all of the old ones count as changed.
-        changed_words = [word for word in passage.old if word not in passage.new] or list(passage.old)
+        removed_words = [word for word in passage.old if word not in passage.new]
+        # If the new words contain all of the old ones, all of the old ones count as changed.
+        changed_words = removed_words or list(passage.old)
         shown_old_text, _ = passage.shown
         # The text is only compared if new words replace it. Texts have spaces at both ends (see ``spaced``).
         is_replaced = bool(changed_words) and bool(passage.new)
@@ -238,7 +244,8 @@ class _Change:
         """
         if fact.is_page_of_contents and not self._is_changed_name(fact.own_name_text):
             return False
-        if isinstance(fact.value, int | float) and not isinstance(fact.value, bool) and fact.words & self._numbers:
+        is_number = isinstance(fact.value, int | float) and not isinstance(fact.value, bool)
+        if is_number and fact.words & self._numbers:
             return True
         if self._adds_row:
             return fact.path.startswith("order_code.parts.")
@@ -268,6 +275,7 @@ class _Change:
         """
         if isinstance(fact.value, int | float):
             return False
+        # A single digit occurs in many texts.
         is_number_in_text = any(len(word) > 1 and word in self._numbers for word in fact.words)
         is_text_in_text = len(self._text) > _SHORTEST_TEXT and self._text in fact.text
         has_label = any(f" {label.casefold()} " in fact.text for label in self._labels)
@@ -280,13 +288,14 @@ class _Change:
 
 
 def _differing_values(likely_by_item: Mapping[str, Sequence[Citing]], passage: Passage) -> list[Citing]:
-    """Return the first likely fact of each item whose value has an old word or whose whole name is among them.
+    """Return the likeliest fact of each item that has an old word in its value, or its whole name in the old words.
 
     At most 4 facts are returned. ``likely_by_item`` has the facts of each item, the most likely first.
     """
     old_words = _comparable_words(passage.old)
     differing_facts: list[Citing] = []
     for item_facts in likely_by_item.values():
+        # An item can be without such a fact.
         facts_with_old_words = [fact for fact in item_facts if fact.words & old_words or fact.own_name <= old_words]
         differing_facts += facts_with_old_words[:1]
     return differing_facts[:_MOST_DIFFERING_VALUES]
@@ -318,10 +327,12 @@ def _score_of_fact(fact: Citing, passage: _PassageWords, fact_counts: Mapping[st
 
 
 def _comparable_words(words: Iterable[str]) -> set[str]:
-    """Return printed words as they are compared: in lower case, with a decimal point, and numbers also without units.
+    """Return all spellings of printed words under which they are compared, in lower case.
 
-    ``10MHz`` gives ``10mhz`` and ``10``, ``1Ah`` gives ``1ah`` and ``1a``, and an order code ``xy24`` also ``24``.
+    ``10MHz`` gives ``10mhz`` and ``10``, ``2,5`` gives ``2,5`` and ``2.5``, ``1Ah`` gives ``1ah`` and ``1a``, and an
+    order code ``XY24`` gives ``xy24`` and ``24``.
     """
+    # Each step adds the spellings that follow from those before it.
     comparable_words = {word.casefold() for word in words}
     comparable_words |= {word.replace(",", ".") for word in comparable_words}
     comparable_words |= {word.removesuffix("h") for word in comparable_words if _HEXADECIMAL.fullmatch(word)}

@@ -249,7 +249,8 @@ def _join_entry_lines(lines: Sequence[str]) -> list[str]:
     repetitions = Counter(map(without_digits, lines))
     joined_lines: list[str] = []
     for line in lines:
-        is_second_line = len(joined_lines) >= 2 and _continues_entry(joined_lines[-2], joined_lines[-1], line)
+        has_two_lines_before = len(joined_lines) >= 2
+        is_second_line = has_two_lines_before and _continues_entry(joined_lines[-2], joined_lines[-1], line)
         if is_second_line and repetitions[without_digits(joined_lines[-1])] < LEAST_REPETITIONS:
             joined_lines[-1] += f" {line}"
         else:

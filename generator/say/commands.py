@@ -71,7 +71,10 @@ def step(device: Device, procedure_step: Step) -> Statement:
 
 
 def _repetition_text(send_step: SendStep) -> str:
-    """Return how many times a request is sent and at what interval, or an empty string if it is sent once."""
+    """Return how many times a request is sent and at what interval: `` 10 times, at least 40 µs apart``.
+
+    The text is empty for a request that is sent once.
+    """
     if send_step.times <= 1:
         return ""
     repetition_text = f" {send_step.times} times"
@@ -212,7 +215,7 @@ def commands_over(device: Device, interface: Interface) -> Commands:
     These are procedures that write or send something, writable registers, requests that do not only read, inputs, and
     commands of the protocol. The register that selects a bank is left out.
     """
-    # A register that only opens another one for writing is a setting.
+    # A register that opens another one for writing counts as a setting, even if its values look like commands.
     openers = {register.opened_by for register in device.registers}
     bank_select = interface.bank_select if isinstance(interface, Biss) else None
     command_registers: list[Register] = []

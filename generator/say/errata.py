@@ -99,10 +99,13 @@ def _beginning_in_words(steps: Sequence[str]) -> tuple[str, Sequence[str]]:
     empty and all steps are left.
     """
     match steps:
+        # order_code.parts.output.values.B
         case ["order_code", "parts", part, "values", value, *other_steps]:
             return f"order codes with {part} {value}", other_steps
+        # order_code.parts.output.open
         case ["order_code", "parts", part, key, *other_steps]:
             return f"order code part {part}", [key, *other_steps]
+        # order_code.also_written.1.values.output
         case ["order_code", "also_written", number, "values", part, *other_steps]:
             return f"the values of {part} in spelling {number} on labels", other_steps
     is_register = steps[0] not in (*_LISTS, *_TOP, "interfaces", "order_code")
@@ -121,6 +124,7 @@ def _path_in_words(steps: Sequence[str]) -> str:
     if len(steps) == 1 and steps[0] in _TOP:
         return _TOP[steps[0]]
     words, remaining_steps = _beginning_in_words(steps)
+    # registers.command.fields.status.note: "register command", "field status of …", "the note on field status of …".
     while remaining_steps:
         match remaining_steps:
             case ["interfaces", name, *later_steps]:
@@ -272,9 +276,9 @@ def answer_names(answers: Sequence[Answer]) -> Iterator[Part]:
 
 
 def deciding_alternatives(alternatives: Sequence[Alternative], parameters: Set[str]) -> list[Alternative]:
-    """Return the alternatives whose answers set some of the parameters, if together they set all of them.
+    """Return the alternatives whose answers set some of the parameters.
 
-    Otherwise the answers do not decide what depends on the parameters, and the list is empty.
+    The list is empty if one of the parameters is set by no alternative. The answers alone do not decide then.
     """
     deciding: list[Alternative] = []
     decided_parameters: set[str] = set()
@@ -284,4 +288,5 @@ def deciding_alternatives(alternatives: Sequence[Alternative], parameters: Set[s
         if parameters & answered_parameters:
             deciding.append(alternative)
             decided_parameters |= answered_parameters
-    return deciding if parameters <= decided_parameters else []
+    are_all_decided = parameters <= decided_parameters
+    return deciding if are_all_decided else []

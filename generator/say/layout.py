@@ -41,7 +41,7 @@ def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[Part
     """Return the length and the transmission order of a frame as parts of a statement.
 
     For example ``25 bits, most significant first``, ``4 bytes, low byte first``, or ``45 bits in 6 bytes, …``.
-    ``alternatives`` are the questions of which each answer's length is given.
+    If the length depends on the answers to ``alternatives``, it is given for each of them: ``25 (a) or 26 (b) bits``.
     """
     if not layout.in_bytes:
         return *_number_of_bits(layout, alternatives), " bits, most significant first"
@@ -55,9 +55,10 @@ def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[Part
 
 
 def _number_of_bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iterator[Part]:
-    """Yield the number of bits: ``25 (a) or 26 (b)`` if only answers to ``alternatives`` decide it, or an expression.
+    """Yield the number of bits of a frame as parts of a statement.
 
-    ``a`` and ``b`` are the names of answers, several joined if several questions decide it.
+    If answers to ``alternatives`` alone decide it, these are ``25 (a) or 26 (b)`` with the names of the answers. If
+    several questions decide it, the names are joined. Otherwise it is the expression of the spec.
     """
     deciding = deciding_alternatives(alternatives, set(layout.bits.parameters))
     if not deciding:
@@ -263,6 +264,7 @@ def box_label(field: Field) -> str:
             return "unused"
         case Constant(value=value, padding_of=padded_field):
             value_text = f"{value:X}h" if value > 9 else f"{value}"
+            # ``padding_of`` is the name of the field that a constant fills up.
             has_no_name = padded_field or not field.printed_name
             if value == 0 and has_no_name:
                 return value_text

@@ -17,6 +17,7 @@ _MARKS = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;"} | {mark: f"\\{ma
 _ENTITIES = {ord(mark): f"&#{ord(mark)};" for mark in r"\`*[]|~$"}
 #: An underscore starts emphasis at the edge of a word, but not inside it.
 _EDGE_UNDERSCORE = re.compile(r"(?<![A-Za-z0-9])_|_(?![A-Za-z0-9])")
+#: Columns of a wrapped paragraph.
 _WIDTH = 132
 _BLOCK_START = re.compile(r"^(\d+)([.)])(?=\s|$)|^([-+#=])")
 

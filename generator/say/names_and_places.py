@@ -104,10 +104,10 @@ def hexadecimal(value: int, digits: int = 2) -> str:
 
 def addresses(register: Register) -> str:
     """Return the addresses of a register as text: ``49h`` or ``11h to 17h``."""
-    first = hexadecimal(register.address)
+    first_address = hexadecimal(register.address)
     if register.last_address == register.address:
-        return first
-    return f"{first} to {hexadecimal(register.last_address)}"
+        return first_address
+    return f"{first_address} to {hexadecimal(register.last_address)}"
 
 
 def register_at(register: Register) -> str:
@@ -142,8 +142,8 @@ def frame_bytes(layout: Layout, length: int, high: int, low: int) -> str:
     first_byte, last_byte = low // 8, high // 8
     if layout.byte_order != "low_byte_first":
         # The byte with the highest bits is sent first.
-        byte_count = length // 8
-        first_byte, last_byte = byte_count - 1 - high // 8, byte_count - 1 - low // 8
+        last_byte_of_frame = length // 8 - 1
+        first_byte, last_byte = last_byte_of_frame - high // 8, last_byte_of_frame - low // 8
     are_whole_bytes = low % 8 == 0 and high % 8 == 7
     if are_whole_bytes:
         return f"byte {first_byte}" if first_byte == last_byte else f"bytes {first_byte} to {last_byte}"
@@ -166,14 +166,16 @@ def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
         first_byte, last_byte = low // 8, high // 8
     else:
         first_bit, last_bit = high, low
-        bytes_after = bits // 8 - 1
-        first_byte, last_byte = bytes_after - high // 8, bytes_after - low // 8
+        # The byte with the highest bits is sent first.
+        last_byte_of_frame = bits // 8 - 1
+        first_byte, last_byte = last_byte_of_frame - high // 8, last_byte_of_frame - low // 8
     if first_byte != last_byte:
-        is_whole_bytes = low % 8 == 0 and high % 8 == 7
+        is_whole_bytes = low % 8 == 0 and high % 8 == 7  # From the lowest bit of a byte to the highest of one.
         if is_whole_bytes:
             return f"bytes {first_byte}-{last_byte}"
         return f"bytes {first_byte}.{first_bit % 8}-{last_byte}.{last_bit % 8}"
-    if high - low == 7:
+    fills_byte = high - low == 7
+    if fills_byte:
         return f"byte {first_byte}"
     place = f"byte {first_byte}.{high % 8}"
     return place if is_one_bit else f"{place}:{low % 8}"

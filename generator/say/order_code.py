@@ -127,10 +127,9 @@ def parameter_origin(device: Device, device_parameter: Parameter) -> Iterator[St
         register_text = register_at(device.register(device_parameter.register))
         field_reference = register_field(device, device_parameter.read_from)
         origin_parts: list[Part] = [f"Read at run time from {register_text} (", field_reference, ")"]
-        low, high = device_parameter.min, device_parameter.max
-        range_parts = limits(
-            Expression(low) if low is not None else None, Expression(high) if high is not None else None
-        )
+        lowest = Expression(device_parameter.min) if device_parameter.min is not None else None
+        highest = Expression(device_parameter.max) if device_parameter.max is not None else None
+        range_parts = limits(lowest, highest)
         # A register with a code lists its values below.
         if range_parts and not device_parameter.by_code:
             origin_parts += [", ", *range_parts]
@@ -143,9 +142,9 @@ def parameter_origin(device: Device, device_parameter: Parameter) -> Iterator[St
 
 
 def _choice_with_values(device: Device, device_parameter: Parameter) -> Iterator[Part]:
-    """Yield a reference to the alternative that sets a parameter. If it has a default, the values follow.
+    """Yield the parts of a text about the alternative that sets a parameter: a reference to it, and the values.
 
-    They are the value that each answer sets, the default first: ``: 0 for low (default), 1 for high``.
+    The values follow only if the alternative has a default: ``first_bit: 0 for low (default), 1 for high``.
     """
     name = device_parameter.alternative
     yield Ref("alternative", name, name)
@@ -304,9 +303,10 @@ def timeouts_with_codes(timeouts: Sequence[Timeout]) -> str:
 
 
 def clock_words(clock: Clock) -> str:
-    """Return the limits, and if clocks in use are known, also these and which limits are not known.
+    """Return the limits of a clock, such as ``100 kHz to 4 MHz``, or ``not known``.
 
-    For example ``up to 5 MHz, 1 MHz is in use, the lowest clock is not known``.
+    If clocks in use are known, these follow, and which limits are not known: ``up to 5 MHz, 1 MHz is in use, the lowest
+    clock is not known``.
     """
     range_text = _clock_range(clock.min_hz, clock.max_hz)
     if not clock.used_hz:
@@ -354,7 +354,7 @@ def _word_format_words(fact: WordFormat) -> str:
 
 
 def word_lengths(lengths: Iterable[Expression]) -> str:
-    """Return the numbers of bits that words have, such as "16 or 32 bits"."""
+    """Return the possible lengths of a word as text, such as ``16 or 32 bits``."""
     return f"{' or '.join(length.render() for length in lengths)} bits"
 
 

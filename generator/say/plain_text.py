@@ -29,7 +29,9 @@ def decimal(value: Fraction) -> str:
     """
     exact_decimals = _number_of_decimals(value)
     decimals = _ROUNDED if exact_decimals is None else exact_decimals
-    whole_number, fraction = divmod(round(abs(value) * 10**decimals), 10**decimals)
+    # As a whole number of the last decimal: 12345 for 1234.5 with one decimal.
+    shifted_value = round(abs(value) * 10**decimals)
+    whole_number, fraction = divmod(shifted_value, 10**decimals)
     sign = "-" if value < 0 else ""
     decimal_text = f"{sign}{whole_number:,}"
     if decimals:
@@ -84,13 +86,14 @@ def _factor_text(numerator: int, denominator: int) -> str:
 
 
 def _is_power_of_ten(number: int) -> bool:
+    """Return whether a positive number is 1, 10, 100 and so on."""
     return str(number).strip("0") == "1"
 
 
 def _divided_by_power_of_ten(number: int, power_of_ten: int) -> str:
     """Return the quotient with its decimals, without zeros at its end: 2776 by 1000 is ``2.776``."""
-    decimals = len(str(power_of_ten)) - 1
-    # At least one digit is in front of the point.
+    decimals = len(str(power_of_ten)) - len("1")
+    # With zeros in front, so that at least one digit is before the point.
     digits = f"{number:0{decimals + 1}}"
     point = len(digits) - decimals
     return f"{digits[:point]}.{digits[point:]}".rstrip("0").rstrip(".")
@@ -99,7 +102,8 @@ def _divided_by_power_of_ten(number: int, power_of_ten: int) -> str:
 def _number_of_decimals(value: Fraction) -> int | None:
     """Return the number of decimals of a number, or None if they never end."""
     # Each decimal divides the denominator by 2, by 5 or by both, so there are at most as many as it has bits.
-    for decimals in range(value.denominator.bit_length() + 1):
+    most_decimals = value.denominator.bit_length()
+    for decimals in range(most_decimals + 1):
         if 10**decimals % value.denominator == 0:
             return decimals
     return None
@@ -204,7 +208,8 @@ def wrapped(text: object, width: int, prefix: str = "", first: str | None = None
     lines: list[str] = []
     current_line = (prefix if first is None else first) + words[0]
     for word in words[1:]:
-        if len(current_line) + 1 + len(word) > width:
+        length_with_word = len(current_line) + 1 + len(word)  # with a space between them
+        if length_with_word > width:
             lines.append(current_line)
             current_line = prefix + word
         else:

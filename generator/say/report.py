@@ -78,8 +78,9 @@ def states(field: Field) -> tuple[str, str]:
 def meaning(field: Field, alarm: Alarm | None) -> str:
     """Return the meaning of an active flag, or of unused bits that differ from the manual.
 
-    For a flag, it is that of its active level with that of the field. Without both, it is that of the alarm or, at
-    last, ``active``. An active flag that is not implemented contradicts the manual unless that gives it a meaning.
+    For a flag, it is that of its active level, followed by that of the field. If there is neither, it is that of the
+    alarm or, at last, ``active``. An active flag that is not implemented contradicts the manual, unless the manual
+    gives its active level a meaning.
     """
     if isinstance(field.kind, Unused):
         difference = f"unused bits differ from the documented value {short(field.kind.value)}"
@@ -124,6 +125,7 @@ def _condition_parts(field: Field, value: int) -> tuple[Part, ...]:
     """
     if isinstance(field.kind, Flag):
         is_active = bool(value)
+        # The bit is 1 for an active flag that is active high, and for an inactive one that is active low.
         bit = int(is_active != field.kind.active_low)
         return Code(field.name), f" is {bit}"
     return Code(field.name), f" is {short(value)} (", Code(field.value_of(value).name), ")"

@@ -227,6 +227,7 @@ class Style:
         source = self.cited(statement.source)
         if not source:
             return f"{label}{sentence(phrase)}"
+        # ``sentence`` adds a full stop only to a text without punctuation at its end.
         ends_with_punctuation = sentence(phrase) == phrase
         return f"{label}{phrase} {source}" if ends_with_punctuation else f"{label}{phrase} {source}."
 

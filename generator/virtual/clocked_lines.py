@@ -111,7 +111,8 @@ class BissLine(ByLevels):
 
     def frame(self) -> int:
         """Return the current single cycle data. The first bit sent is the most significant."""
-        return self.exchange(0)[1]
+        _, single_cycle_data = self.exchange(cdm=0)
+        return single_cycle_data
 
     def exchange(self, cdm: int) -> tuple[int, int]:
         """Carry out one cycle.
@@ -123,7 +124,7 @@ class BissLine(ByLevels):
             The CDS bit of this cycle, and its single cycle data.
         """
         cycle_bits = self.cycle(cdm)
-        # The start bit can be late. Without one, the line is low, and any bits of the cycle are the same.
+        # The start bit is the first 1. It can be late. Without one, the line is low, and all bits of the cycle are 0.
         has_start_bit = 1 in cycle_bits[self.acknowledge :]
         start_index = cycle_bits.index(1, self.acknowledge) if has_start_bit else self.acknowledge
         cds_index = start_index + 1
@@ -155,7 +156,8 @@ class BissLine(ByLevels):
             cycle_bits[inverted_index] ^= 1
         elif fault in ("short", "brownout"):
             # At least one of the lost bits is 0, so that the frame differs.
-            last_zero = len(data_bits) - 1 - data_bits[::-1].index(0) if 0 in data_bits else 0
+            zeros_at = [index for index, data_bit in enumerate(data_bits) if data_bit == 0]
+            last_zero = zeros_at[-1] if zeros_at else 0
             # In the cycle, the data begin 2 bits after the acknowledge: the start bit and CDS come first.
             first_lost = faults.random.randint(self.acknowledge, self.acknowledge + 2 + last_zero)
             cycle_bits[first_lost:] = [1] * (len(cycle_bits) - first_lost)
@@ -179,9 +181,11 @@ class BissLine(ByLevels):
         self._ma = ma
         # The first bit of the cycle comes with the second rising edge.
         bit_index = self._rising_edges - 2
-        if bit_index < 0:
-            return 1
-        return self._cycle_bits[bit_index] if bit_index < len(self._cycle_bits) else 0
+        is_before_cycle = bit_index < 0
+        if is_before_cycle:
+            return 1  # The line is idle.
+        is_after_cycle = bit_index >= len(self._cycle_bits)
+        return 0 if is_after_cycle else self._cycle_bits[bit_index]
 
     def timeout(self) -> int:
         """Let the time-out pass. The inverse of the level of MA is the CDM bit. SLO is then high."""
@@ -219,7 +223,8 @@ class BissLine(ByLevels):
         read_bit, head = yield from _receive_head()
         # CTS = 1 and slave ID 0 in 4 bits, 7 bits of the address, 4 bits of the CRC.
         cts_and_id, address, received_crc = head >> 11, (head >> 4) & 0x7F, head & 0xF
-        if cts_and_id != 0b1000 or received_crc != compute_bits(_CRC, head >> 4, 11):
+        covered_bits = head >> 4
+        if cts_and_id != 0b1000 or received_crc != compute_bits(_CRC, covered_bits, 11):
             return 0
         write_bit = yield read_bit
         # The access must be either a read or a write.
@@ -343,7 +348,8 @@ class SsiLine(ByLevels):
                 self._bits_left -= 1
             self._data_level = (self._word >> self._bits_left) & 1
             # Remove the bit that is sent, so that zeros follow the last one.
-            self._word &= (1 << self._bits_left) - 1
+            mask_of_unsent_bits = (1 << self._bits_left) - 1
+            self._word &= mask_of_unsent_bits
         self._clock_level = level
         return self._data_level
 

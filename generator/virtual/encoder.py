@@ -124,7 +124,8 @@ class VirtualEncoder:
             return 0
         measurement = self._find_measurement(layout)
         if measurement is not None and measurement.highest is not None:
-            return measurement.highest.value(self.variant.parameters) - self._count_positions(layout) + 1
+            highest = measurement.highest.value(self.variant.parameters)
+            return highest - self._count_positions(layout) + 1
         return -(self._count_positions(layout) // 2)
 
     def _find_measurement(self, layout: Layout | None) -> Measurement | None:
@@ -203,7 +204,7 @@ class VirtualEncoder:
     def reset(self, procedure: str) -> None:
         """Carry out a reset: clear its alarms, and set the parts of the position that its name contains to 0.
 
-        For example, ``reset_multiturn`` sets the field ``multiturn`` to 0.
+        For example, the ``procedure`` named ``reset_multiturn`` sets the field ``multiturn`` to 0.
         """
         self.flags -= {alarm.name for alarm in self.device.alarms if procedure in alarm.cleared_by}
         # The position of another frame may be wider, so it stays as it is unless a part of it is reset.
@@ -217,7 +218,8 @@ class VirtualEncoder:
             if placed_field.name in procedure:
                 position &= ~(placed_field.mask << low_bit)
             low_bit += placed_field.width
-        self.set_position(position & ((1 << low_bit) - 1))  # as an unsigned number
+        position_mask = (1 << low_bit) - 1
+        self.set_position(position & position_mask)  # as an unsigned number
 
     def restart(self) -> None:
         """Switch the supply off and on again. Registers that were not saved are lost."""
@@ -282,7 +284,10 @@ class VirtualEncoder:
         return any(alternative.name not in self.answers for alternative in self.device.alternatives_of(layout))
 
     def is_active(self, field: Field) -> bool:
-        """Return whether a flag is active: set, combining one that is set, or reporting that the encoder is busy."""
+        """Return whether a flag is active.
+
+        It is if it is set, if a flag that it sums up is set, or if it reports that the encoder is busy.
+        """
         assert isinstance(field.kind, Flag)
         if field.name in self.flags or any(name in self.flags for name in field.kind.sums_up):
             return True
@@ -325,19 +330,26 @@ class VirtualEncoder:
         return values
 
     def _compared_parts(self, layout: Layout) -> dict[str, int]:
-        """Return the bits of the fields that a master compares with the position in another data channel."""
+        """Return the bits of the field that a master compares with the position in another data channel, by its name.
+
+        The map is empty for a layout without such a field, and for the one with the position itself.
+        """
         frame = channel_frame(self.device.interface(self.variant.interface))
         position_layout = self._position_layout
         if frame is None or position_layout is None or layout is position_layout:
             return {}
-        names_by_layout = {compared.layout.name: compared.name for compared in frame.compared}
-        if not {layout.name, position_layout.name} <= names_by_layout.keys():
+        name_by_layout = {compared.layout.name: compared.name for compared in frame.compared}
+        are_both_compared = {layout.name, position_layout.name} <= name_by_layout.keys()
+        if not are_both_compared:
             return {}
-        name, position_name = names_by_layout[layout.name], names_by_layout[position_layout.name]
+        name, position_name = name_by_layout[layout.name], name_by_layout[position_layout.name]
         width = self.place(layout).field(name).width
         position_width = self.place(position_layout).field(position_name).width
-        bits = self.parts_now(position_layout)[position_name]
-        return {name: bits >> (position_width - width) if position_width >= width else bits << (width - position_width)}
+        position_bits = self.parts_now(position_layout)[position_name]
+        # The highest bits of both fields agree. A wider field has further zeros behind them.
+        if position_width >= width:
+            return {name: position_bits >> (position_width - width)}
+        return {name: position_bits << (width - position_width)}
 
     @property
     def _position_layout(self) -> Layout | None:
@@ -414,7 +426,7 @@ class VirtualEncoder:
 
 
 def _number_from_bits(placed_field: PlacedField, bits: int) -> int:
-    """Return the number that the bits of a field stand for."""
+    """Return the number that the bits of a field stand for: -1 for 0b111 in a signed field of 3 bits."""
     sign_bit = bits >> (placed_field.width - 1)
     if placed_field.field.number.signed and sign_bit:
         return bits - (1 << placed_field.width)

@@ -73,6 +73,10 @@ FAULTS: Mapping[str, Mapping[str, str]] = {
 }
 #: Seconds for which the fault ``busy`` keeps an encoder busy.
 BUSY_S = 0.02
+#: Seconds between a reply and an extra one, as in the effects above.
+_SHORTEST_AND_LONGEST_GAP_S = (0.0001, 0.001)
+#: Most random bytes in front of a reply with the fault ``junk``.
+_MOST_JUNK_BYTES = 8
 
 
 class Faults:
@@ -125,13 +129,13 @@ class Faults:
         if name == "echo":
             return request + reply
         if name == "junk":
-            junk_length = self.random.randint(1, 8)
+            junk_length = self.random.randint(1, _MOST_JUNK_BYTES)
             return self.random.randbytes(junk_length) + reply
         return reply
 
     def gap_s(self) -> float:
         """Return the time in seconds after which an extra reply follows."""
-        return self.random.uniform(0.0001, 0.001)
+        return self.random.uniform(*_SHORTEST_AND_LONGEST_GAP_S)
 
     def cut(self, word: int, bits: int) -> int:
         """Return a word whose last bits are all 1, at least one of which was 0 if the word has a 0."""
@@ -139,7 +143,8 @@ class Faults:
         lowest_zero = (~word & (word + 1)).bit_length() - 1
         fewest_missing = min(lowest_zero + 1, bits)
         missing_bits = self.random.randrange(fewest_missing, max(fewest_missing + 1, bits))
-        return word | ((1 << missing_bits) - 1)
+        missing_mask = (1 << missing_bits) - 1
+        return word | missing_mask
 
 
 class _Host(Protocol):
@@ -181,9 +186,9 @@ def _parse_fault(interface: str, text: str) -> tuple[str, float]:
     """Return the name and the rate of a fault: ``("flip", 0.001)`` for ``flip:1e-3``."""
     name, _, rate_text = text.partition(":")
     try:
-        rate = float(rate_text or 1)
+        rate = float(rate_text or 1)  # Without a rate, every reply has the fault.
     except ValueError:
-        rate = -1.0
+        rate = -1.0  # Not a rate, so the text is rejected below.
     possible_names = ", ".join(faults_of(interface))
     is_rate = isfinite(rate) and 0 <= rate <= 1
     if name not in FAULTS or not is_rate:
@@ -231,7 +236,7 @@ def motion(text: str, counts: int, lowest: int = 0, counts_per_turn: int = 0) ->
     if sine_match is None:
         raise _not_a_position(text)
     frequency = _parse_finite(sine_match["frequency"], text)
-    largest_amplitude = (counts - 1) / 2
+    largest_amplitude = (counts - 1) / 2  # from lowest to lowest + counts - 1
     middle = lowest + largest_amplitude
     amplitude = largest_amplitude
     if sine_match["amplitude"]:
@@ -267,7 +272,9 @@ def _not_a_position(text: str) -> ValueError:
 def _amplitude_in_counts(
     text: str, amplitude: float, *, is_angle: bool, largest_amplitude: float, counts_per_turn: int
 ) -> float:
-    """Return the amplitude of a motion in counts.
+    """Return the amplitude of a motion in counts. With ``is_angle``, it is given in degrees.
+
+    ``text`` is the whole motion, such as ``sine:0.5Hz:90deg``, for the messages.
 
     Raises:
         ValueError: The position is not an angle, or the encoder does not have that many positions.

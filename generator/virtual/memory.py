@@ -133,7 +133,8 @@ class Memory:
         register = self._writable_register_at(address)
         if register is None or not self._is_open(register):
             return False
-        bits_that_fit = value & ((1 << (8 * register.length)) - 1)
+        register_mask = (1 << (8 * register.length)) - 1
+        bits_that_fit = value & register_mask
         self._bytes[register.name][:] = register.bytes_of(bits_that_fit)
         self._react_to_write(register)
         return True
@@ -149,7 +150,10 @@ class Memory:
         return True
 
     def restart(self) -> None:
-        """Discard values that were not saved: those of volatile registers."""
+        """Discard values that were not saved: those of volatile registers.
+
+        ``volatile`` means that a value is lost without a command that saves it. Other registers save each write.
+        """
         for name, register in self.registers.items():
             if register.volatile:
                 self._bytes[name][:] = self._saved_bytes[name]
@@ -174,7 +178,8 @@ class Memory:
             if register.address <= address <= register.last_address:
                 # Name of the register with the number of the selected bank, or "" for a register in no bank.
                 bank_selector = self._encoder.device.bank_selector(register)
-                if not bank_selector or self.value(bank_selector) == register.bank:
+                is_in_selected_bank = not bank_selector or self.value(bank_selector) == register.bank
+                if is_in_selected_bank:
                     yield register
 
     def _default_bytes(self, register: Register) -> bytes:
@@ -236,11 +241,14 @@ class Memory:
                 content = _with_bits_of_field(content, placed_field, placed_field.field.kind.value)
         if register.above_max == "default" and register.max is not None and register.default is not None:
             highest = register.max.value(self._encoder.variant.parameters)
-            content = register.default if content > highest else content
+            if content > highest:
+                content = register.default
         self._store_number(register, content)
         for name in register.write_clears:
             self._store_number(self.registers[name], 0)
-        if register.clears_itself or not register.readable:
+        # A register that cannot be read takes only commands.
+        is_command_register = register.clears_itself or not register.readable
+        if is_command_register:
             self._execute_command(register, content)
         if register.clears_itself:
             self._store_number(register, register.default or 0)
@@ -301,6 +309,7 @@ class Memory:
         """
         for procedure in self._encoder.device.procedures:
             write_steps = [step for step in procedure.steps if isinstance(step, WriteStep)]
+            # A step without a fixed value writes what the user of the procedure chooses.
             argument_steps = [step for step in write_steps if step.value is None]
             command_steps = _command_steps(procedure, command_register)
             activates = any("activate" in step.value_name for step in command_steps)
@@ -356,7 +365,10 @@ class Memory:
             self._store_number(register, _with_bits_of_field(self.value(register.name), placed_field, value))
 
     def _refresh_register(self, register: Register) -> None:
-        """Update a register that has flags or the position, unless the master can write it."""
+        """Update the bits of a register that are those of alarms or of the position to their present values.
+
+        A register that the master can write is left as it is.
+        """
         if register.writable:
             return
         content = self.value(register.name)
@@ -370,8 +382,8 @@ class Memory:
                 is_active = placed_field.name in self._encoder.flags
                 is_active_low = getattr(placed_field.field.kind, "active_low", False)
                 alarm_bit = 1 << placed_field.low
-                # Active and active low, or neither: the bit is 0.
-                content = content & ~alarm_bit if is_active == is_active_low else content | alarm_bit
+                is_bit_set = is_active != is_active_low
+                content = content | alarm_bit if is_bit_set else content & ~alarm_bit
         self._bytes[register.name][:] = number_to_bytes(register.layout, content, 8 * register.length)
 
     def _react_to_read(self, register: Register) -> None:
@@ -383,7 +395,8 @@ class Memory:
             registers_to_read = [step.register for step in read_steps[:-1]]
             only_reads = len(registers_to_read) + 1 == len(procedure.steps)
             # The last reads must be these, in this order.
-            have_been_read = list(self._last_reads)[-len(registers_to_read) :] == registers_to_read
+            last_reads = list(self._last_reads)[-len(registers_to_read) :]
+            have_been_read = last_reads == registers_to_read
             if only_reads and have_been_read:
                 alarms = self._encoder.device.alarms
                 self._encoder.flags -= {alarm.name for alarm in alarms if procedure.name in alarm.cleared_by}

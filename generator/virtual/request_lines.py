@@ -31,8 +31,8 @@ OUTAGE_S = 0.02
 EEPROM_S = 0.003
 #: Number of replies that are kept for a master that does not read them.
 _MOST_REPLIES = 1000
-#: Tolerance in seconds of the interval between the requests of a reset.
-_TOLERANCE_S = 1e-9
+#: Seconds: tolerance of the interval between the requests of a reset, and shortest and longest delay of a late reply.
+_TOLERANCE_S, _LATE_BY_S = 1e-9, (0.005, 0.04)
 
 
 class _RequestFormat(NamedTuple):
@@ -85,7 +85,7 @@ class Rs485Line:
     def receive(self, data: bytes) -> None:
         """Take bytes that the master sends now, and answer each complete and valid request in them."""
         now = self.encoder.clock()
-        if now - self._received_at > GAP_S:
+        if now - self._received_at > GAP_S:  # After a pause, the rest of a request does not come.
             self._received = b""
         self._received_at = now
         self._received += data
@@ -108,7 +108,7 @@ class Rs485Line:
         for request_format in request_formats:
             placed_layout = self.encoder.place(request_format.layout)
             length = placed_layout.bits // 8
-            longest = max(longest, length)
+            longest = max(longest, length)  # Of the requests that can begin here.
             if len(self._received) < length:
                 continue
             decoded = codec.decode_placed(self.encoder.device, placed_layout, self._received[:length])
@@ -174,7 +174,7 @@ class Rs485Line:
     def _answer_request(
         self, data_id: DataId | None, request: bytes, values: dict[str, int | str | bool], layout: Layout | None
     ) -> None:
-        """Carry out a request, draw a fault for it, and schedule the reply with this layout as the fault leaves it."""
+        """Carry out a request, and schedule its reply with this layout, which a fault can damage, delay or suppress."""
         encoder = self.encoder
         faults = self.encoder.faults
         now = encoder.clock()
@@ -195,7 +195,7 @@ class Rs485Line:
                 # A line that stays high is idle, so no bytes arrive.
                 zeros = bytes(len(reply))
                 reply_bytes = zeros if self._outage == "low" else b""
-            delay = faults.random.uniform(0.005, 0.04) if fault == "late" else 0.0
+            delay = faults.random.uniform(*_LATE_BY_S) if fault == "late" else 0.0
             # The line keeps the order of replies, but extra ones can come before or after the next reply.
             self._last_due = max(now + delay, self._last_due)
             self._put_bytes(self._last_due, reply_bytes)
@@ -271,11 +271,11 @@ class Rs485Line:
     def _is_last_request(self, control: int, step: SendStep) -> bool:
         """Count a request of a reset, and return whether it is the last one. One that comes too soon begins again."""
         now = self.encoder.clock()
-        last_control, count, last_time = self._reset_requests
+        last_control, previous_count, last_time = self._reset_requests
         is_too_soon = now - last_time < step.microseconds / 1e6 - _TOLERANCE_S
-        count = 1 if last_control != control or is_too_soon else count + 1
-        self._reset_requests = (control, count % step.times, now)  # After the last one, the count is 0 again.
-        return count >= step.times
+        request_count = 1 if last_control != control or is_too_soon else previous_count + 1
+        self._reset_requests = (control, request_count % step.times, now)  # After the last one, the count is 0 again.
+        return request_count >= step.times
 
     def _carry_out_reset(self, data_id: DataId, procedure: Procedure) -> None:
         """Reset the encoder, which is then busy for the longest wait of the procedure if it reports that."""
@@ -354,8 +354,8 @@ class SpiLine:
 
     def send(self) -> bytes:
         """Return each answer once."""
-        data, self._answers = self._answers, b""
-        return data
+        answers, self._answers = self._answers, b""
+        return answers
 
     def due(self) -> float | None:
         """Return None, because the answers never wait."""
@@ -393,8 +393,7 @@ class SpiLine:
             self._written_fields |= request_fields
             register_value = self._complete_write()
         else:
-            # No register has the address -1.
-            register_value = self.encoder.memory.read_whole(request_fields.get("address", -1))
+            register_value = self.encoder.memory.read_whole(request_fields.get("address", -1))  # No register has -1.
         if register_value is None:
             return self._error_reply(length)
         return self.encoder.frame(layout, {**repeated_values, "data": register_value})
@@ -402,9 +401,9 @@ class SpiLine:
     def _complete_write(self) -> int | None:
         """Carry out a write once its address and data have come, and return the value of the register.
 
-        Return None if there is no register, or it cannot be written.
+        Return None if there is no register, or it cannot be written. Before the data come, the value is the old one.
         """
-        address = self._written_fields.get("address", -1)
+        address = self._written_fields.get("address", -1)  # No register has the address -1.
         if self._written_fields.keys() >= {"address", "data"}:
             data = self._written_fields["data"]
             self._written_fields = {}
@@ -415,7 +414,7 @@ class SpiLine:
     def _find_request(self, word: int, length: int) -> tuple[Exchange, dict[str, int | str | bool]] | None:
         """Return the request in a word with its values, or None if no possible request fits.
 
-        If a write has begun, only its later words are possible. Before that, they are not.
+        A write can have several words. If one has begun, only its later words are possible. Before that, they are not.
         """
         later_words_of_write = self._write_exchanges[1:]
         if self._written_fields:
@@ -447,4 +446,5 @@ class SpiLine:
 
 def _first_word(data: bytes, bits: int) -> int:
     """Return the first word in the data. If it is not whole bytes, the top bits of its first byte are unused."""
-    return int.from_bytes(data[: (bits + 7) // 8], "big") & ((1 << bits) - 1)
+    byte_count, mask = (bits + 7) // 8, (1 << bits) - 1
+    return int.from_bytes(data[:byte_count], "big") & mask

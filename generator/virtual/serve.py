@@ -19,6 +19,8 @@ from .request_lines import Rs485Line, SpiLine
 _TICK_S = 0.2
 #: Longest wait in seconds for a program to read its replies.
 PATIENCE_S = 1.0
+#: Most bytes that are taken from a connection at once.
+_MOST_BYTES_READ = 4096
 
 
 class Line(Protocol):
@@ -84,7 +86,7 @@ def terminal() -> _Port:
     return _Port(
         name=os.ttyname(slave),
         handle=lambda: master,
-        read=lambda: os.read(master, 4096),
+        read=lambda: os.read(master, _MOST_BYTES_READ),
         write=write,
         close=close,
     )
@@ -115,9 +117,10 @@ class _Clients:
             self._accept_client()
             return b""
         try:
-            data = self._client.recv(4096)
+            data = self._client.recv(_MOST_BYTES_READ)
         except OSError:
             data = b""
+        # A client that has gone sends no more data.
         if not data:
             self._disconnect_client()
         return data

@@ -96,16 +96,18 @@ class Diagnosis:
 def diagnose_without_crc(device: Device, hypotheses: Iterable[Hypothesis], missing: str) -> Diagnosis | None:
     """Return the readings of a frame without a CRC, most likely first. Nothing proves one of them.
 
-    Of readings that lead to the same frame, only the likeliest is an explanation. Return None if there is no reading
-    and ``missing`` is empty, which says what a recording lacks.
+    Of readings that lead to the same frame, only the likeliest is an explanation. ``missing`` is the part that a
+    recording lacks, or an empty string. Return None if there is no reading and nothing is missing.
     """
     frame_and_explanations: list[tuple[int | str, Explanation]] = []
     for same_mistake in _grouped_by_mistake(hypotheses):
-        likeliest = same_mistake[0]
+        likeliest = same_mistake[0]  # The hypotheses of a mistake are sorted.
         has_frame = likeliest.frame_layout is not None
+        # A mistake that does not change the frame leads to its own description.
         resulting_frame = likeliest.frame if has_frame else likeliest.description
         frame_and_explanations.append((resulting_frame, _explanation_of_all(device, same_mistake)))
     frame_and_explanations.sort(key=lambda frame_and_explanation: -frame_and_explanation[1].score)
+    # The explanations are sorted, so the first one for a frame is the likeliest.
     likeliest_by_frame: dict[int | str, Explanation] = {}
     for resulting_frame, explanation in frame_and_explanations:
         likeliest_by_frame.setdefault(resulting_frame, explanation)
@@ -123,11 +125,15 @@ def diagnose_without_crc(device: Device, hypotheses: Iterable[Hypothesis], missi
 
 
 def _grouped_by_mistake(hypotheses: Iterable[Hypothesis]) -> Iterable[list[Hypothesis]]:
-    """Return lists of the hypotheses that fit: those that differ only in the value of a lost bit, likeliest first."""
+    """Return the hypotheses that fit in lists, the likeliest first in each.
+
+    Hypotheses that differ only in the assumed value of a lost bit are in one list. All others are alone in theirs.
+    """
     fitting_hypotheses = [hypothesis for hypothesis in hypotheses if hypothesis.fits]
     fitting_hypotheses.sort(key=lambda hypothesis: -hypothesis.score)
     hypotheses_by_mistake: dict[object, list[Hypothesis]] = {}
     for number, hypothesis in enumerate(fitting_hypotheses):
+        # A hypothesis without a lost bit is alone in its list, under its own number.
         mistake = (hypothesis.kind, hypothesis.template) if hypothesis.has_assumed_bit else number
         hypotheses_by_mistake.setdefault(mistake, []).append(hypothesis)
     return hypotheses_by_mistake.values()
@@ -147,6 +153,7 @@ def _explanation_of_all(device: Device, same_mistake: Sequence[Hypothesis]) -> E
     return replace(
         likeliest,
         text=without_details(likeliest.template),
+        # Two hypotheses that match one of 64 random frames each count as one of 128.
         one_in=sum(explanation.one_in for explanation in explanations),
         score=sum(explanation.score for explanation in explanations),
         or_reads=tuple(explanation.reads for explanation in others),
@@ -208,8 +215,8 @@ def _chance_of_any(hypotheses: Iterable[Hypothesis]) -> float:
     Hypotheses that match the same frames count once.
     """
     one_in_by_key = {hypothesis.match_key: hypothesis.one_in for hypothesis in hypotheses}
-    chance_of_none = prod(1 - 1 / one_in for one_in in one_in_by_key.values())
-    return 1 - chance_of_none
+    chance_that_none_matches = prod(1 - 1 / one_in for one_in in one_in_by_key.values())
+    return 1 - chance_that_none_matches
 
 
 def _paired_with_inversion(hypotheses: Iterable[Hypothesis]) -> Iterator[Hypothesis]:
@@ -220,7 +227,8 @@ def _paired_with_inversion(hypotheses: Iterable[Hypothesis]) -> Iterator[Hypothe
     for hypothesis in hypotheses:
         if hypothesis.crc is None or hypothesis.kind in (NOT_INVERTED, FRAME_INSIDE):
             continue
-        pair_text = TEXTS["not_inverted_too" if hypothesis.crc.xorout else "inverted_too"]
+        is_inverted = hypothesis.crc.xorout != 0
+        pair_text = TEXTS["not_inverted_too" if is_inverted else "inverted_too"]
         inverted_crc = replace(hypothesis.crc, xorout=hypothesis.crc.xorout ^ hypothesis.crc.mask)
         template = pair_text.format(hypothesis.template) if hypothesis.template else ""
         description = pair_text.format(hypothesis.description)
@@ -230,7 +238,8 @@ def _paired_with_inversion(hypotheses: Iterable[Hypothesis]) -> Iterator[Hypothe
 def is_significant(hypothesis: Hypothesis) -> bool:
     """Return whether at least 3 bits of CRC and other determined bits can contradict the hypothesis.
 
-    A frame whose bits are all equal may be a part of an idle line. Without inversion, the CRC of zeros is 0.
+    A hypothesis whose frame has 12 or more bits that are all equal is not significant, since that may be a part of an
+    idle line. Without inversion, the CRC of zeros is 0.
     """
     frame_layout = hypothesis.frame_layout
     if frame_layout is not None and frame_layout.bits >= LEAST_EQUAL_BITS:

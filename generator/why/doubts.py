@@ -69,7 +69,10 @@ def other_positions(
 def _recorded_frames(
     device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame
 ) -> Iterator[tuple[str, int]]:
-    """Yield the frames in a word of SSI with more typed bits than the frame, if its leading zeros were received."""
+    """Yield the frames in a word of SSI with more typed bits than the frame, if its leading zeros were received.
+
+    Each comes with a text, such as ``if the word comes first, and the other clocks read 0``.
+    """
     interface = device.interface(variant.interface)
     if not isinstance(interface, Ssi) or typed_frame.exact or typed_frame.written <= placed_layout.bits:
         return
@@ -87,13 +90,14 @@ def _frames_without_mistake(placed_layout: PlacedLayout, position_name: str, fra
     A frame that was read early has a bit too many at its start and lacks its last bit. One that was read late is the
     reverse.
     """
+    # One item for each text of ``READINGS``, in the same order.
     yield _read_one_clock_later(placed_layout, frame)
     read_one_clock_earlier = frame >> 1
     yield read_one_clock_earlier
     if placed_layout.gray:
         yield None
         yield None
-        # The decoder converts from Gray code, so this undoes it.
+        # The decoder will convert from Gray code. This undoes it, so the position is that of the bits as sent.
         yield to_gray(placed_layout, frame)
     else:
         yield _with_position_from_gray(placed_layout, (position_name,), frame)
@@ -108,7 +112,10 @@ def _frames_without_mistake(placed_layout: PlacedLayout, position_name: str, fra
 
 
 def _parts_of(placed_layout: PlacedLayout, position_name: str) -> Sequence[str]:
-    """Return the names of the fields that are joined to the position: ``["multiturn", "singleturn"]``."""
+    """Return the names of the fields that are joined to the position: ``["multiturn", "singleturn"]``.
+
+    The list is empty if the position is a single field.
+    """
     field_names = {field.name for field in placed_layout.fields}
     for join in placed_layout.layout.joins:
         if join.name == position_name:
@@ -131,7 +138,8 @@ def _read_one_clock_later(placed_layout: PlacedLayout, frame: int) -> int:
 
     The last bit is 1 if constants and parity are right only with a 1, and otherwise 0.
     """
-    with_last_0 = (frame << 1) & ((1 << placed_layout.bits) - 1)
+    frame_mask = (1 << placed_layout.bits) - 1
+    with_last_0 = (frame << 1) & frame_mask
     with_last_1 = with_last_0 | 1
     _, is_0_right = check_constant_bits(placed_layout, with_last_0)
     _, is_1_right = check_constant_bits(placed_layout, with_last_1)

@@ -102,7 +102,8 @@ def _mistake_kind(frames: Sequence[ExchangedFrame]) -> str:
         return "echo"
     if len(replies) > 1:
         return "several_frames"
-    return "bytes_in_front" if frames[0].is_request else "bytes_behind"
+    begins_with_request = frames[0].is_request
+    return "bytes_in_front" if begins_with_request else "bytes_behind"
 
 
 def _frames_in(device: Device, variant: Variant, received_bytes: bytes) -> tuple[ExchangedFrame, ...] | None:
@@ -127,9 +128,8 @@ def _frames_in(device: Device, variant: Variant, received_bytes: bytes) -> tuple
             if end not in fewest_frames_from:
                 continue
             following_frames = fewest_frames_from[end]
-            has_fewer_frames = start not in fewest_frames_from or len(following_frames) + 1 < len(
-                fewest_frames_from[start]
-            )
+            frame_count = 1 + len(following_frames)
+            has_fewer_frames = start not in fewest_frames_from or frame_count < len(fewest_frames_from[start])
             if not has_fewer_frames:
                 continue
             frame = _valid_frame(device, variant.interface, placed_layout, received_bytes[start:end])
@@ -172,7 +172,10 @@ def echo_hypotheses(device: Device, variant: Variant, placed_layout: PlacedLayou
 def own_request(device: Device, variant: Variant, placed_layout: PlacedLayout, frame: int) -> str:
     """Return the name of the request that a word of SPI from the encoder equals, or ""."""
     request_and_evidence = _echoed_request(device, variant, placed_layout, frame)
-    return request_and_evidence[0].name if request_and_evidence is not None else ""
+    if request_and_evidence is None:
+        return ""
+    request, _ = request_and_evidence
+    return request.name
 
 
 def _echoed_request(
@@ -199,6 +202,7 @@ def _echoed_request(
             usual_values = usual_values_of(device, Spi.name, layout)
             expected_bits = _expected_bits(device, request, frame, usual_values)
             candidates.append((request, expected_bits - repeated_bits))
+    # A candidate is a request with its number of expected bits.
     sure_candidates = [candidate for candidate in candidates if candidate[1] >= LEAST_BITS_OF_ECHO]
     return max(sure_candidates, key=lambda candidate: candidate[1], default=None)
 
@@ -242,6 +246,8 @@ def _expected_bits(
         values = usual_values.get(placed_field.name, ())
         raw_value = (frame >> placed_field.low) & placed_field.mask
         if raw_value in values:
+            # The bits that are needed to number the usual values: 2 for 3 or 4 values, 0 for a single one.
             free_bits = (len(values) - 1).bit_length()
             usual_bits += placed_field.width - free_bits
-    return constant_bits + usual_bits + (crc.width if crc is not None else 0)
+    crc_bits = crc.width if crc is not None else 0
+    return constant_bits + usual_bits + crc_bits

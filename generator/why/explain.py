@@ -48,6 +48,7 @@ def explain_bits(
     missing. ``with_pairs`` also lists pairs of mistakes if a single one matches.
     """
     crc = device.crc_of(placed_layout)
+    # A number without leading zeros is at least as long as the expected frame.
     frame_length = typed_frame.bits if typed_frame.exact else max(typed_frame.bits, placed_layout.bits)
     doubt = _doubt_about_dead_line(placed_layout, crc, typed_frame.number, is_valid)
     dead_line = _diagnose_equal_bits(variant, typed_frame.number, frame_length, doubt)
@@ -121,9 +122,10 @@ def _missing_part(device: Device, variant: Variant, placed_layout: PlacedLayout,
 def _part_without_written_zeros(
     device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame
 ) -> str:
-    """Return what a word of SSI or SPI lacks if only its written hex digits were received, or "".
+    """Return what a word of SSI or SPI lacks if only its written hex digits were received, or an empty string.
 
-    They are at least a byte fewer than the frame has. A raw buffer of BiSS needs other words.
+    It is empty unless the digits, with their leading zeros, have at least 8 bits fewer than the frame. A raw buffer of
+    BiSS needs other words.
     """
     line = LINES.get(line_name(device.interface(variant.interface)))
     is_cut = not typed_frame.exact and 0 < typed_frame.written <= placed_layout.bits - 8
@@ -226,8 +228,8 @@ def _repeats_frame(hypothesis: Hypothesis, whole_frames: Sequence[Hypothesis]) -
     """Return whether the hypothesis explains extra bytes although whole frames already explain them, by this frame."""
     if hypothesis in whole_frames or hypothesis.kind not in ("bytes_in_front", "bytes_behind"):
         return False
-    frames = [(whole_frame.frame, whole_frame.frame_layout) for whole_frame in whole_frames]
-    return (hypothesis.frame, hypothesis.frame_layout) in frames
+    frames_and_layouts = [(whole_frame.frame, whole_frame.frame_layout) for whole_frame in whole_frames]
+    return (hypothesis.frame, hypothesis.frame_layout) in frames_and_layouts
 
 
 def _bits_of_bytes_to_invert(device: Device, placed_layout: PlacedLayout, received_bytes: bytes) -> list[int]:
@@ -269,8 +271,9 @@ def _diagnose_equal_bits(variant: Variant, number: int, bit_count: int, doubt: s
         explanation_text = (
             f"every bit is {level}: the line never changes. Check for {cause}, the supply and {other_causes}"
         )
-    # The first bit can be either level. One in 2^62 is enough to be certain.
-    one_in = 1 << min(bit_count - 1, 62)
+    # The first bit can be either level, and the others must have the same. One in 2^62 is enough to be certain.
+    bits_that_agree = min(bit_count - 1, 62)
+    one_in = 1 << bits_that_agree
     score = MISTAKES["line_stuck"] * one_in
     explanation = Explanation(kind="line_stuck", text=explanation_text, one_in=one_in, score=score, reads={})
     return Diagnosis(explanations=(explanation,), tried=1, coincidence=1 / one_in, cannot_see=())

@@ -147,7 +147,9 @@ class Hypothesis:
 
         A frame that was searched at several places matches by chance more often.
         """
-        return max((1 << (self.received_crc_bits + self.determined_bits)) // self.searched_places, 1)
+        compared_bits = self.received_crc_bits + self.determined_bits
+        number_of_patterns = 1 << compared_bits
+        return max(number_of_patterns // self.searched_places, 1)
 
     @property
     def score(self) -> float:
@@ -180,6 +182,7 @@ def check_constant_bits(placed_layout: PlacedLayout, frame: int) -> tuple[int, b
             are_right = are_right and raw_value == expected_value
         elif placed_field.name == placed_layout.layout.selector:
             selector_values = placed_layout.layout.selects
+            # The bits that are needed to number the possible values: 2 for 3 or 4 values, 0 for a single one.
             free_bits = (len(selector_values) - 1).bit_length()
             constant_bits += placed_field.width - free_bits
             are_right = are_right and raw_value in selector_values
@@ -290,4 +293,5 @@ def _hypothesis_without_crc(
 def crc_covered_bits(placed_layout: PlacedLayout, frame: int) -> tuple[int, int]:
     """Return the bits that the CRC covers as a number, shifted to bit 0, and how many they are."""
     low, width = placed_layout.crc_covers
-    return (frame >> low) & ((1 << width) - 1), width
+    mask = (1 << width) - 1
+    return (frame >> low) & mask, width

@@ -109,12 +109,14 @@ def _left_out_command_hypotheses(
     command, command_bits = _bits_during_command(placed_layout, crc)
     remaining_bits = placed_layout.bits - command_bits
     has_remaining_bits = typed_frame.may_have(remaining_bits) and typed_frame.written == remaining_bits
-    if not command_bits or not has_remaining_bits:
+    has_command = command_bits > 0
+    if not has_command or not has_remaining_bits:
         return
     description = TEXTS["command_left_out"].format(command_bits)
     frame = (command << remaining_bits) | typed_frame.number
     hypothesis = frame_hypothesis("command_left_out", description, placed_layout, crc, frame)
     constant_bits, _ = check_constant_bits(placed_layout, 0)
+    # The constants of the command are those that it is assumed to have, so they prove nothing.
     assumed_bits = sum(field.width for field in placed_layout.fields if _is_constant_from(field, remaining_bits))
     yield replace(hypothesis, determined_bits=constant_bits - assumed_bits)
 
@@ -126,17 +128,20 @@ def _bits_during_command(placed_layout: PlacedLayout, crc: Crc | None) -> tuple[
     result is ``(0, 0)``.
     """
     low, width = placed_layout.crc_covers if crc is not None else (0, placed_layout.bits)
+    first_bit_above_covered = low + width
     command = 0
     lowest_bit = placed_layout.bits
+    # From the first field that is sent to the last.
     for field in sorted(placed_layout.fields, key=lambda placed_field: -placed_field.low):
-        is_uncovered = field.low >= low + width
+        is_uncovered = field.low >= first_bit_above_covered
         if not isinstance(field.field.kind, Constant) and not is_uncovered:
             break
         if isinstance(field.field.kind, Constant):
             command |= field.field.kind.value << field.low
         lowest_bit = field.low
     command_bits = placed_layout.bits - lowest_bit
-    return (command >> lowest_bit, command_bits) if command_bits % 8 == 0 else (0, 0)
+    is_whole_bytes = command_bits % 8 == 0
+    return (command >> lowest_bit, command_bits) if is_whole_bytes else (0, 0)
 
 
 def _is_constant_from(field: PlacedField, lowest_bit: int) -> bool:
@@ -207,11 +212,12 @@ def rearranged_frame_hypotheses(
             other_frames["bits_reversed_in_bytes"] = reflected_bytes(typed_frame.number, placed_layout.bits // 8)
         for kind, frame in other_frames.items():
             hypothesis = frame_hypothesis(kind, TEXTS[kind], placed_layout, crc, frame)
+            # SPI has single wires. Over the others, the two wires of a pair can be swapped, which inverts all bits.
             lacks_pair = kind == "all_inverted" and variant.interface == Spi.name
             frequency = INVERTED_WITHOUT_PAIR if lacks_pair else 1.0
             yield replace(hypothesis, likelihood=hypothesis.likelihood * frequency)
     yield from _byte_order_hypotheses("bytes_reversed", placed_layout, crc, typed_frame)
-    # With two bytes, this is the same.
+    # With two bytes, a swapped word is the same as reversed bytes.
     if placed_layout.bits > 16:
         yield from _byte_order_hypotheses("words_swapped", placed_layout, crc, typed_frame)
 
@@ -233,9 +239,11 @@ def _byte_order_hypotheses(
     unit_bits = 16 if kind == "words_swapped" else 8
     # The next multiple of the unit.
     filled_bits = (placed_layout.bits + unit_bits - 1) // unit_bits * unit_bits
-    if typed_frame.number >> filled_bits:
+    is_longer = typed_frame.number >> filled_bits != 0
+    if is_longer:
         return
-    is_whole_bytes = typed_frame.bits % 8 == 0 and typed_frame.bits in (placed_layout.bits, filled_bits)
+    has_possible_length = typed_frame.bits in (placed_layout.bits, filled_bits)
+    is_whole_bytes = typed_frame.bits % 8 == 0 and has_possible_length
     if typed_frame.exact and not is_whole_bytes:
         return
     if kind == "words_swapped":
@@ -272,13 +280,15 @@ def _removed_status_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_fram
     frame_status_mask = status_mask(placed_layout)
     status_bits = frame_status_mask.bit_count()
     bits_without_status = placed_layout.bits - status_bits
-    # The mask, shifted by the CRC, consists of ones from bit 0 on.
-    are_last_before_crc = frame_status_mask >> crc.width == (1 << status_bits) - 1
+    # The mask, shifted by the CRC, then consists of ones from bit 0 on.
+    ones_from_bit_0 = (1 << status_bits) - 1
+    are_last_before_crc = frame_status_mask >> crc.width == ones_from_bit_0
     if not frame_status_mask or not are_last_before_crc or not typed_frame.may_have(bits_without_status):
         return
     data = typed_frame.number >> crc.width
     received_crc = typed_frame.number & crc.mask
-    frame = (data << (crc.width + status_bits)) | _idle_status(placed_layout, frame_status_mask) | received_crc
+    data_in_frame = data << (crc.width + status_bits)
+    frame = data_in_frame | _idle_status(placed_layout, frame_status_mask) | received_crc
     yield frame_hypothesis("status_not_sent", TEXTS["removed_and_idle"], placed_layout, crc, frame)
     if typed_frame.exact:  # Otherwise this is the same as a CRC over the bits before them.
         yield Hypothesis(

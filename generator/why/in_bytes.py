@@ -83,16 +83,17 @@ def _displaced_byte_hypotheses(
 ) -> Iterator[Hypothesis]:
     """Yield hypotheses in which the bytes do not begin and end with the frame, or are inverted.
 
-    Up to 4 bytes may precede or follow the frame, such as an echoed request. The first byte may be missing, one of
-    ``first_bytes``, and then an extra byte may follow the frame.
+    Up to 4 bytes may precede or follow the frame, such as an echoed request. The first byte may be missing, and then an
+    extra byte may follow the frame. ``first_bytes`` are the possible values of a missing first byte.
     """
     frame_length = placed_layout.bits // 8
     extra_bytes = len(received_bytes) - frame_length
     if 0 < extra_bytes <= _MOST_ECHOED_BYTES:
         counted_bytes = TEXTS["extra_bytes" if extra_bytes > 1 else "extra_byte"].format(extra_bytes)
-        before, after = TEXTS["before"].format(counted_bytes), TEXTS["after"].format(counted_bytes)
-        yield _frame_hypothesis("bytes_in_front", before, placed_layout, crc, received_bytes[extra_bytes:])
-        yield _frame_hypothesis("bytes_behind", after, placed_layout, crc, received_bytes[:frame_length])
+        text_in_front, text_behind = TEXTS["before"].format(counted_bytes), TEXTS["after"].format(counted_bytes)
+        last_bytes, leading_bytes = received_bytes[extra_bytes:], received_bytes[:frame_length]
+        yield _frame_hypothesis("bytes_in_front", text_in_front, placed_layout, crc, last_bytes)
+        yield _frame_hypothesis("bytes_behind", text_behind, placed_layout, crc, leading_bytes)
     if extra_bytes == -1:
         yield from _missing_first_byte_hypotheses(
             placed_layout, crc, received_bytes, first_bytes, TEXTS["byte_missing"]

@@ -65,7 +65,10 @@ def other_crc_hypotheses(
 
 
 def other_crcs_over_bits(crc: Crc) -> Iterator[OtherCrc]:
-    """Yield a CRC over bits with its inversion changed, with another start value, and with its polynomial reversed."""
+    """Yield a CRC over bits with its inversion changed, with each other start value, and with its polynomial reversed.
+
+    Each comes with the kind of mistake and its description, such as ``the start value of the CRC is 0x3f``.
+    """
     inversion_text = "the CRC is not inverted" if crc.xorout else "the CRC is inverted"
     yield NOT_INVERTED, inversion_text, replace(crc, xorout=crc.xorout ^ crc.mask)
     for start in _other_start_values(crc):
@@ -163,7 +166,8 @@ def _remove_bits(data: int, data_bits: int, mask: int) -> tuple[int, int]:
     for bit in reversed(range(data_bits)):
         is_masked = (mask >> bit) & 1
         if not is_masked:
-            remaining_data = (remaining_data << 1) | ((data >> bit) & 1)
+            value_of_bit = (data >> bit) & 1
+            remaining_data = (remaining_data << 1) | value_of_bit
             remaining_bits += 1
     return remaining_data, remaining_bits
 
@@ -178,7 +182,9 @@ def _position_code_hypotheses(
     low, width = _place_of_position(placed_layout)
     if not width:
         return
-    position = (frame >> low) & ((1 << width) - 1)
+    position_mask = (1 << width) - 1
+    position = (frame >> low) & position_mask
+    # XOR with its own bits makes the position 0.
     frame_without_position = frame ^ (position << low)
     conversions = (
         (gray_to_binary(position), TEXTS["covers_binary"]),
@@ -226,9 +232,10 @@ def _start_bit_hypotheses(without_mistake: Hypothesis) -> Iterator[Hypothesis]:
 def other_polynomial_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_frame: TypedFrame) -> Iterator[Hypothesis]:
     """Yield hypotheses with data of the right length before a CRC of another length.
 
-    The CRC is complete, truncated by a reader that expects fewer bits, or followed by zeros. The stop bit is 0, and
-    with one slave the bits after it are 0 too, since the master holds SLI at 0. So the whole has either the length of
-    data and CRC, or that of the expected frame. The typed frame must have it, or lack only leading zeros.
+    With two bits of data (d) and an expected CRC of four bits, a CRC of three bits (c) gives ``ddccc``, or ``ddccc0``
+    if the reader takes the expected length. A CRC of five bits gives ``ddccccc``, or ``ddcccc`` in the expected length.
+    The zero is the stop bit. The master holds SLI at 0, so with one slave the bits after the stop bit are 0, too.
+    The typed frame must have one of these lengths, or lack only leading zeros.
     """
     data_bits = placed_layout.bits - crc.width
     for polynomial in POLYNOMIALS:
@@ -236,7 +243,9 @@ def other_polynomial_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_fra
             continue
         other_crc = _with_polynomial(crc, polynomial)
         complete_length = data_bits + other_crc.width
-        for length in dict.fromkeys((complete_length, placed_layout.bits)):
+        expected_length = placed_layout.bits
+        # A CRC of the expected width gives one length only, so it is tried once.
+        for length in dict.fromkeys((complete_length, expected_length)):
             may_lack_leading_zeros = not typed_frame.exact and length > typed_frame.bits
             if length == typed_frame.bits or may_lack_leading_zeros:
                 yield _polynomial_hypothesis(placed_layout, crc, other_crc, typed_frame.number, length)
@@ -264,10 +273,13 @@ def _polynomial_hypothesis(
     data_bits = placed_layout.bits - crc.width
     bits_after_data = length - data_bits
     data = number >> bits_after_data
-    number_after_data = number & ((1 << bits_after_data) - 1)
+    mask_after_data = (1 << bits_after_data) - 1
+    number_after_data = number & mask_after_data
     received_crc_bits = min(other_crc.width, bits_after_data)
     zero_bits = bits_after_data - received_crc_bits
-    are_zero_bits_right = number_after_data & ((1 << zero_bits) - 1) == 0
+    zero_mask = (1 << zero_bits) - 1
+    are_zero_bits_right = number_after_data & zero_mask == 0
+    # The data at their places in the expected frame, where its constants are checked.
     frame_with_crc_0 = data << crc.width
     constant_bits, are_constants_right = check_constant_bits(placed_layout, frame_with_crc_0)
     description = TEXTS["polynomial"].format(f"{other_crc.poly_with_top_bit:#x}", other_crc.width)

@@ -50,6 +50,7 @@ def _hypotheses_with_crc(
         extra_bits = placed_layout.bits - shape_bits
         if extra_bits > 0 and typed_frame.may_have(placed_layout.bits):
             yield _too_long_hypothesis(variant, shapes, crc, typed_frame.number, extra_bits)
+        # A longer frame, of which a few bits are missing.
         elif -_MOST_CUT_BITS <= extra_bits < 0 and typed_frame.bits == placed_layout.bits:
             yield _too_short_hypothesis(variant, shapes, crc, typed_frame.number, lost_bits=-extra_bits)
 
@@ -63,7 +64,8 @@ def _too_long_hypothesis(
     """
     # The extra bits are the stop bit and zeros, since the master holds SLI at 0. A single bit may be anything.
     zero_bits = extra_bits if extra_bits > 1 else 0
-    are_zero_bits_right = number & ((1 << zero_bits) - 1) == 0
+    zero_mask = (1 << zero_bits) - 1
+    are_zero_bits_right = number & zero_mask == 0
     frame = number >> extra_bits
     shape = _possible_shape(shapes, frame)
     length_text = f"{shape.placed_layout.bits} bits"
@@ -126,7 +128,8 @@ def _complete_frame_hypotheses(
             possible_shapes.append(_possible_shape(shapes, typed_frame.number))
     if not possible_shapes:
         return
-    # If the text may have any number of leading zeros, the CRC cannot distinguish these lengths.
+    # If the text may have any number of leading zeros, the CRC cannot distinguish these lengths. The shapes come
+    # sorted by length.
     shortest_layout = possible_shapes[0].placed_layout
     order_codes = _order_codes_of(possible_shapes)
     length_text = f"{shortest_layout.bits} bits"
@@ -151,12 +154,15 @@ def _with_common_template(hypothesis: Hypothesis, length_text: str, mistake_text
 
 
 def _possible_shape(shapes: Sequence[FrameShape], frame: int) -> FrameShape:
-    """Return the shape of this length that is the likeliest for the frame, with the order codes of all possible ones.
+    """Return the likeliest shape for the frame, with the order codes of all possible shapes.
 
-    Possible are those whose constant bits are right, or all if none is. The one with the fewest constant bits counts.
+    The shapes all have the length of the frame. Those whose constant bits are right are possible, or all if there are
+    none of these. The possible shape with the fewest constant bits is the likeliest.
     """
     constants = [check_constant_bits(shape.placed_layout, frame) for shape in shapes]
-    possible_shapes = [shape for shape, (_, are_right) in zip(shapes, constants, strict=True) if are_right] or shapes
+    right_shapes = [shape for shape, (_, are_right) in zip(shapes, constants, strict=True) if are_right]
+    possible_shapes = right_shapes or shapes
+    # The first item of a check is the number of constant bits.
     likeliest = min(possible_shapes, key=lambda shape: check_constant_bits(shape.placed_layout, frame)[0])
     return FrameShape(likeliest.placed_layout, _order_codes_of(possible_shapes))
 
@@ -222,6 +228,7 @@ def _shapes_of_order_codes(device: Device, variant: Variant, layout: Layout) -> 
         constants = [field for field in other_layout.fields if isinstance(field.field.kind, Constant)]
         constant_places = tuple((constant.low, constant.width) for constant in constants)
         shape_key = other_layout.bits, device.crc_of(other_layout), constant_places
+        # The first order code with this key gives the layout, and each one adds its name.
         known_shape = shape_by_key.get(shape_key, FrameShape(other_layout, order_codes=()))
         order_codes = (*known_shape.order_codes, other_variant.code)
         shape_by_key[shape_key] = FrameShape(known_shape.placed_layout, order_codes)

@@ -249,7 +249,9 @@ def recorded_bits(typed_frame: TypedFrame, frame_length: int) -> str:
     bit_count = typed_frame.bits
     if not typed_frame.exact and not fits_into_frame:
         bit_count = max(typed_frame.written, typed_frame.bits)
-    return f"{typed_frame.number:0{max(bit_count, 1)}b}"
+    # The number 0 without known zeros in front has 0 bits, but one digit.
+    digit_count = max(bit_count, 1)
+    return f"{typed_frame.number:0{digit_count}b}"
 
 
 def recording_hypotheses(

@@ -51,8 +51,9 @@ def _likeliest_explanations(diagnosis: Diagnosis) -> Iterable[Explanation]:
     Explanations of a diagnosis are sorted, the likeliest first.
     """
     likeliest_by_mistake: dict[tuple[str, str, bool], Explanation] = {}
+    all_explanations = diagnosis.unmerged or diagnosis.explanations
     # In reverse order, a likelier one replaces the ones before it.
-    for explanation in reversed(diagnosis.unmerged or diagnosis.explanations):
+    for explanation in reversed(all_explanations):
         likeliest_by_mistake[explanation.mistake] = explanation
     return likeliest_by_mistake.values()
 

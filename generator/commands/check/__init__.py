@@ -94,7 +94,8 @@ def _print_stored(result: CachedResult, arguments: argparse.Namespace) -> bool:
     specs_read = result.get()
     if specs_read is None:
         return False
-    _print_problems(specs_read["families"], report_of(specs_read), {}, arguments)
+    no_coverage: dict[str, Any] = {}
+    _print_problems(specs_read["families"], report_of(specs_read), no_coverage, arguments)
     return True
 
 

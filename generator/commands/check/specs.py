@@ -79,6 +79,7 @@ def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache =
     )
     for family in to_check:
         file = family.document.file
+        # A family whose content is not known is not stored, and neither is one whose files have changed meanwhile.
         is_unchanged = family.content and content_of(family_files(Path(file))) == contents_before[file]
         if is_unchanged and is_clean(family, report):
             cache.put(_CLEAN, contents_before[file], True)
@@ -163,12 +164,14 @@ def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache = 
     for family in families:
         if family.content and cache.get(_PROVED, family.content) is True:
             continue
-        problems_before = len(report)
+        problem_count_before = len(report)
         check_editions([family], report)
-        check_counts(check_families([family], (), report), write=False)
+        no_targets: tuple[Target, ...] = ()
+        check_counts(check_families([family], no_targets, report), write=False)
         # A second reading may have changed since the content was read.
         is_unchanged = family.content and content_of(family_files(Path(family.document.file))) == family.content
-        if is_unchanged and len(report) == problems_before:
+        has_no_new_problem = len(report) == problem_count_before
+        if is_unchanged and has_no_new_problem:
             cache.put(_PROVED, family.content, True)
     if report:
         for problem in report.shown:

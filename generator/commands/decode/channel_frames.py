@@ -63,8 +63,9 @@ class ChannelDecoder:
         """
         typed_frame = frame_number(self.frame, undecorated(frame_text), exact=True)
         longest_channel = max(channel.bits for channel in self.frame.channels)
-        written_bits = typed_frame.bits if typed_frame.exact else max(typed_frame.bits, typed_frame.written - 3)
-        return typed_frame if written_bits > longest_channel else None
+        # Up to 3 bits of the first hex digit may only fill it up.
+        fewest_bits = typed_frame.bits if typed_frame.exact else max(typed_frame.bits, typed_frame.written - 3)
+        return typed_frame if fewest_bits > longest_channel else None
 
     def decode(self, typed_frame: TypedFrame) -> ChannelResult:
         """Return the frame decoded. Its bits are those of all channels, in the order in which they are sent."""
@@ -88,7 +89,9 @@ class ChannelDecoder:
             problems=problems,
             readings=(),
         )
-        return replace(result, readings=self._possible_readings(number, bits)) if result.has_problem else result
+        if not result.has_problem:
+            return result
+        return replace(result, readings=self._possible_readings(number, bits))
 
     def _explain_channel(self, decoded: codec.Decoded) -> Diagnosis | None:
         """Return the explanations of a channel with an error, or None."""
@@ -142,8 +145,10 @@ def _summary_lines(frame: PlacedChannels, result: ChannelResult) -> Iterator[str
 def comparison_sentence(frame: PlacedChannels, decoded_channels: Sequence[codec.Decoded], *, agree: bool) -> str:
     """Return a sentence with the compared bits of each channel, and whether they agree."""
     numbers = frame.compared_numbers([decoded.values for decoded in decoded_channels])
-    compared = [
+    compared_channels = [channel for channel in frame.channels if channel.name in frame.compared]
+    # ``compared`` has the name of the compared field by that of its channel.
+    number_texts = [
         f"{frame.compared[channel.name]} of {channel.name} {number:#x}"
-        for channel, number in zip((c for c in frame.channels if c.name in frame.compared), numbers, strict=True)
+        for channel, number in zip(compared_channels, numbers, strict=True)
     ]
-    return say_report.compared(f"{frame.compared_bits}", " and ".join(compared), agree=agree)
+    return say_report.compared(f"{frame.compared_bits}", " and ".join(number_texts), agree=agree)

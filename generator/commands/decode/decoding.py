@@ -131,8 +131,8 @@ class Decoding:
         Text that cannot be decoded is reported on standard error, and the next line follows. ``code`` changes with
         each line.
         """
-        for count, line in enumerate(lines):
-            if count == MANY and self._request.register is None:
+        for frames_before, line in enumerate(lines):
+            if frames_before == MANY and self._request.register is None:
                 self._suggest_package()
             try:
                 channel_frame = self._channels.read(line.text) if self._channels is not None else None
@@ -142,8 +142,8 @@ class Decoding:
                 decoded, why = self._decode_text(line.text)
             except (FrameTextError, RegisterError, UndecidedError) as error:
                 self._codes.add(NO_FRAME)
-                line_prefix = f"line {line.number}: " if line.number is not None else ""
-                print(f"codewheel: {line_prefix}{error}", file=sys.stderr)
+                place_of_error = f"line {line.number}: " if line.number is not None else ""
+                print(f"codewheel: {place_of_error}{error}", file=sys.stderr)
                 continue
             frame_findings = self._findings_of_frame(decoded)
             self._codes.add(_exit_code(decoded, frame_findings))
@@ -167,7 +167,8 @@ class Decoding:
         result = decoder.decode(frame)
         variant = request.match.variant
         is_not_usable = result.findings.verdict is Verdict.NOT_USABLE
-        self._codes.add(FAULT if result.has_problem else NOT_USABLE if is_not_usable else DONE)
+        code_without_problem = NOT_USABLE if is_not_usable else DONE
+        self._codes.add(FAULT if result.has_problem else code_without_problem)
         is_one_of_many = line.number is not None
         if request.as_json:
             data = channel_data(request.device, variant, request.sender, result, line)
@@ -176,7 +177,8 @@ class Decoding:
             first_line = line_prefix(line) + heading(request.device, variant, request.sender, None)
             lines = [first_line, *self._label]
             lines += described_channels(request.device, variant, decoder.frame, result)
-            output = ("" if self._is_first else "\n") + "\n".join(lines)
+            blank_line = "" if self._is_first else "\n"
+            output = blank_line + "\n".join(lines)
             self._is_first = False
         print(output, flush=is_one_of_many)
 
@@ -197,6 +199,7 @@ class Decoding:
         from ...why.together import judge_together
 
         mistakes = judge_together([why for _, _, why in failed_frames])
+        # The first mistake explains the most frames.
         if mistakes and mistakes[0].frames == len(failed_frames):
             return mistakes
         device = self._request.device

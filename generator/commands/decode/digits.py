@@ -33,6 +33,7 @@ def with_prefix(text: str, bits: int) -> str:
         digits = _binary_digits(pieces, bits)
         return f"0b{digits}" if digits else text
     if len(pieces) == 1:
+        # Digits with a letter or a leading zero are not decimal.
         return text if _DECIMAL.fullmatch(pieces[0]) else f"0x{pieces[0]}"
     byte_pieces = with_leading_zeros(pieces)
     are_whole_bytes = all(len(piece) % 2 == 0 for piece in byte_pieces)
@@ -50,13 +51,14 @@ def _binary_digits(pieces: Sequence[str], bits: int) -> str:
     if len(digits) == bits:
         return digits
     longest = max(map(len, pieces))
+    # Bytes without leading zeros can have one digit, too, but there are no more of them than the frame has.
     are_single_bits = longest == 1 and len(pieces) > byte_count
     if are_single_bits:
         return digits
     if len(pieces) == 1 or longest <= 2:
         return ""
-    lengths = {len(piece) for piece in pieces}
-    lack_zeros = len(lengths) > 1 and longest <= 8 and not _has_leading_zero(pieces)
+    have_different_lengths = len({len(piece) for piece in pieces}) > 1
+    lack_zeros = have_different_lengths and longest <= 8 and not _has_leading_zero(pieces)
     return "".join(piece.zfill(8) for piece in pieces) if lack_zeros else digits
 
 
@@ -70,8 +72,13 @@ def with_leading_zeros(pieces: Sequence[str]) -> Sequence[str]:
     are_binary = all(_ZEROS_AND_ONES.fullmatch(piece) for piece in pieces)
     if are_binary:
         are_bytes = len(pieces) > 1 and 3 <= longest <= 8
-        cannot_be_hex = any(len(piece) % 2 for piece in pieces) or {len(piece) for piece in pieces} == {8}
-        return [f"{int(piece, 2):02X}" for piece in pieces] if are_bytes and cannot_be_hex else pieces
+        have_odd_length = any(len(piece) % 2 for piece in pieces)
+        have_all_bits = all(len(piece) == 8 for piece in pieces)
+        # Hex bytes have an even number of digits. Pieces of eight zeros and ones are taken for bits.
+        cannot_be_hex = have_odd_length or have_all_bits
+        if not are_bytes or not cannot_be_hex:
+            return pieces
+        return [f"{int(piece, 2):02X}" for piece in pieces]
     lack_zeros = longest == 2 and not _has_leading_zero(pieces)
     return [piece.zfill(2) for piece in pieces] if lack_zeros else pieces
 
@@ -92,7 +99,8 @@ def bits_of_bytes(text: str, bits: int, *, line_carries_bytes: bool) -> str:
     digits = compact_text[len("0b") :] if has_prefix else compact_text
     if has_prefix and not line_carries_bytes:
         return digits
-    are_bits = _ZEROS_AND_ONES.fullmatch(digits) and max(bits // 4, 8) < len(digits) <= bits
+    hex_digits = bits // 4
+    are_bits = _ZEROS_AND_ONES.fullmatch(digits) and max(hex_digits, 8) < len(digits) <= bits
     has_all_bits = len(digits) == bits and "1" in digits
     lacks_zeros = line_carries_bytes and digits.startswith("1")
     return digits if are_bits and (has_all_bits or lacks_zeros) else ""

@@ -29,11 +29,15 @@ _WIDEST_HEAD = 56
 
 
 def field_table(decoded: codec.Decoded) -> list[str]:
-    """Return a line per field with its cells in columns, and its meaning next to them, or below if they are wide."""
+    """Return a line per field with its cells in columns: ``bit 3  error  1  yes  The supply is too low``.
+
+    The meaning is next to the columns, or below them if they are wide.
+    """
     assert decoded.layout is not None
     # Each unused field has a line of its own, so the one for all of them, which has no place, is omitted.
     fields = [field for field in decoded.fields if field.name != codec.UNUSED or field.high >= 0]
     rows = [_field_row(decoded.layout, field) for field in fields]
+    # From the cells of each row to those of each column.
     columns = zip(*(row.cells for row in rows), strict=True)
     column_widths = [max(map(len, column)) for column in columns]
     lines = []
@@ -50,7 +54,10 @@ def field_table(decoded: codec.Decoded) -> list[str]:
 
 
 def _field_row(placed_layout: PlacedLayout, field: codec.DecodedField) -> _FieldRow:
-    """Return the row of a field. One bit is printed in decimal, and any other raw number as ``0x1f``."""
+    """Return the row of a field: its place, name, raw number and value, such as ``bit 3``, ``error``, ``1``, ``yes``.
+
+    The raw number of a single bit is in decimal, and that of other fields in hexadecimal.
+    """
     has_place = field.high >= 0  # A joined number has no place of its own.
     place = bit_place(placed_layout.layout, placed_layout.bits, field.high, field.low) if has_place else ""
     is_one_bit = has_place and field.high <= field.low
@@ -64,6 +71,7 @@ def _meaning_text(placed_layout: PlacedLayout, field: codec.DecodedField) -> str
     """Return the meaning, and for a number sent in Gray code also its value as sent and converted."""
     if not placed_layout.gray:
         return field.meaning
+    # The number in Gray code may consist of several fields, which are then in Gray code, too.
     gray_names = (*placed_layout.layout.names_in(placed_layout.layout.gray_of), placed_layout.layout.gray_of)
     if field.name not in gray_names or not isinstance(field.value, int):
         return field.meaning

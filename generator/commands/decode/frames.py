@@ -98,6 +98,7 @@ def undecorated(frame_text: str) -> str:
         raise FrameTextError(say_report.TOO_LONG)
     if _BARE.fullmatch(frame_text):
         return frame_text
+    # Brackets, quotes and commas become spaces, ``b`` and ``u`` are removed, ``\x1F`` and ``1Fh`` become ``0x1F``.
     for pattern, replacement in _PASTED:
         frame_text = pattern.sub(replacement, frame_text)
     frame_text = frame_text.strip()
@@ -132,10 +133,10 @@ def frame_bytes(frame_text: str) -> bytes:
 
 
 def placed_bytes(placed_layout: PlacedLayout, variant: Variant, frame_text: str) -> bytes:
-    """Return the bytes of a frame in bytes: hex frame_text, or one binary number.
+    """Return the bytes of a frame whose layout is in bytes. The text is hex bytes, or one binary number.
 
-    If the line carries bits, the number has every bit sent. If it carries bytes, their order gives the number, whose
-    leading zeros may be missing.
+    If the line carries bits, the number must have every bit sent. If it carries bytes, the layout's byte order puts the
+    number into bytes, and its leading zeros may be missing.
 
     Raises:
         FrameTextError: The text has another form, or another number of bits.
@@ -148,11 +149,11 @@ def placed_bytes(placed_layout: PlacedLayout, variant: Variant, frame_text: str)
     if line_carries_bytes:
         return number_to_bytes(placed_layout.layout, int(digits, 2), placed_layout.bits)
     # The line may carry fewer bits than the bytes of the frame have. The missing ones are the first, and zero.
-    length = placed_layout.bits // 8
+    byte_count = placed_layout.bits // 8
     if len(digits) != bits:
-        remedy = say_report.write_bits(str(bits), str(length))
+        remedy = say_report.write_bits(str(bits), str(byte_count))
         raise FrameTextError(say_report.no_bits(quoted(visible(frame_text)), str(bits), remedy))
-    return int(digits, 2).to_bytes(length, "big")
+    return int(digits, 2).to_bytes(byte_count, "big")
 
 
 def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exact: bool = False) -> TypedFrame:
@@ -179,7 +180,7 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
         digits = _WHOLE_BYTES.sub(r"\1", "".join(f"{piece} " for piece in pieces))
         without_gaps = "0x" + digits.replace(" ", "")
         bits = 4 * (len(without_gaps) - len("0x"))
-        if exact and bits // 8 != (placed.bits + 7) // 8:
+        if exact and bits // 8 != (placed.bits + 7) // 8:  # Another number of bytes than the layout needs.
             return TypedFrame(int(without_gaps, 16), bits, exact=True, written=bits)
     if _NUMBER.fullmatch(without_gaps):
         number = int(without_gaps, 16)
@@ -254,7 +255,7 @@ def text_decoder(device: Device, variant: Variant, sender: str, layout: str | No
             return decode_as(device, variant, first_placed, frame_text, exact=is_exact)
         if first_placed.layout.in_bytes:
             data = placed_bytes(first_placed, variant, frame_text)
-            # It finds the layout by the selector in the bytes, or by their number.
+            # ``decode_bytes`` finds the layout by the selector in the bytes, or by their number.
             return codec.decode_bytes(device, variant, sender, data)
         placed = _layout_of_length(frame_text, first_placed, layouts, variant) if is_exact else first_placed
         return decode_as(device, variant, placed, frame_text, exact=is_exact)
@@ -309,12 +310,14 @@ def _layout_of_length(
 def _has_length(placed_layout: PlacedLayout, frame_text: str) -> bool:
     """Return whether the text can be a frame of this layout by its number of bits.
 
-    ``0b`` and hex bytes of another number must have exactly the bits of the layout. Other hex may have fewer, because
-    its leading zeros may be missing.
+    For a layout of 24 bits, these are ``0b`` with 24 digits, three bytes such as ``1F 2A 3B``, and numbers such as
+    ``0x1F2A`` of at most 24 bits, since their leading zeros may be missing. ``1F 2A`` has 16 bits, so it cannot be one.
     """
+    # The sender has frames of different lengths, so another number of hex bytes means another length.
     frame = frame_number(placed_layout, frame_text, exact=True)
     bits = placed_layout.layout.sent_bits.value(placed_layout.parameters)
-    return frame.bits == bits if frame.exact else frame.bits <= bits
+    has_known_length = frame.exact
+    return frame.bits == bits if has_known_length else frame.bits <= bits
 
 
 def decode_as(
@@ -378,7 +381,8 @@ def _why_bits(
     """
     faults = {problem.fault for problem in decoded.problems}
     is_valid_without_crc = not faults and decoded.crc is None
-    has_equal_bits = decoded.number in (0, (1 << placed_layout.bits) - 1)
+    all_ones = (1 << placed_layout.bits) - 1
+    has_equal_bits = decoded.number in (0, all_ones)
     is_suspicious = is_valid_without_crc or has_equal_bits or bool(faults & _TRANSMISSION_FAULTS)
     if not is_suspicious and Fault.CONSTANT not in faults:
         return None
@@ -423,9 +427,9 @@ class OtherFrames:
             return False
         if candidate.layout.in_bytes != decoded.layout.layout.in_bytes:
             return False  # its text has another form
-        # Hex digits may lack leading zeros, so without this check, a short frame would be valid as a long one.
-        has_other_length = any(problem.fault is Fault.LENGTH for problem in decoded.problems)
-        if candidate.bits != decoded.layout.bits and not has_other_length:
+        # Hex digits may lack leading zeros. Without this check, 0x1A2B with 16 bits would be valid in a layout of 24.
+        has_wrong_length = any(problem.fault is Fault.LENGTH for problem in decoded.problems)
+        if candidate.bits != decoded.layout.bits and not has_wrong_length:
             return False
         frame_text = undecorated(text)
         try:

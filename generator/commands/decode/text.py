@@ -224,7 +224,10 @@ def _problem_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
 
 
 def _report_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
-    """Yield the encoder's reports and their verdict, or else one line: no error, no CRC (of a frame), the verdict."""
+    """Yield the encoder's reports and the verdict that follows from them.
+
+    Without reports, yield one line: ``no frame error; this frame has no CRC; …`` with the verdict, if there is one.
+    """
     if findings.reports:
         yield "the encoder reports:"
         for report in findings.reports:
@@ -264,12 +267,16 @@ def _report_text(report: Report) -> str:
 
 
 def _position_text(device: Device, variant: Variant, decoded: codec.Decoded, verdict: Verdict | None) -> str:
-    """Return the position (or its lowest part in the frame) in µm or degrees, or nothing for one that is not usable."""
+    """Return the position in µm or degrees, such as ``position: 90.0°``, or nothing for one that is not usable.
+
+    If the frame has only a part of the position, it is that of the part with the lowest bits.
+    """
     measurement = device.measurement_of(variant.interface)
     if verdict in (None, Verdict.NOT_USABLE) or measurement is None or decoded.layout is None:
         return ""
     measurement = measurement.within(decoded.layout.layout.position_range)
     field_name = measurement.of
+    # A frame without the multiturn part of a joined position has only the part with the lowest bits.
     if field_name not in decoded.values:
         field_name = _lowest_joined_field(device, variant, field_name)
     counts = decoded.values.get(field_name)
@@ -291,7 +298,11 @@ def _lowest_joined_field(device: Device, variant: Variant, name: str) -> str:
 
 
 def _angle_text(measurement: Measurement, variant: Variant, name: str, counts: int) -> str:
-    """Return ``position: 90.0°``, for the whole position with its revolution. Empty without whole counts per turn."""
+    """Return the angle for a position in counts: ``singleturn: 90.0°``, ``position: 90.0° of revolution 3``.
+
+    Only the whole position of a multiturn encoder has its revolution. The text is empty if the counts per turn are not
+    known.
+    """
     counts_per_turn = _value_or_zero(measurement.counts_per_turn, variant)
     turns = _value_or_zero(measurement.turns, variant)
     if counts_per_turn < 1:
@@ -301,8 +312,8 @@ def _angle_text(measurement: Measurement, variant: Variant, name: str, counts: i
     # One decimal for each digit of the counts per degree, so that neighbouring counts differ.
     decimals = len(str(counts_per_turn // 360))
     angle = f"{name}: {degrees:.{decimals}f}°"
-    is_whole_position = turns > 1 and name == measurement.of
-    return f"{angle} of revolution {turn:,}" if is_whole_position else angle
+    has_revolution = turns > 1 and name == measurement.of
+    return f"{angle} of revolution {turn:,}" if has_revolution else angle
 
 
 def _value_or_zero(expression: Expression | None, variant: Variant) -> int:
@@ -319,7 +330,7 @@ def _why_lines(diagnosis: Diagnosis, placed_layout: PlacedLayout | None) -> list
 
 
 def _disturbed_lines(disturbed: Sequence[int], placed_layout: PlacedLayout | None) -> list[str]:
-    """Return the hint that a bit may have been inverted on the line, one of those in ``disturbed``, or nothing."""
+    """Return the hint that a bit may have been inverted on the line, one of those in ``disturbed``, or no lines."""
     if not disturbed or placed_layout is None:
         return []
     bits = _bit_name(disturbed[0], placed_layout) if len(disturbed) == 1 else f"one of {len(disturbed)} bits"
@@ -335,13 +346,14 @@ def _bit_name(bit: int, placed_layout: PlacedLayout) -> str:
     if not placed_layout.layout.in_bytes:
         return f"bit {bit}"
     last_byte = placed_layout.bits // 8 - 1
-    return f"bit {bit % 8} of byte {last_byte - bit // 8}"
+    bytes_from_end = bit // 8  # Bits are counted from the end of the frame, and bytes from its beginning.
+    return f"bit {bit % 8} of byte {last_byte - bytes_from_end}"
 
 
 def _mistake_lines(diagnosis: Diagnosis) -> list[str]:
     """Return the mistakes that explain a frame, each with its chance, or that none does, and the hints that follow."""
-    # From 0.5 % on, the number is rounded to at least 1.
-    percent = f"{100 * diagnosis.coincidence:.0f}" if diagnosis.coincidence >= 0.005 else "less than 1"
+    rounds_to_percent = diagnosis.coincidence >= 0.005  # From 0.5 % on, to 1 or more.
+    percent = f"{100 * diagnosis.coincidence:.0f}" if rounds_to_percent else "less than 1"
     mistakes = counted(diagnosis.tried, "common mistake")
     chance = f"{mistakes} tried; {percent} of 100 random frames would match at least one"
     lines = [""]

@@ -203,7 +203,10 @@ def _refuse_misused_options(arguments: argparse.Namespace, targets: Sequence[Tar
 def _line_about_specs(
     devices: Sequence[Device], report: Report, packaged: Sequence[str], packaged_files: Sequence[Path]
 ) -> str:
-    """Return a line about the specs that were read, and a second one if values are still those of the template."""
+    """Return a line about the specs that were read, and a second one if values are still those of the template.
+
+    ``packaged`` are the names given with ``--packaged``, and ``packaged_files`` the specs of these names.
+    """
     from ..placeholders import placeholder_line
     from ..read_specs import read_line
 

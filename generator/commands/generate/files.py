@@ -139,13 +139,14 @@ def _print_targets_by_state(file_changes: Iterable[Change]) -> None:
 
     There are if a run was killed between two targets. The target of a file is the first folder of its path.
     """
-    changes_by_target: dict[str, set[str]] = {}
+    states_by_target: dict[str, set[str]] = {}
     for change in file_changes:
         target, slash, _ = change.path.partition("/")
-        if slash:  # Other files are in no target.
-            changes_by_target.setdefault(target, set()).add(change.what)
-    current_targets = [target for target, what in changes_by_target.items() if what == {"unchanged"}]
-    outdated_targets = [target for target in changes_by_target if target not in current_targets]
+        is_in_target = bool(slash)
+        if is_in_target:
+            states_by_target.setdefault(target, set()).add(change.what)
+    current_targets = [target for target, states in states_by_target.items() if states == {"unchanged"}]
+    outdated_targets = [target for target in states_by_target if target not in current_targets]
     if current_targets and outdated_targets:
         print(f"up to date: {', '.join(current_targets)}; out of date: {', '.join(outdated_targets)}")
 

@@ -53,14 +53,15 @@ def device_text(device: Device) -> str:
     lines += ["", "Parameters", *two_columns(parameters, indent=2), *alternative_lines(device)]
     measurements = [("", device.measurement)]
     measurements += [(interface.title, interface.measurement) for interface in device.interfaces]
-    lines += _position_lines(measurements, None)
+    # Without an order code, there are no parameters, and expressions are shown as text.
+    lines += _position_lines(measurements, parameters=None)
     for interface in device.interfaces:
-        lines += _range_lines(device, interface.name, None)
+        lines += _range_lines(device, interface.name, parameters=None)
     for interface in device.interfaces:
         lines += ["", *interface_lines(device, interface)]
         for layout in interface.layouts:
             lines += layout_lines(device, interface, layout)
-    lines += [*register_lines(device, None), *_input_and_procedure_lines(device), *_errata_lines(device)]
+    lines += [*register_lines(device, variant=None), *_input_and_procedure_lines(device), *_errata_lines(device)]
     return "\n".join(lines)
 
 
@@ -126,15 +127,18 @@ def _parameter_lines(device: Device, variant: Variant) -> list[str]:
     """Return a section about the fixed parameters of an order code, and one about those that registers decide."""
     parameters = parameters_of(device, variant.interface)
     run_time_parameter_names = run_time_names(device)
+    # Those read from a register, and those calculated from them.
     in_registers = [parameter for parameter in parameters if parameter.name in run_time_parameter_names]
     # The user chooses parameters of alternatives, so they are listed with the questions.
-    fixed = [parameter for parameter in parameters if parameter not in in_registers and not parameter.alternative]
+    others = [parameter for parameter in parameters if parameter not in in_registers]
+    fixed_parameters = [parameter for parameter in others if not parameter.alternative]
     lines = []
-    if fixed:
-        lines += ["", "Parameters", *_value_lines(device, fixed, variant)]
+    if fixed_parameters:
+        lines += ["", "Parameters", *_value_lines(device, fixed_parameters, variant)]
     if in_registers:
         heading = f"Held in registers ({say_order_code.initial(device)})"
         lines += ["", heading, *_value_lines(device, in_registers, variant)]
+        # A calculated parameter has no register of its own.
         registers_read = [device.register(parameter.register) for parameter in in_registers if parameter.read_from]
         example = f"--register 0x{registers_read[0].address:02X}=0x.."
         lines.append(wrapped(f"decode accepts other values, one byte at a time: {example}", WIDTH, prefix="  "))
@@ -142,7 +146,10 @@ def _parameter_lines(device: Device, variant: Variant) -> list[str]:
 
 
 def _value_lines(device: Device, parameters: Sequence[Parameter], variant: Variant) -> list[str]:
-    """Return a line for each parameter: its name, its value for the order code and, wrapped, its meaning."""
+    """Return a line for each parameter: its name, its value for the order code and, wrapped, its meaning.
+
+    Names and values are in columns: ``singleturn_bits  17  Bits of one revolution``.
+    """
     values = [say_order_code.parameter_value(parameter, variant.parameters[parameter.name]) for parameter in parameters]
     name_width = max(len(parameter.name) for parameter in parameters)
     value_width = max(map(len, values))
@@ -174,10 +181,14 @@ def alternative_lines(device: Device) -> list[str]:
 
 
 def _how_to_choose(alternative: Alternative) -> str:
-    """Return the option of ``decode`` for an answer, as an example: the first one that is not the default."""
+    """Return a sentence with the option of ``decode`` for an answer: ``… with --choose first_bit=low``.
+
+    The answer is an example, the first one that is not the default.
+    """
     if alternative.default:
         default_sentence = f"{alternative.default} applies without a choice. "
-        example = alternative.answers[1]  # The default is the first answer.
+        # The default is the first answer.
+        _, example, *_ = alternative.answers
     else:
         default_sentence = ""
         example = alternative.answers[0]
@@ -205,7 +216,10 @@ def _position_lines(
 
 
 def _whole_length(measurement: Measurement, parameters: Mapping[str, int] | None) -> str:
-    """Return a linear encoder's length, ``, 1,000.000 mm in total``, or nothing if it is rotary or for a family."""
+    """Return the length of a linear encoder as a clause: ``, 1,000.000 mm in total``.
+
+    The text is empty for a rotary encoder, and for a family, whose ``parameters`` are None.
+    """
     if parameters is None or measurement.modulus is None:
         return ""
     micrometres_per_count = measurement.micrometres(parameters)
@@ -213,6 +227,7 @@ def _whole_length(measurement: Measurement, parameters: Mapping[str, int] | None
         return ""
     counts = measurement.modulus.value(parameters)
     millimetres = micrometres_per_count * counts / 1000  # a fraction
+    # A fraction has three decimals at most if its denominator divides 1000.
     three_decimals_are_exact = 1000 % millimetres.denominator == 0
     length_text = f"{float(millimetres):,.3f}" if three_decimals_are_exact else decimal(millimetres)
     return f", {length_text} mm in total"
@@ -239,7 +254,10 @@ def interface_lines(device: Device, interface: Interface) -> list[str]:
 
 
 def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[str]:
-    """Return the lines about a frame of a family: each field with its width, or each group with those of its fields."""
+    """Return the lines about a frame of a family: a row for each field or group of fields, with their widths.
+
+    The row of a group has all of its fields: ``status  error 1, warning 1``.
+    """
     widths_by_name: dict[str, list[str]] = {}
     for field in layout.fields:
         name = field.group or field.name
@@ -254,7 +272,10 @@ def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[s
 
 
 def _width_text(field: Field) -> str:
-    """Return the width of a field: ``error 1`` in a group, else ``4 bits`` with its fixed value."""
+    """Return the width of a field: ``error 1`` in a group, or else ``4 bits, always 5`` with its fixed value, if any.
+
+    A width that depends on parameters is a formula: ``singleturn_bits bits``.
+    """
     width = field.width.constant if field.width.is_constant else field.width.render()
     if field.group:
         return f"{field.name} {width}"
@@ -300,7 +321,10 @@ def _notes_about_choices(device: Device, layout: Layout, style: Style) -> Iterat
 
 
 def _position_code_note(device: Device, placed_layout: PlacedLayout) -> str:
-    """Return a sentence with the code of the position, Gray or binary, and with the registers that decide it."""
+    """Return a sentence with the code of the position: ``position is in Gray code.``
+
+    If registers decide the code, the sentence names their fields: ``position is in binary, according to …``.
+    """
     layout = placed_layout.layout
     code = "Gray code" if placed_layout.gray else "binary"
     code_text = f"{layout.gray_of} is in {code}"
@@ -328,7 +352,10 @@ def register_lines(device: Device, variant: Variant | None) -> list[str]:
 
 
 def _lines_about_register(device: Device, register: Register, variant: Variant | None) -> list[str]:
-    """Return the lines about a register: its facts, its fields (for an order code, if several), and its values."""
+    """Return the lines about a register: its facts, its fields and its values.
+
+    Several fields are listed only for an order code, with their bits. The rules of a single field are among the facts.
+    """
     style = style_with(variant.parameters if variant is not None else None)
     heading = style.sentence(say_register.head(device, register, register.name))
     lines = [wrapped(heading, WIDTH, prefix="    ", first="  ")]
@@ -358,6 +385,7 @@ def _about_field(device: Device, field: Field, style: Style) -> str:
     """Return the name of a field with its values and its rules."""
     statements = list(say_field.rules(device, field))
     if field.values:
+        # The values come before the rules.
         statements.insert(0, say_field.choices(field.values))
     values_and_rules = style.paragraph(statements)
     return f"{field.name}: {values_and_rules}" if values_and_rules else field.name
