@@ -340,7 +340,7 @@ ANOTHER_FRAME = (
 )
 UNCERTAIN_READINGS = "Possible readings, most likely first. Each of them is uncertain"
 HIDDEN_SHIFT = (
-    "A CRC that is not inverted does not detect a shift by one clock in every second frame. If the position is half or "
+    "A CRC that is not inverted does not detect a shift by one clock in half of all frames. If the position is half or "
     "twice as large as it should be, the frames were also read one clock late or early"
 )
 NO_EXPLANATION = "No common mistake explains it"

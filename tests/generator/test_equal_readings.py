@@ -110,7 +110,7 @@ def test_a_crc_that_is_not_inverted_misses_every_second_shift(capsys: Capture) -
         undetected += is_valid
     assert 160 < undetected < 240
     data = f"{4711:022b}11"
-    sentence = "A CRC that is not inverted does not detect a shift by one clock in every second frame."
+    sentence = "A CRC that is not inverted does not detect a shift by one clock in half of all frames."
     assert sentence in printed(capsys, BISS, "0b" + data + crc(data, invert=False))
     assert sentence not in printed(capsys, BISS, "0b" + data[:-2] + "00" + crc(data))
 

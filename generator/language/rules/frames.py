@@ -102,8 +102,8 @@ def check_slaves(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport
     if is_bus != network.part.multiple_slaves and not has_erratum_at(report.document, *map(str, network.path)):
         slaves_text = "several slaves" if network.part.multiple_slaves else "one slave"
         message = (
-            f"{quoted(network.part.topology)} does not fit {slaves_text}; correct one of the two. If this is what the"
-            f" manual says, add an erratum that affects {'.'.join(map(str, network.path))}"
+            f"the topology is {quoted(network.part.topology)}, but the interface has {slaves_text}; correct one of"
+            f" them. If this is what the manual says, add an erratum that affects {'.'.join(map(str, network.path))}"
         )
         report.add("network-mismatch", (*network.path, "multiple_slaves"), message)
 

@@ -311,9 +311,9 @@ def _check_settings(alternative: WrittenAlternative, report: DocumentReport) -> 
         for parameter, value in answer.sets.items():
             expected = int(index > 0)
             if value != expected:
-                owner = "the default" if index == 0 else "an answer other than the default"
-                problem = f"{quoted(name)} sets {quoted(parameter)} to {value}, but {owner} sets it to {expected}"
-                report.add("alternative-default", (*sets_path, parameter), f"{problem}; write {expected}")
+                problem = f"{quoted(name)} sets {quoted(parameter)} to {value}; the default answer must set it to 0"
+                message = f"{problem} and every other answer to 1, so write {expected}"
+                report.add("alternative-default", (*sets_path, parameter), message)
 
 
 def check_verdicts_by_answer(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:

@@ -35,7 +35,7 @@ def check_edges_and_periods(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
             if period_frequency is None or edge_frequency is None or edge_frequency == _EDGES * period_frequency:
                 continue
             if not {row[periods], row[edges]} <= numbers_of_errata:
-                message = f"{row[edges]} edges are not {_EDGES} times {row[periods]} periods"
+                message = f"the edge frequency {row[edges]} is not {_EDGES} times the period frequency {row[periods]}"
                 path = (*table.path, "rows", index, edges)
                 report.add("table-arithmetic", path, f"{message}; correct one of the two")
 

@@ -160,7 +160,7 @@ typedef struct cw_transport {
  * UNSUPPORTED. It is also set if a reply caused the result CRC or CONSTANT, or if a step of an
  * unknown kind caused RANGE. All earlier steps were carried out. Of the later steps, only
  * those that close an opened register were carried out. An error found before the first step, or in
- * the bytes read, leaves this struct unchanged. You may pass NULL instead.
+ * the bytes read, leaves this struct unchanged. Pass NULL if you do not need it.
  */
 typedef struct cw_failure {
     size_t step; /**< index of the step, from 0 */
@@ -480,7 +480,7 @@ static inline size_t cw_run_together(const cw_step *steps, size_t count)
         ((size_t)steps[steps_at_once].address == ((size_t)steps[0].address + steps_at_once))) {
         steps_at_once++;
     }
-    /* A MORE step belongs to the last of them, which is then read on its own. */
+    /* If a MORE step follows, it belongs to the last READ, so that one is run on its own. */
     if ((steps_at_once < count) && (steps[steps_at_once].kind == CW_STEP_MORE)) {
         steps_at_once--;
     }
