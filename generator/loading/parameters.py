@@ -43,7 +43,7 @@ def check_named_widths(raw_spec: Raw, device: Device, report: DocumentReport) ->
         frames = ((interface, layout) for interface in device.interfaces for layout in interface.layouts)
         problem = next(filter(None, (_describe_difference(device, parameter, *frame) for frame in frames)), "")
         if problem:
-            remedy = "correct 'equals', or rename the parameter if it is another number"
+            remedy = "correct 'equals', or rename the parameter if it is a different number"
             report.add("parameter-width", ("parameters", parameter.name, "equals"), f"{problem}; {remedy}")
 
 

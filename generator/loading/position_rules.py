@@ -79,7 +79,7 @@ def _check_scales(device: Device, report: DocumentReport) -> None:
                 path: Path = (*(("field_groups", field.group) if field.group else owner), "fields", field.name, "scale")
                 if field.scale is not None and path not in reported:
                     reported.add(path)
-                    message = f"'measurement' already gives the unit of '{field.name}'; leave 'scale' out"
+                    message = f"'measurement' already gives the unit of '{field.name}'; remove 'scale'"
                     report.add("scale-of", path, message, at_key=True)
 
 

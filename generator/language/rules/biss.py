@@ -171,9 +171,7 @@ def _field_faults(sent_fields: SentFields, crcs: Mapping[str, Located[Crc]], fra
             problem = f"{quoted(name)} is active high, but in BiSS it is active low; write 'active: low'"
             yield _Fault((*path, "active"), f"{frame_path}.{name}.active", problem)
         if field.crc_of:
-            problem = (
-                f"{quoted(name)} has 'crc_of', but in BiSS the CRC covers everything before it; leave 'crc_of' out"
-            )
+            problem = f"{quoted(name)} has 'crc_of', but in BiSS the CRC covers everything before it; remove 'crc_of'"
             yield _Fault((*path, "crc_of"), f"{frame_path}.{name}", problem)
         for key, problem in _crc_faults(crcs[field.crc]) if field.crc in crcs else ():
             yield _Fault((*path, "crc"), f"crcs.{field.crc}.{key}", problem)
