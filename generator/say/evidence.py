@@ -111,7 +111,7 @@ def origin(device: Device) -> Iterator[Statement]:
     for overlay in device.overlays:
         yield statement(
             f"Includes the overlay {overlay.name}, “{overlay.title}”. "
-            "Each of its changes is noted inline, with its reason and its source"
+            "Each change is noted inline, with its reason and its source"
         )
 
 
