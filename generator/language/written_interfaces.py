@@ -32,7 +32,8 @@ from .written_layouts import (
 )
 
 _BY_CODE = (
-    "If it differs between order codes, it is a list whose entries have 'only'. Each order code matches one of them."
+    "If it differs between order codes, it is a list whose entries have 'only'. Each order code matches exactly one"
+    " entry."
 )
 _CLOCK = (
     f"Clock frequencies. {_BY_CODE} For example: [{{max_hz: 700000, only: X-24..., source: '5'}}, {{max_hz: 1300000,"
@@ -45,7 +46,7 @@ class WrittenSsi(WrittenPart):
     source: SourceText = key("")
     clock: OneOrMore[Located[Clock]] = key(_CLOCK)
     alignment: Literal["msb_left", "lsb_right"] = key(
-        "Alignment of the word: left (MSB with the first clock, zeros after the word) or right (zeros before it)."
+        "Alignment of the word: left (MSB with the first clock, zeros after the word) or right (zeros before the word)."
     )
     alignment_source: SourceText = key(
         "Source for this encoder's alignment. Default: the source of the interface.", default=""
@@ -69,7 +70,7 @@ class WrittenSsi(WrittenPart):
 
 
 @written(
-    "Fields of the control frame, as far as the manual describes them. They are not a complete "
+    "Fields of the control frame, as far as the manual describes them. The fields are not a complete "
     "frame, so no layout is generated."
 )
 class WrittenControlData(WrittenPart):
@@ -121,7 +122,7 @@ class WrittenRs485(WrittenPart):
     source: SourceText = key("")
     port: Located[Port] = key("")
     data_ids: tuple[Located[DataId], ...] = key(
-        "Data IDs, each with the control field that the manual prints for it. Needed unless there are exchanges.",
+        "Data IDs, each with the control field that the manual prints for it. Required unless there are exchanges.",
         default=(),
     )
     exchanges: tuple[WrittenRs485Exchange, ...] = key(

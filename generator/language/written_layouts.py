@@ -123,7 +123,7 @@ class WrittenField(WrittenPart):
         default=(),
     )
     only: Prose = key(
-        "For a flag: the order codes for which the manual explains it, as in .../65K...:",
+        "For a flag: the order codes for which the manual explains the flag, as in .../65K...:",
         writing=f"{PATTERNS} For other order codes, an active flag is reported as not explained, and the position is "
         "usable with a warning. A parameter that the order code sets must be 0 for exactly those other order codes.",
         default="",
@@ -136,8 +136,8 @@ class WrittenField(WrittenPart):
     )
     values: Values = key("Values that the field can take, by name.", default=NOTHING)
     others: Literal["", "reserved"] = key(
-        "Write 'reserved' if the manual reserves all values that it does not list. Decoders then give "
-        "them names such as reserved_3. Without this key, decoders report them as errors. The key "
+        "Write 'reserved' if the manual reserves all unlisted values. Decoders then give unlisted values "
+        "names such as reserved_3. Without this key, decoders report unlisted values as errors. The key "
         "needs 'values' next to it, and is allowed only in fields of at most 4 bits that an encoder "
         "sends.",
         default="",
@@ -146,7 +146,7 @@ class WrittenField(WrittenPart):
         "The field takes its values from the interface's table of data IDs.", default=""
     )
     crc: Name = key(
-        "Name of the CRC that the field holds, computed over everything sent before it, or over the fields crc_of. "
+        "Name of the CRC in this field, computed over everything sent before the CRC, or over the fields in crc_of. "
         "A frame can end with several CRCs, of which each order code has one or none: {name: crc_6, bits: short_bits, "
         "crc: biss_6} and {name: crc_16, bits: long_bits, crc: biss_16}, where each order code sets short_bits to 6 or "
         "0, and long_bits to 16 or 0.",
@@ -154,21 +154,21 @@ class WrittenField(WrittenPart):
     )
     crc_of: tuple[Name, ...] = key(
         "With crc, in a frame of bits: the fields that the CRC covers, adjacent and in the order in "
-        "which they are sent. They can include the request if it shares a line with the reply. A "
+        "which they are sent. The fields can include the request if it shares a line with the reply. A "
         "'note' of the field or of the layout names the other fields with data. Default: everything "
         "sent before the CRC.",
         most=32,
         default=(),
     )
     parity_of: NameOrNames = key(
-        "The field, list of fields or join that this parity bit covers. In a word of bits without a CRC, it "
-        "covers all other fields, unless a 'note' here names the fields that the manual excludes.",
+        "The field, list of fields or join that this parity bit covers. In a word of bits without a CRC, the parity "
+        "bit covers all other fields, unless a 'note' here names the fields that the manual excludes.",
         default=(),
     )
     parity: Literal["", "even", "odd"] = key(
         "With parity_of: parity of the number of ones in the covered fields and the parity bit "
-        "together. Default: even. If it depends on the order code, write two fields, each with 'bits' that is 0 for "
-        "the other order codes.",
+        "together. Default: even. If the parity depends on the order code, write two fields, each with 'bits' "
+        "that is 0 for the other order codes.",
         default="",
     )
     over: Literal["", "odd_bits", "even_bits"] = key(
@@ -184,7 +184,7 @@ class WrittenField(WrittenPart):
     equals: NumberOrText | None = key(
         "For a number, text or named values: value expected on this device, for identification. It is "
         "text for a text field, otherwise a number or an expression of parameters. Unlike a constant, "
-        "it is compared but not enforced.",
+        "the value is compared but not enforced.",
         default=None,
     )
     signed: bool = key("True if the number is in two's complement.", default=False)
@@ -223,7 +223,7 @@ class WrittenFieldGroup(WrittenPart):
 class WrittenGray(WrittenPart):
     of: Name = key("Name of the field or join. A join can include flags that are active high.")
     when: Name = key(
-        "Parameter that is 1 for Gray and 0 for binary. Leave it out if the number is always in Gray code.", default=""
+        "Parameter that is 1 for Gray and 0 for binary. Omit this key if the number is always in Gray code.", default=""
     )
     excess: Formula | None = key(
         "For Gray excess, where the counts per turn are not a power of two: number that is sent for "
@@ -261,7 +261,7 @@ class WrittenCombination(WrittenPart):
 
 
 @written(
-    "Named fields, in order, one after the other. Their widths add up to the length of the frame, "
+    "Named fields, in order, one after the other. The widths add up to the length of the frame, "
     "which over SPI is the word_bits of the exchange, or otherwise of the interface."
 )
 class WrittenLayout(WrittenPart):
@@ -275,7 +275,7 @@ class WrittenLayout(WrittenPart):
         default="",
     )
     byte_order: Literal["", "low_byte_first", "high_byte_first"] = key(
-        "For bytes: order in which fields are listed and numbers are sent. A single byte needs it only "
+        "For bytes: order in which fields are listed and numbers are sent. A single byte needs this key only "
         "if it has several fields without positions. For words over SPI: low_byte_first if joined "
         "numbers are sent low byte first. Describe each byte as a field.",
         default="",
