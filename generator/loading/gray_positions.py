@@ -80,7 +80,7 @@ def _reason_against_excess(
         return KeyProblem("excess", f"{problem}; measure this field of a frame from the encoder, or remove 'excess'")
     if measurement.highest is not None or layout.position_range is not None:
         problem = "'excess' is only for positions from 0 to 'counts_per_turn' - 1"
-        return KeyProblem("excess", f"{problem}; leave 'highest' and 'position_range' out, or remove 'excess'")
+        return KeyProblem("excess", f"{problem}; remove 'highest' and 'position_range', or remove 'excess'")
     counts = measurement.counts_per_turn
     names = [*layout.gray_excess.parameters, *(counts.parameters if counts is not None else ())]
     at_run_time = sorted({name for name in names if name in switched})
