@@ -12,27 +12,27 @@ from .places import PROSE, WORD
 _REASONS = (
     (
         "words for people",
-        "No output computes with them, and no other fact repeats them. They are checked by reading the spec.",
+        "No output computes with these texts, and no other fact repeats them. They are checked by reading the spec.",
         {"fact": "|".join(sorted(PROSE - {"source"}))},
     ),
     (
         "a word in a text that is in no sheet",
-        "Only a spec with a sheet of turning words is compared, and not the texts of its errata and other editions.",
+        "Only texts of a spec with a sheet of turning words are compared, except texts of errata and other editions.",
         {"fact": WORD},
     ),
     (
         "a place in the manual",
-        "The contents give only the first page of each section. Other places are checked only by reading them.",
+        "The table of contents gives only the first page of each section. Other pages are checked only by reading.",
         {"fact": "cited section|cited page|page without contents|place in another document"},
     ),
     (
         "a name or a page that only one reading has",
-        "The second reading does not have these facts.",
+        "The second reading does not contain these facts.",
         {"fact": "characteristic(, hazard)?|table|LED|contents"},
     ),
     (
         "words of an example",
-        "The name and the texts of an example. Its bytes and values are computed again.",
+        "The mutant changes the name or a text of an example. The example's bytes and values are computed again.",
         {"fact": "example"},
     ),
     (
@@ -57,7 +57,7 @@ _REASONS = (
     ),
     (
         "left out, and then not generated",
-        "Without the ID of the manufacturer there is no description for BiSS masters, which users notice.",
+        "Without the manufacturer ID, no description for BiSS masters is generated, which users notice.",
         {"fact": "BiSS manufacturer ID", "mistake": "key omitted"},
     ),
     (

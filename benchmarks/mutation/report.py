@@ -171,26 +171,26 @@ def page(outcome: Outcome, command: str, files: Sequence[str]) -> str:
     head = f"""\
 # Mutants
 
-This page shows which mistakes of a transcriber `check` detects. `{command}` plants mistakes, one at a time, in
+This page shows which transcription mistakes `check` detects. `{command}` plants mistakes, one at a time, in
 {_joined_words(map(code_span, files))}, and runs `check` on each. The command writes this page, so do not edit it.
 
 A mistake is a lost, swapped or misread digit, an extra zero, a number that is off by one, a flipped bit or boolean,
 another word of a list, another name, a lost letter in a name, an omitted item or key, two items in the wrong order, a
-value swapped with that of the next item, or a word in a text turned round (*before* for *after*, or without *not*).
-Mutants in the column *same* change no output, or only an order without a
-meaning. Those in *left out* pass, but no output is wrong. *Texts* and *code* count wrong values that pass, in documents
-only and in code. *Wrong* is their share of all mutants except the *same* ones. In classes with * a wrong value moves a
-position, breaks a check or an access, or comes at the wrong time. No such mutant may pass.
+value swapped with that of the next item, or a reversed word in a text (*before* for *after*, or without *not*).
+Mutants in the column *same* change no output, or only an order that has no meaning. Mutants in *left out* pass, but no
+output is wrong. *Texts* and *code* count wrong values that pass, in documents only and in code. *Wrong* is the share of
+wrong values in all mutants except *same*. In classes with *, a wrong value moves a position, breaks a check or an
+access, or comes at the wrong time. No such mutant may pass.
 
 The last row includes every class. A *characteristic, hazard* has a quantity that can damage hardware: supply, battery,
-torque, current, clearance, clock or temperature. A *cited page* is one in a section for which the table of contents
+torque, current, clearance, clock or temperature. A *cited page* is a page in a section for which the table of contents
 gives pages. No rule can check a *page without contents* or a *place in another document*.
 
 Each mistake is in one file. If the same mistake is in the spec and in its second reading, only facts that are repeated
-elsewhere can show it: in an example, in the order code, in another table, or in the specs of the same manufacturer. No
-rule can find a word that is turned round both in a text and in the sheet of its turning words, or two flags that are
-exchanged in both readings. Words without an opposite, such as *speed* for *position*, are in no
-sheet. They are checked by reading the spec.
+elsewhere can reveal the mistake: in an example, in the order code, in another table, or in the specs of the same
+manufacturer. No rule can find a word that is reversed both in a text and in its sheet of turning words, or two flags
+that are swapped in both readings. Sheets do not contain words without an opposite, such as *speed* for *position*.
+Such words are checked by reading the spec.
 """
     return "\n".join([head, *table(outcome), "", *survivors(outcome)]).rstrip() + "\n"
 

@@ -69,4 +69,4 @@ def placeholder_line(files: Iterable[str]) -> str:
 
 
 def _counted_placeholders(number: int) -> str:
-    return "1 value is still the template's" if number == 1 else f"{number} values are still the template's"
+    return "1 value is still from the template" if number == 1 else f"{number} values are still from the template"

@@ -141,7 +141,7 @@ class LayeredSpec:
         if len(kinds) == 1:
             return kinds[0]
         fault = "has " + " and ".join(map(quoted, kinds)) if kinds else "does nothing"
-        message = f"this change {fault}; use 'set', 'add', 'remove', 'unknown' or 'also'"
+        message = f"this change {fault}; use exactly one of 'set', 'add', 'remove', 'unknown' and 'also'"
         self._report_problem("overlay-change", layer, (change_number,), message)
         return None
 

@@ -126,7 +126,9 @@ class _Parser:
         next(self._events)  # Discarded: the end of the document.
         next_event = next(self._events)
         if not isinstance(next_event, yaml.StreamEndEvent):
-            raise _build_error(next_event, "several-documents", "a second document begins here; a file holds one")
+            raise _build_error(
+                next_event, "several-documents", "a second document begins here; a file contains only one"
+            )
         if value.data is None:
             raise Unreadable(1, 1, "empty", "the file is empty; a spec begins with 'codewheel: 1'")
         if not isinstance(value.data, dict):

@@ -158,7 +158,8 @@ def check_schema(document: Document, report: Report, file_kind: FileKind | None 
     file_kind = file_kind or _kind_of(document.data)
     if file_kind is None:
         message = (
-            "'device' is missing; it names the family of a device file. A manufacturer file has only 'manufacturer'"
+            "'device' is missing; a device file names its family with 'device', and a manufacturer file has only"
+            " 'manufacturer'"
         )
         report.add("missing-key", document, (), message)
         return None

@@ -40,8 +40,8 @@ ONLY_SECOND: dict[str, dict[str, Any]] = {
         "additionalProperties": {"type": "array", "minItems": 1, "items": {"type": "string", "maxLength": 200}},
     },
     "found": {
-        "description": "Numbers in texts, and cited sections, by path, that were not read a second time. They are"
-        " compared, so that no later typo passes, but count as read once.",
+        "description": "Numbers in texts, and cited sections, by path, that were not read a second time. They are still"
+        " compared, which catches later typos, but they count as having been read only once.",
         "type": "object",
         "additionalProperties": {"type": "string", "maxLength": 500},
     },

@@ -66,13 +66,13 @@ class WrittenRegister(WrittenPart):
     length: int = key("Number of bytes.", minimum=1, maximum=64)
     addresses: AddressRange | None = key(
         "First and last address as the manual prints them, as in 0x4B-0x4D, or the address of a single "
-        "byte. They are checked against 'address' and 'length'.",
+        "byte. 'check' compares them with 'address' and 'length'.",
         default=None,
     )
     access: Literal["read_only", "read_write", "write_only"] = key("Access rights of a master.")
     byte_order: Literal["", "low_byte_first", "high_byte_first"] = key(
         "Byte at the first address: low or high. Required for registers of two or more bytes, except "
-        "over SPI, which sends them as one number.",
+        "over SPI, which sends a register as one number.",
         default="",
     )
     default: Count | None = key("Factory default, as one number.", default=None)
@@ -85,7 +85,7 @@ class WrittenRegister(WrittenPart):
         "Minimum wait after a write before the next command, in milliseconds.", minimum=1, maximum=3600000, default=None
     )
     above_max: Literal["", "default", "refused"] = key(
-        "Reaction of the encoder to a value above the maximum.", default=""
+        "The encoder's reaction to a value above the maximum.", default=""
     )
     write_clears: tuple[Name, ...] = key("Registers that are set to zero by a write to this one.", default=())
     meanings: tuple[WrittenRegisterMeaning, ...] = key(
@@ -138,10 +138,10 @@ class WrittenParameter(WrittenPart):
         default=None,
     )
     read_from: RegisterBit = key(
-        "For a parameter held in a register of the encoder at run time: the register and its field, as "
-        "in configuration.output_code. Until it is read, the register's default applies. If the "
+        "For a parameter that the encoder holds in a register at run time: the register and its field, as "
+        "in configuration.output_code. Until the register is read, the register's default applies. If the "
         "register has no default, every order code must set the parameter, for the configuration that "
-        "it stands for.",
+        "the order code stands for.",
         default="",
     )
     alternative: Name = key("For a parameter set by an alternative: the name of the alternative.", default="")
@@ -152,7 +152,7 @@ class WrittenParameter(WrittenPart):
     max: Count | None = key("Largest value of a parameter read from a register.", default=None)
     by_code: Mapping[CodeNumber, Count] = key(
         "For a parameter read from a register whose field holds a code for it: the value of the "
-        "parameter for each code, as in {0: 0, 2: 8, 4: 16}. Other codes are refused.",
+        "parameter for each code, as in {0: 0, 2: 8, 4: 16}. Other codes are rejected.",
         least=2,
         default=NOTHING,
     )
@@ -164,13 +164,13 @@ class WrittenCodeValue(WrittenPart):
     meaning: Prose = key("Meaning of this value.", default="")
     interface: InterfaceName | None = key("Interface that the value selects.", default=None)
     meaning_differs: Prose = key(
-        "Reason why the meaning, as the manual prints it, has other numbers or words than the value "
+        "Reason why the printed meaning has numbers or words that differ from the parameters that the value "
         "sets. check then does not compare them.",
         default="",
     )
     sets: Mapping[Name, ParameterValue] = key("Parameters that the value sets.", least=0, default=NOTHING)
     only_with: Mapping[Name, tuple[str, ...]] = key(
-        "Values of other parts that this one can be combined with. Default: all.", least=0, default=NOTHING
+        "Values of other parts that this value can be combined with. Default: all.", least=0, default=NOTHING
     )
     supply: Located[Supply] | None = key("", default=None)
     source: SourceText = key("", default="")
@@ -188,7 +188,7 @@ class WrittenCodePart(WrittenPart):
     )
     source: SourceText = key("", default="")
     open: str = key(
-        "Regular expression for values that the manual leaves open. They are accepted, shown as "
+        "Regular expression for values that the manual leaves open. Such values are accepted, shown as "
         "unlisted, and not counted. Only letters, digits, classes and repetition counts are allowed.",
         pattern=r"^[A-Za-z0-9\[\]{},?+*-]+$",
         longest=40,
@@ -226,12 +226,12 @@ class WrittenOrderCode(WrittenPart):
     source: SourceText = key("")
     special: Prose = key("The manual's warning about codes that end in /Sxxx.", default="")
     not_on_label: Prose = key(
-        "For made-up order codes: what the label shows instead, and what the code stands for.", default=""
+        "For made-up order codes: the text on the real label, and the meaning of the order code.", default=""
     )
     note: Prose = note_key(default="")
     parts: tuple[WrittenCodePart, ...] = key("Parts of the code, in the order of the pattern.")
     also_written: tuple[WrittenSpelling, ...] = key(
-        "Alternative spellings on labels, such as those of another edition of the manual. They are "
+        "Alternative spellings on labels, such as spellings in another edition of the manual. These spellings are "
         "accepted, but not counted as order codes.",
         least=0,
         default=(),
@@ -250,10 +250,10 @@ class WrittenAlternative(WrittenPart):
     name: Name = key("Name of the decision.")
     meaning: Prose = key("Question to the user.")
     default: Name = key(
-        "Answer that applies unless the user chooses another one: the first, which sets the only "
-        "parameter to 0. The others set it to 1. Only verdicts can depend on this parameter, with "
+        "Answer that applies unless the user chooses another answer: the first, which sets the only "
+        "parameter to 0. All other answers set it to 1. Only verdicts can depend on this parameter, with "
         "makes_position_if of a flag, so that every frame can be decoded without a choice. The default "
-        "must be the most careful reading, unless the manual clearly prefers another. Without it, the "
+        "must be the most careful reading, unless the manual clearly prefers another. Without a default, the "
         "user must decide.",
         default="",
     )

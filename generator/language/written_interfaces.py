@@ -32,7 +32,8 @@ from .written_layouts import (
 )
 
 _BY_CODE = (
-    "If it differs between order codes, it is a list whose entries have 'only'. Each order code matches one of them."
+    "If it differs between order codes, it is a list whose entries have 'only'. Each order code matches exactly one"
+    " entry."
 )
 _CLOCK = (
     f"Clock frequencies. {_BY_CODE} For example: [{{max_hz: 700000, only: X-24..., source: '5'}}, {{max_hz: 1300000,"
@@ -45,10 +46,10 @@ class WrittenSsi(WrittenPart):
     source: SourceText = key("")
     clock: OneOrMore[Located[Clock]] = key(_CLOCK)
     alignment: Literal["msb_left", "lsb_right"] = key(
-        "Alignment of the word: left (MSB with the first clock, zeros after the word) or right (zeros before it)."
+        "Alignment of the word: left (MSB with the first clock, zeros after the word) or right (zeros before the word)."
     )
     alignment_source: SourceText = key(
-        "Source for the alignment of this encoder. Default: the source of the interface.", default=""
+        "Source for this encoder's alignment. Default: the source of the interface.", default=""
     )
     output_code: Literal["", "binary", "gray", "by_order_code"] = key(
         "Position encoding (binary or Gray), as stated in the manual for this interface. Decoders "
@@ -56,7 +57,7 @@ class WrittenSsi(WrittenPart):
         default="",
     )
     output_code_source: SourceText = key(
-        "Source for the code of this encoder. Default: the source of the interface.", default=""
+        "Source for this encoder's code. Default: the source of the interface.", default=""
     )
     signals: Prose = key("Electrical standard of the signals.", default="")
     cable_lengths: tuple[Located[CableLength], ...] = key(
@@ -69,7 +70,7 @@ class WrittenSsi(WrittenPart):
 
 
 @written(
-    "Fields of the control frame, as far as the manual describes them. They are not a complete "
+    "Fields of the control frame, as far as the manual describes them. The fields are not a complete "
     "frame, so no layout is generated."
 )
 class WrittenControlData(WrittenPart):
@@ -105,7 +106,7 @@ class WrittenBiss(WrittenPart):
 class WrittenRs485Exchange(WrittenPart):
     request: Name = key("Layout that the master sends.")
     reply: Name = key(
-        "Layout that the encoder sends in reply. Leave it out if the encoder does not answer.", default=""
+        "Layout that the encoder sends in reply. Omit this key if the encoder does not answer.", default=""
     )
     purpose: Literal["position", "other"] = key("Effect of the request.")
     source: SourceText = key("", default="")
@@ -121,18 +122,18 @@ class WrittenRs485(WrittenPart):
     source: SourceText = key("")
     port: Located[Port] = key("")
     data_ids: tuple[Located[DataId], ...] = key(
-        "Data IDs, each with the control field that the manual prints for it. Needed unless there are exchanges.",
+        "Data IDs, each with the control field that the manual prints for it. Required unless there are exchanges.",
         default=(),
     )
     exchanges: tuple[WrittenRs485Exchange, ...] = key(
-        "Requests with their replies, if these have no data IDs. The constants in a request "
-        "distinguish it from the others. Values that the reply repeats from the request, such as an "
+        "Requests with their replies, if they have no data IDs. The constants in a request "
+        "distinguish it from other requests. Values that the reply repeats from the request, such as an "
         "address, are fields with the same name in both.",
         most=64,
         default=(),
     )
     memory_access: tuple[Located[MemoryAccess], ...] = key(
-        "Replies of the encoder to a memory access, depending on the busy flag.", least=0, default=()
+        "The encoder's replies to a memory access, depending on the busy flag.", least=0, default=()
     )
     measurement: Located[Measurement] | None = key("", default=None)
     timings: tuple[Located[Timing], ...] = key("Timings of this interface.", least=0, default=())
@@ -145,9 +146,9 @@ class WrittenSpiExchange(WrittenPart):
     request: Name = key("Layout that the master sends.")
     reply: Name = key("Layout that the encoder sends in reply.")
     purpose: Literal["position", "read", "write", "other"] = key(
-        "Effect of the request. read: its field address is that of a register, and the reply has its "
-        "value in the field data. write: its fields address and data are those of a register. If they "
-        "are in two words, list these in order. other: anything else."
+        "Effect of the request. read: the field address of the request selects a register, and the field data of "
+        "the reply contains the register's value. write: the fields address and data select a register and give "
+        "its new value. If address and data are in two words, list the words in order. other: anything else."
     )
     word_bits: Formula | None = key(
         "Bits of the request and of its reply, 8 to 64, if they differ from word_bits of the interface.", default=None
@@ -156,29 +157,29 @@ class WrittenSpiExchange(WrittenPart):
 
 
 @written(
-    "SPI, where each word of the master can be a request and each word of the encoder a reply. "
-    "Every layout has word_bits bits, of its exchange or of the interface, most significant first. "
+    "SPI, where each word from the master can be a request and each word from the encoder a reply. "
+    "Every layout has the word_bits of its exchange or of the interface, most significant bit first. "
     "A register has a single address, and its value is the field data of a frame. Chip select, and "
     "timings other than those listed, are not described."
 )
 class WrittenSpi(WrittenPart):
     source: SourceText = key("")
     mode: int = key(
-        "SPI mode: 0 and 1 have a clock that idles low, 2 and 3 one that idles high. 0 and 2 take data "
-        "on the first edge, 1 and 3 on the second.",
+        "SPI mode: in modes 0 and 1 the clock idles low, in modes 2 and 3 it idles high. Modes 0 and 2 sample data "
+        "on the first edge, modes 1 and 3 on the second.",
         minimum=0,
         maximum=3,
     )
     word_bits: Formula = key(
-        "Bits of a word, during which the chip select stays active: 8 to 64. An exchange can have its own."
+        "Bits in a word, during which the chip select stays active: 8 to 64. An exchange can have its own value."
     )
     reply: Literal["same_word", "next_word"] = key(
-        "Word in which the encoder answers a request: the same one, or the next one."
+        "Word in which the encoder answers a request: the same word, or the next word."
     )
     clock: OneOrMore[Located[Clock]] = key(_CLOCK)
     exchanges: tuple[WrittenSpiExchange, ...] = key(
-        "Requests with their replies. Leave it out if the encoder ignores the words of the master. It "
-        "then has a single layout.",
+        "Requests with their replies. Omit this key if the encoder ignores the words that the master sends. "
+        "The encoder then has a single layout.",
         most=64,
         default=(),
     )

@@ -41,7 +41,7 @@ class WrittenValue(WrittenPart):
     meaning: Prose = key("Meaning or effect.", default="")
     makes_position: Literal["", "not_usable", "usable_with_warning", "usable"] = key(
         "In a frame of the encoder with the position: the verdict on the position while the field has "
-        "this value, as for a flag. Default: the value does not affect it. The value is reported like "
+        "this value, as for a flag. Default: the value does not affect the verdict. The value is reported like "
         "an active flag, unless makes_position is usable. In a field called field, {too_weak: {value: "
         "2, makes_position: not_usable}} is reported as field_too_weak.",
         default="",
@@ -102,8 +102,8 @@ class WrittenField(WrittenPart):
     when_inactive: Prose = key("Meaning of the flag when it is inactive.", default="")
     makes_position: Literal["", "not_usable", "usable_with_warning", "usable"] = key(
         "For a flag in a frame with the position: the verdict on the position while the flag is "
-        "active. not_usable: the position is wrong, frozen, 0 or doubtful. usable_with_warning: it can "
-        "be used, but something needs attention. usable: the flag does not affect it. For unused bits: "
+        "active. not_usable: the position is wrong, frozen, 0 or doubtful. usable_with_warning: the position can "
+        "be used, but something needs attention. usable: the flag does not affect the position. For unused bits: "
         "the verdict when they differ from the manual (default: usable_with_warning, or unknown if no "
         "flag of the frame says whether the position is usable). Over BiSS, the defaults are "
         "not_usable for error and usable_with_warning for warning. Describe a bit that means 'valid' "
@@ -118,12 +118,12 @@ class WrittenField(WrittenPart):
         default=NOTHING,
     )
     sums_up: tuple[Name, ...] = key(
-        "For a flag: the flags that it combines. If a frame also contains these and one of them is "
-        "active, only they decide the verdict on the position.",
+        "For a flag: the flags that it combines. If a frame also contains the combined flags and one of these is "
+        "active, only the combined flags decide the verdict on the position.",
         default=(),
     )
     only: Prose = key(
-        "For a flag: the order codes for which the manual explains it, as in .../65K...:",
+        "For a flag: the order codes for which the manual explains the flag, as in .../65K...:",
         writing=f"{PATTERNS} For other order codes, an active flag is reported as not explained, and the position is "
         "usable with a warning. A parameter that the order code sets must be 0 for exactly those other order codes.",
         default="",
@@ -136,8 +136,8 @@ class WrittenField(WrittenPart):
     )
     values: Values = key("Values that the field can take, by name.", default=NOTHING)
     others: Literal["", "reserved"] = key(
-        "Write 'reserved' if the manual reserves all values that it does not list. Decoders then give "
-        "them names such as reserved_3. Without this key, decoders report them as errors. The key "
+        "Write 'reserved' if the manual reserves all unlisted values. Decoders then give unlisted values "
+        "names such as reserved_3. Without this key, decoders report unlisted values as errors. The key "
         "needs 'values' next to it, and is allowed only in fields of at most 4 bits that an encoder "
         "sends.",
         default="",
@@ -146,7 +146,7 @@ class WrittenField(WrittenPart):
         "The field takes its values from the interface's table of data IDs.", default=""
     )
     crc: Name = key(
-        "Name of the CRC that the field holds, computed over everything sent before it, or over the fields crc_of. "
+        "Name of the CRC in this field, computed over everything sent before the CRC, or over the fields in crc_of. "
         "A frame can end with several CRCs, of which each order code has one or none: {name: crc_6, bits: short_bits, "
         "crc: biss_6} and {name: crc_16, bits: long_bits, crc: biss_16}, where each order code sets short_bits to 6 or "
         "0, and long_bits to 16 or 0.",
@@ -154,21 +154,21 @@ class WrittenField(WrittenPart):
     )
     crc_of: tuple[Name, ...] = key(
         "With crc, in a frame of bits: the fields that the CRC covers, adjacent and in the order in "
-        "which they are sent. They can include the request if it shares a line with the reply. A "
+        "which they are sent. The fields can include the request if it shares a line with the reply. A "
         "'note' of the field or of the layout names the other fields with data. Default: everything "
         "sent before the CRC.",
         most=32,
         default=(),
     )
     parity_of: NameOrNames = key(
-        "The field, list of fields or join that this parity bit covers. In a word of bits without a CRC, it "
-        "covers all other fields, unless a 'note' here names those that the manual leaves out.",
+        "The field, list of fields or join that this parity bit covers. In a word of bits without a CRC, the parity "
+        "bit covers all other fields, unless a 'note' here names the fields that the manual excludes.",
         default=(),
     )
     parity: Literal["", "even", "odd"] = key(
         "With parity_of: parity of the number of ones in the covered fields and the parity bit "
-        "together. Default: even. If it depends on the order code, write two fields, each with 'bits' that is 0 for "
-        "the other order codes.",
+        "together. Default: even. If the parity depends on the order code, write two fields, each with 'bits' "
+        "that is 0 for the other order codes.",
         default="",
     )
     over: Literal["", "odd_bits", "even_bits"] = key(
@@ -184,16 +184,16 @@ class WrittenField(WrittenPart):
     equals: NumberOrText | None = key(
         "For a number, text or named values: value expected on this device, for identification. It is "
         "text for a text field, otherwise a number or an expression of parameters. Unlike a constant, "
-        "it is compared but not enforced.",
+        "the value is compared but not enforced.",
         default=None,
     )
     signed: bool = key("True if the number is in two's complement.", default=False)
     zero_means: Count | None = key("Number that a raw value of 0 represents, if not zero.", default=None)
     power_of_two: bool = key("True if only powers of two are accepted.", default=False)
-    implemented: bool = key("False if this encoder does not implement it. Default: true.", default=True)
+    implemented: bool = key("False if this encoder does not implement the field. Default: true.", default=True)
     reserved: Literal["", "maker"] = key("Write 'maker' if only the manufacturer may use this.", default="")
     explained_by: tuple[RegisterBit, ...] = key(
-        "Bits of other registers that give details, each as register.field.", default=()
+        "Bits in other registers that give details, each as register.field.", default=()
     )
     unit: Prose = key("For a number: unit of one count.", default="")
     scale: Located[Scale] | None = key("", default=None)
@@ -223,20 +223,20 @@ class WrittenFieldGroup(WrittenPart):
 class WrittenGray(WrittenPart):
     of: Name = key("Name of the field or join. A join can include flags that are active high.")
     when: Name = key(
-        "Parameter that is 1 for Gray and 0 for binary. Leave it out if the number is always in Gray code.", default=""
+        "Parameter that is 1 for Gray and 0 for binary. Omit this key if the number is always in Gray code.", default=""
     )
     excess: Formula | None = key(
         "For Gray excess, where the counts per turn are not a power of two: number that is sent for "
-        "position 0. It is half of the codes that do not occur: (2^9 - 360) / 2 = 76 for 360 counts, "
-        "152 for 720. Decoders subtract it, and reject the codes that do not occur. It can be a "
+        "position 0. This number is half of the number of unused codes: (2^9 - 360) / 2 = 76 for 360 counts, "
+        "152 for 720. Decoders subtract this number, and reject unused codes. It can be a "
         "parameter, which is 0 for order codes with a power of two.",
         default=None,
     )
 
 
 @written(
-    "Values of several fields of a frame that together decide the verdict on the position, such as "
-    "two flags that are both active. It is reported like an active flag of this name: {name: "
+    "Values of several fields in a frame that together decide the verdict on the position, such as "
+    "two flags that are both active. The combination is reported like an active flag of this name: {name: "
     "field_out_of_range, when: {increasing: active, decreasing: active}, meaning: The field is out "
     'of its range, makes_position: usable_with_warning, source: "7.1"}. For one flag or one named '
     "value, write makes_position there."
@@ -245,15 +245,15 @@ class WrittenCombination(WrittenPart):
     name: Name = key("Name of the report.")
     printed_name: Prose = printed_name_key(default="")
     when: Mapping[Name, Name] = key(
-        "At least two fields of the frame, each with its value: active or inactive for a flag, "
-        "otherwise the name of one of its 'values'. All of them must have these values, as in "
+        "At least two fields in the frame, each with its value: active or inactive for a flag, "
+        "otherwise the name of one of its 'values'. All fields must have these values, as in "
         "{field_increasing: active, field_decreasing: active}.",
         most=16,
     )
     meaning: Prose = key("Meaning of these values together.")
     makes_position: Literal["not_usable", "usable_with_warning"] = key(
         "Verdict on the position while the fields have these values. It must be more severe than the "
-        "verdict of each of the values alone, since the most severe one applies."
+        "verdict for each value alone, because the most severe verdict applies."
     )
     remedy: Prose = key("Instructions for leaving this state.", default="")
     note: Prose = note_key(default="")
@@ -261,35 +261,35 @@ class WrittenCombination(WrittenPart):
 
 
 @written(
-    "Named fields, in order, one after the other. Their widths add up to the length of the frame, "
-    "which is word_bits over SPI: that of the exchange, or else of the interface."
+    "Named fields, in order, one after the other. The widths add up to the length of the frame, "
+    "which over SPI is the word_bits of the exchange, or otherwise of the interface."
 )
 class WrittenLayout(WrittenPart):
     name: Name = key("The layout's name.")
     printed_name: Prose = printed_name_key(default="")
     from_: Literal["encoder", "master"] = key("Sender of the frame.")
     carried_as: Literal["", "bits", "bytes"] = key(
-        "Form on the line: one string of bits, with the most significant one sent first, or bytes. "
+        "Form on the line: one string of bits, sent most significant bit first, or bytes. "
         "Frames of 65 to 128 bits need bytes, and the same length for all order codes. If a BiSS or SSI "
         "frame is not a whole number of bytes, its first byte begins with zeros that are not sent.",
         default="",
     )
     byte_order: Literal["", "low_byte_first", "high_byte_first"] = key(
-        "For bytes: order in which fields are listed and numbers are sent. A single byte needs it only "
+        "For bytes: order in which fields are listed and numbers are sent. A single byte needs this key only "
         "if it has several fields without positions. For words over SPI: low_byte_first if joined "
         "numbers are sent low byte first. Describe each byte as a field.",
         default="",
     )
     channel: int | None = key(
-        "For BiSS: the data channel that carries it, if the encoder has several. A master keeps the "
+        "For BiSS: the data channel that carries the layout, if the encoder has several. A master keeps the "
         "channels separate, so no field is needed to distinguish them.",
         minimum=1,
         maximum=64,
         default=None,
     )
     when: Mapping[Name, tuple[Count, ...]] = key(
-        "A field and those of its values that distinguish this layout from the other layouts of the "
-        "same sender. If frames consist of bytes, the field must have the same position in all of them.",
+        "A field, and the values of this field that distinguish this layout from the same sender's other "
+        "layouts. If frames consist of bytes, the field must have the same position in all of them.",
         most=1,
         default=NOTHING,
     )

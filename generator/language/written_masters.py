@@ -14,7 +14,7 @@ from .written import WrittenPart, written
 @written("A device of a master with several.")
 class WrittenMasterDevice(WrittenPart):
     name: Phrase = key("Name.")
-    channels: tuple[Phrase, ...] | None = key("Names of its channels, if it has several.", default=None)
+    channels: tuple[Phrase, ...] | None = key("Names of the device's channels, if it has several.", default=None)
 
 
 @written("A condition on an item of the record, or a limit of it.")
@@ -108,4 +108,4 @@ class WrittenMaster(WrittenPart):
     settings: tuple[WrittenSetting, ...] = key("Settings.", default=())
     writing: tuple[WrittenWriting, ...] = key("Conditions of writing settings.", default=())
     notes: tuple[WrittenMasterNote, ...] = key("Notes.", default=())
-    files: tuple[WrittenMasterFile, ...] = key("Files that its tool loads.", default=())
+    files: tuple[WrittenMasterFile, ...] = key("Files that the master's tool loads.", default=())

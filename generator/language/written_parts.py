@@ -85,7 +85,7 @@ class WrittenArgument(WrittenPart):
 @written("One step.")
 class WrittenStep(WrittenPart):
     do: Literal["write", "read", "poll", "wait", "send"] = key(
-        "Kind of step: write a register, read one, poll a bit of one, wait, or send a request."
+        "Kind of step: write a register, read a register, poll a register bit, wait, or send a request."
     )
     register: Name = key("write, read, poll: name of the register.", default="")
     value: Name = key("write: a named value of the register, or an argument of the procedure.", default="")
@@ -115,7 +115,7 @@ class WrittenProcedure(WrittenPart):
     precondition: Prose = key("Conditions before the start.", default="")
     steps: tuple[WrittenStep, ...] = key("Steps, in order.")
     printed_writes: tuple[PrintedWrite, ...] = key(
-        "Writes as the manual prints them, in order. They are checked against the steps. Write 0x48 = "
+        "Writes as the manual prints them, in order. 'check' compares them with the steps. Write 0x48 = "
         "0x01 for a byte, 0x49 bit 2 = 0 for a single bit, and only the addresses, such as 0x50-0x54, "
         "for a value supplied by the caller.",
         default=(),
@@ -176,16 +176,16 @@ class WrittenErratum(WrittenPart):
     name: Name = key("Name of the erratum.")
     title: Headline = key(
         "Sentence without a full stop that says what is wrong in the manual, as in 'The cable table is "
-        "headed G1 instead of BG1'. Outputs show it instead of the name."
+        "headed G1 instead of BG1'. Outputs show this text instead of the name."
     )
     source: SourceText = key("")
     printed: Prose = key(
         "Printed text, as short as possible. Text in double quotation marks is quoted to the letter, "
         "the rest is a summary."
     )
-    used: Prose = key("Fact that the spec uses instead.")
+    used: Prose = key("Fact that the spec uses in place of the printed text.")
     why: Prose = key("Evidence for this choice.")
-    only: Prose = key("Order codes to which it applies, as in .../65K...:", writing=PATTERNS, default="")
+    only: Prose = key("Order codes to which the erratum applies, as in .../65K...:", writing=PATTERNS, default="")
     status: Literal["settled", "open"] = key(
         "settled if the manual's own evidence or arithmetic is decisive. open if only hardware or the "
         "manufacturer could decide."
@@ -201,7 +201,7 @@ class WrittenErratum(WrittenPart):
     )
     readings: tuple[WrittenReading, ...] = key(
         "Pairs of values, as check prints them. Needed if the manual prints two values, and the spec "
-        "and the second reading use different ones.",
+        "and the second reading use different values.",
         default=(),
     )
 

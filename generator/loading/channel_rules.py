@@ -49,7 +49,7 @@ def check_channels(device: Device, report: DocumentReport) -> None:
 def _order_problems(biss: Biss, layouts: Sequence[Layout]) -> Iterator[_Problem]:
     """Yield channels that are listed twice, have no number of their own, or are too long to be one word."""
     if len(layouts) < 2:
-        yield ("order",), "a frame with several channels has at least two; list all of them, or leave 'channels' out"
+        yield ("order",), "a frame with several channels has at least two; list all of them, or remove 'channels'"
     first_layout = biss.layouts[0]
     if layouts[0] is not first_layout:
         name = quoted(layouts[0].name)
@@ -77,7 +77,7 @@ def _question_problems(device: Device, layouts: Sequence[Layout]) -> Iterator[_P
         for alternative in device.alternatives_of(layout):
             name = quoted(layout.name)
             message = f"{name} depends on the question {quoted(alternative.name)}, which decoders of a whole frame"
-            yield ("order", index), f"{message} do not ask; leave 'channels' out, and decode each channel alone"
+            yield ("order", index), f"{message} do not ask; remove 'channels', and decode each channel alone"
 
 
 def _position_problems(device: Device, layouts: Sequence[Layout]) -> Iterator[_Problem]:

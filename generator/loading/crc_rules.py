@@ -21,7 +21,7 @@ def check_one_crc(layout: Layout, site: Site) -> None:
             first, second, *_ = sent_fields
             condition = values_text(parameters, first.width, second.width)
             problem = f"'{layout.name}' ends with '{first.name}' and '{second.name}'{condition}"
-            remedy = "give each of them a 'bits' that is 0 where the other is sent"
+            remedy = "give each CRC a 'bits' that is 0 for order codes that send the other CRC"
             site.report("several-crcs", f"{problem}; {remedy}", "fields", second.name)
             return
 
@@ -85,7 +85,7 @@ def _check_width(field: Field, crc: Crc, site: Site) -> None:
         return
     if site.path[0] == "registers":
         message = f"'{field.name}' is a CRC in a register, so its width is {crc.width} for all order codes"
-        site.report("width-mismatch", f"{message}, but 'bits' is {field.width.render()}; leave 'bits' out")
+        site.report("width-mismatch", f"{message}, but 'bits' is {field.width.render()}; remove 'bits'")
         return
     for parameters in site.sets:
         width = field.width.value(parameters)
@@ -117,10 +117,8 @@ def _yield_fields_left_out(layout: Layout, crc: Field, crc_value: CrcValue) -> I
     data_names = [field.name for field in layout.fields if not isinstance(field.kind, (Constant, Unused))]
     names_left_out = listed(name for name in data_names if name not in mentioned_names)
     if names_left_out:
-        remedy = (
-            f"add the fields that it covers to 'crc_of', or add a 'note' that the manual leaves out {names_left_out}"
-        )
-        yield f"'{crc.name}' leaves out {names_left_out}; {remedy}"
+        remedy = f"add the missing fields to 'crc_of', or add a 'note' that the manual excludes {names_left_out}"
+        yield f"'{crc.name}' does not cover {names_left_out}; {remedy}"
 
 
 def _yield_gap_in_fields(layout: Layout, crc_value: CrcValue, site: Site) -> Iterator[str]:
@@ -128,7 +126,7 @@ def _yield_gap_in_fields(layout: Layout, crc_value: CrcValue, site: Site) -> Ite
     if crc_value.of and layout.in_bytes:
         interface = INTERFACES[site.interface]
         interface_text = f"over {interface.title}" if interface.carried_as == "bytes" else "with 'carried_as: bytes'"
-        yield f"{interface_text}, a CRC covers everything before it; leave 'crc_of' out"
+        yield f"{interface_text}, a CRC covers everything before it; remove 'crc_of'"
         return
     fields_by_name = {field.name: field for field in layout.fields}
     covered_fields = [fields_by_name[name] for name in crc_value.of if name in fields_by_name]

@@ -55,7 +55,7 @@ def _report_stated_warnings(layout: Layout, raw_fields: Iterable[Raw], site: Sit
         is_reserved = "unused" in field
         if is_reserved and field.get("makes_position") == Verdict.USABLE_WITH_WARNING.value:
             problem = f"no flag of '{layout.name}' says whether the position is usable, so the verdict stays unknown"
-            site.report("reserved-verdict", f"{problem}; leave 'makes_position' out", "fields", index, "makes_position")
+            site.report("reserved-verdict", f"{problem}; remove 'makes_position'", "fields", index, "makes_position")
 
 
 def check_errata(device: Device, report: DocumentReport) -> None:

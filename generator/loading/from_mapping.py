@@ -184,7 +184,7 @@ def check_only(raw_spec: Raw, variants: Sequence[Variant], report: DocumentRepor
             report.add("only-codes", (*path, "only"), f"{message}; {remedy}")
         elif "active" in owner and not only_while(only, variants, set_parameters(raw_spec)):
             message = f"no parameter distinguishes the order codes {quoted(only)} from the others"
-            remedy = "add one that these set and that is 0 for all others"
+            remedy = "add a parameter that these order codes set and that is 0 for all others"
             report.add("only-parameter", (*path, "only"), f"{message}; {remedy}")
 
 

@@ -79,10 +79,10 @@ def _reason_against_excess(
         return None
     if measurement is None or not _is_in_gray(layout, measurement) or not _is_position_alone(layout, measurement):
         problem = f"'excess' needs 'counts_per_turn' and 'turns: 1' of '{layout.gray_of}', as one unsigned field"
-        return KeyProblem("excess", f"{problem}; measure this field of a frame from the encoder, or leave 'excess' out")
+        return KeyProblem("excess", f"{problem}; measure this field of a frame from the encoder, or remove 'excess'")
     if measurement.highest is not None or layout.position_range is not None:
         problem = "'excess' is only for positions from 0 to 'counts_per_turn' - 1"
-        return KeyProblem("excess", f"{problem}; leave 'highest' and 'position_range' out, or leave 'excess' out")
+        return KeyProblem("excess", f"{problem}; remove 'highest' and 'position_range', or remove 'excess'")
     names = set(layout.gray_excess.parameters)
     if measurement.counts_per_turn is not None:
         names.update(measurement.counts_per_turn.parameters)

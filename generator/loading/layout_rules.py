@@ -72,7 +72,7 @@ def _check_parts_of_join(join: Join, fields: Mapping[str, Field], site: Site) ->
         if reason:
             # A reason may already end with a remedy after a semicolon.
             separator = ", or" if ";" in reason else ";"
-            remedy = f"{separator} leave '{name}' out of '{join.name}'"
+            remedy = f"{separator} remove '{name}' from '{join.name}'"
             site.report("join-of", f"'{join.name}' contains '{name}', {reason}{remedy}", "join", join.name, index)
 
 
@@ -145,7 +145,7 @@ def _check_parities(layout: Layout, site: Site) -> None:
 def _obstacle_to_join(kind: Kind) -> str:
     """Return the reason that a joined number cannot contain a field of this kind, and the remedy. Empty if it can.
 
-    The two are separated by a semicolon: ``which is signed; leave 'signed' out``. Not every reason has a remedy. A
+    The two are separated by a semicolon: ``which is signed; remove 'signed'``. Not every reason has a remedy. A
     joined number consists of bits as sent, so a part with a different value would contradict it.
     """
     if kind.is_joinable:
@@ -155,7 +155,7 @@ def _obstacle_to_join(kind: Kind) -> str:
     if not isinstance(kind, Number):
         return "which is not a number; define it with 'bits' and no kind"
     # Only these two make a number differ from its bits.
-    return "which is signed; leave 'signed' out" if kind.signed else "which has 'zero_means'; leave 'zero_means' out"
+    return "which is signed; remove 'signed'" if kind.signed else "which has 'zero_means'; remove 'zero_means'"
 
 
 def _check_gray(layout: Layout, site: Site) -> None:
@@ -293,7 +293,7 @@ def _check_field(layout: Layout, field: Field, site: Site) -> None:
 def _check_number(field: Field, number: Number, site: Site) -> None:
     """Check that a power of two has bits for every order code: without bits, it would be 0."""
     if number.power_of_two:
-        _check_absent(field, "0 is not a power of two; leave 'power_of_two' out", site)
+        _check_absent(field, "0 is not a power of two; remove 'power_of_two'", site)
 
 
 def _check_decimal(field: Field, decimal: Decimal, site: Site) -> None:
@@ -320,7 +320,7 @@ def _check_one_bit(field: Field, kind_text: str, site: Site) -> None:
         message = (
             f"{subject} in a register, so it has one bit for all order codes, but 'bits' is {field.width.render()}"
         )
-        site.report("width-mismatch", f"{message}; leave 'bits' out")
+        site.report("width-mismatch", f"{message}; remove 'bits'")
         return
     for parameters in site.sets:
         width = field.width.value(parameters)

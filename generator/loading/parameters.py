@@ -44,7 +44,7 @@ def check_named_widths(raw_spec: Raw, device: Device, report: DocumentReport) ->
         problems = (_describe_difference(device, parameter, interface, layout) for interface, layout in frames)
         problem = next(filter(None, problems), "")
         if problem:
-            remedy = "correct 'equals', or rename the parameter if it is another number"
+            remedy = "correct 'equals', or rename the parameter if it is a different number"
             report.add("parameter-width", ("parameters", parameter.name, "equals"), f"{problem}; {remedy}")
 
 

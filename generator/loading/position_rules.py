@@ -88,7 +88,7 @@ def _check_scales(device: Device, report: DocumentReport) -> None:
                 path: Path = (*owner_of_field, "fields", field.name, "scale")
                 if field.scale is not None and path not in reported:
                     reported.add(path)
-                    message = f"'measurement' already gives the unit of '{field.name}'; leave 'scale' out"
+                    message = f"'measurement' already gives the unit of '{field.name}'; remove 'scale'"
                     report.add("scale-of", path, message, at_key=True)
 
 

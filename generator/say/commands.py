@@ -119,7 +119,7 @@ def _register_access(device: Device, procedure_step: RegisterStep) -> Iterator[P
         case ModifyStep(field=field, value_name=name, value=value):
             yield from ("Write ", *_value_or_argument(name, value), " to ")
             yield from (_register_or_field(device, register.name, field), address_text)
-            yield ", and leave the other fields of the register unchanged"
+            yield ", leaving the register's other fields unchanged"
         case _:
             assert_never(procedure_step)
 

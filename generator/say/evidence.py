@@ -67,7 +67,7 @@ def placeholders(device: Device) -> str:
     if not names:
         return ""
     verb = "value is" if len(names) == 1 else "values are"
-    return f"{len(names)} {verb} still the template's, not the manufacturer's: {', '.join(names)}"
+    return f"{len(names)} {verb} still from the template, not from the manufacturer: {', '.join(names)}"
 
 
 def document(device: Device) -> str:
@@ -111,7 +111,7 @@ def origin(device: Device) -> Iterator[Statement]:
     for overlay in device.overlays:
         yield statement(
             f"Includes the overlay {overlay.name}, “{overlay.title}”. "
-            "Each of its changes is noted inline, with its reason and its source"
+            "Each change is noted inline, with its reason and its source"
         )
 
 

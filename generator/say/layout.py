@@ -113,7 +113,7 @@ def facts(interface: Interface, layout: Layout) -> Iterator[Statement]:
     yield from carries(interface, layout)
     yield from _gray_code(layout)
     if _has_parity_over_gray(layout):
-        yield statement("A parity bit is that of the bits as they are sent, before Gray code is converted")
+        yield statement("A parity bit covers the bits as they are sent, before Gray code is converted")
     if layout.gaps:
         yield statement(f"Bits without a field are {layout.gaps}")
     yield from joins(layout)

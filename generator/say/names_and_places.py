@@ -232,7 +232,7 @@ TERMS = (
     Term(
         "ALMC",
         "The byte of an RS-485 reply that has a bit for each alarm. It identifies the alarm when a status bit only "
-        "indicates that there is one.",
+        "indicates that an alarm is active.",
         ("almc",),
     ),
     Term(
@@ -269,7 +269,7 @@ TERMS = (
     ),
     Term(
         "Control field, data ID",
-        "The first byte of an RS-485 request and of its reply. The data ID in it selects the requested data.",
+        "The first byte of an RS-485 request and its reply. The data ID in this byte selects the requested data.",
         ("control field", "data id"),
     ),
     Term(
@@ -301,7 +301,7 @@ TERMS = (
     ),
     Term(
         "Device ID, manufacturer ID, profile ID",
-        "Registers with the same content in all encoders of a type, from which a master identifies the encoder.",
+        "Registers with the same content in all encoders of a type. A master reads them to identify the encoder.",
         ("device id", "manufacturer id", "profile id"),
     ),
     Term(
@@ -319,7 +319,7 @@ TERMS = (
     ),
     Term(
         "MA, SLO",
-        "The two lines of BiSS: clock from the master (MA) and data from the encoder (SLO).",
+        "The two BiSS lines: clock from the master (MA) and data from the encoder (SLO).",
         over=Biss,
         section="wiring",
     ),
@@ -348,7 +348,7 @@ TERMS = (
     ),
     Term(
         "Single cycle data, SCD",
-        "The data in each frame of a BiSS encoder: position, error bit, warning bit, and a CRC over them.",
+        "The data in each BiSS frame: position, error bit, warning bit, and a CRC over them.",
         over=Biss,
         section="frames",
     ),
@@ -374,8 +374,8 @@ TERMS = (
     Term("Tp, pause", "SSI: the minimum time between two words.", ("tp",)),
     Term(
         "Repeated request",
-        "RS-485: a reset is a request that is sent several times in succession, with a pause after each and no other "
-        "request in between.",
+        "RS-485: a reset is a request that is sent several times in succession, with a pause after each request and "
+        "no other request in between.",
         over=Rs485,
         section="procedures",
     ),

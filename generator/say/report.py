@@ -342,7 +342,7 @@ ANOTHER_FRAME = (
 )
 UNCERTAIN_READINGS = "Possible readings, most likely first. Each of them is uncertain"
 HIDDEN_SHIFT = (
-    "A CRC that is not inverted does not detect a shift by one clock in every second frame. If the position is half or "
+    "A CRC that is not inverted does not detect a shift by one clock in half of all frames. If the position is half or "
     "twice as large as it should be, the frames were also read one clock late or early"
 )
 NO_EXPLANATION = "No common mistake explains it"
@@ -350,7 +350,7 @@ NO_EXPLANATION = "No common mistake explains it"
 
 def equal_readings(count: str) -> str:
     """Return the words about readings that nothing in a frame distinguishes."""
-    return f"The frame fits {count} of these readings equally well. Their order is that of how common each mistake is"
+    return f"The frame fits {count} of these readings equally well. The most common mistake comes first"
 
 
 def compared(bits: str, numbers: str, *, agree: bool) -> str:

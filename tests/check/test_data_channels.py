@@ -36,7 +36,7 @@ CASES = {
             "      tolerance: 1\n": "",
         },
         ".order",
-        "a frame with several channels has at least two; list all of them, or leave 'channels' out",
+        "a frame with several channels has at least two; list all of them, or remove 'channels'",
     ),
     "no number": (
         {"        channel: 2\n": ""},
@@ -63,8 +63,8 @@ CASES = {
         },
         ".order[2]",
         (
-            "'safety_word' depends on the question 'width', which decoders of a whole frame do not ask; leave"
-            " 'channels' out, and decode each channel alone"
+            "'safety_word' depends on the question 'width', which decoders of a whole frame do not ask; remove"
+            " 'channels', and decode each channel alone"
         ),
     ),
     "no position": (

@@ -203,7 +203,7 @@ LIMITS: dict[str, tuple[list[list[Change]], list[list[Change]], str, str]] = {
         [[signals(name)] for name in ("RS-644", "RS-485", "TIA-899")],
         [[signals(name)] for name in ("RS-458", "RS 899")],
         "unknown-standard",
-        "is not a usual standard, such as RS-422 or RS-485",
+        "is not a known standard; expected one such as RS-422 or RS-485",
     ),
     "figures in a text": (
         [lost_figures("1 to 3"), lost_figures("1 to 99999999999, 3")],

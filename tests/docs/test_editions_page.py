@@ -412,12 +412,15 @@ SLIPS = {
     "a change of nothing": (
         "      - unknown: [registers.serial_number, examples.serial_number]\n        why",
         "      - why",
-        "overlay-change: this change does nothing; use 'set', 'add', 'remove', 'unknown' or 'also'",
+        "overlay-change: this change does nothing; use exactly one of 'set', 'add', 'remove', 'unknown' and 'also'",
     ),
     "a change of two kinds": (
         "- unknown: [registers.device_id]",
         "- unknown: [registers.device_id]\n        also: More",
-        "overlay-change: this change has 'unknown' and 'also'; use 'set', 'add', 'remove', 'unknown' or 'also'",
+        (
+            "overlay-change: this change has 'unknown' and 'also'; "
+            "use exactly one of 'set', 'add', 'remove', 'unknown' and 'also'"
+        ),
     ),
     "no such register": (
         "      - register: serial_number\n        run: week",

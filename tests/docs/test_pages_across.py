@@ -83,7 +83,7 @@ def shows_value(cell: str, value: object) -> bool:
 
 def test_addresses_and_contents_by_which_an_encoder_is_recognised(devices: Mapping[str, Device], pages: Files) -> None:
     page = pages["docs/which-encoder.md"]
-    identity_rows = cells(page, "Without a label, identify the encoder by the content of its registers:")
+    identity_rows = cells(page, "Without a label, identify the encoder by the values in its registers:")
     assert len(identity_rows) == sum(len(list(device.identity)) for device in devices.values()) > 10
     for _, where, name, content, _ in identity_rows:
         ((addresses, device, register_name),) = LINK.findall(where)

@@ -57,7 +57,7 @@ def test_the_answer_counts_the_readings_that_fit_equally_well(capsys: Capture) -
     explained = why(capsys, "AMT22-12", word)
     assert [mistake["one_in"] for mistake in explained["explanations"]] == [8, 16, 16, 16]
     assert explained["equal_readings"] == 3
-    words = "The frame fits 3 of these readings equally well. Their order is that of how common each mistake is."
+    words = "The frame fits 3 of these readings equally well. The most common mistake comes first."
     assert words in printed(capsys, "AMT22-12", word)
     # One reading fits better than the others.
     assert why(capsys, "AS5045", "0b1001111101000100001")["equal_readings"] in (0, 2)
@@ -110,7 +110,7 @@ def test_a_crc_that_is_not_inverted_misses_every_second_shift(capsys: Capture) -
         undetected += is_valid
     assert 160 < undetected < 240
     data = f"{4711:022b}11"
-    sentence = "A CRC that is not inverted does not detect a shift by one clock in every second frame."
+    sentence = "A CRC that is not inverted does not detect a shift by one clock in half of all frames."
     assert sentence in printed(capsys, BISS, "0b" + data + crc(data, invert=False))
     assert sentence not in printed(capsys, BISS, "0b" + data[:-2] + "00" + crc(data))
 

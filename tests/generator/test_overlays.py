@@ -133,13 +133,16 @@ def test_what_is_unknown_is_taken_away_and_said_to_be_unknown(tmp_path: Path) ->
         (
             "  - set: registers.command.note\n    to: A\n    remove: registers.command\n" + OWN,
             (
-                "o0.yaml:6:5: overlay-change: this change has 'set' and 'remove'; use 'set', 'add', 'remove', "
-                "'unknown' or 'also'"
+                "o0.yaml:6:5: overlay-change: this change has 'set' and 'remove'; "
+                "use exactly one of 'set', 'add', 'remove', 'unknown' and 'also'"
             ),
         ),
         (
             "  - to: 5\n" + OWN,
-            "o0.yaml:6:5: overlay-change: this change does nothing; use 'set', 'add', 'remove', 'unknown' or 'also'",
+            (
+                "o0.yaml:6:5: overlay-change: this change does nothing; "
+                "use exactly one of 'set', 'add', 'remove', 'unknown' and 'also'"
+            ),
         ),
         ("  - set: title\n" + OWN, "o0.yaml:6:5: overlay-change: a change with 'set' needs 'to'"),
         (

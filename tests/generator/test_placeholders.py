@@ -33,7 +33,7 @@ def new_spec(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Path:
 def test_check_lists_each_with_its_line(new_spec: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", str(new_spec)]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert "16 values are still the template's (each has the word TODO):" in lines
+    assert "16 values are still from the template (each has the word TODO):" in lines
     expected = [f"  {new_spec}:{line}: {name}" for line, name in FACTS.items()]
     assert [line for line in lines if f"{new_spec}:" in line and line.startswith("  ")] == expected
     assert f"  {new_spec.with_name('manufacturer.yaml')}:4: title" in lines
@@ -48,9 +48,9 @@ def test_generate_and_every_output_say_so(new_spec: Path, tmp_path: Path, capsys
     first = f"the first at {new_spec}:15; codewheel check lists them\n"
     for _ in range(2):  # The second run only compares.
         assert main(["generate", str(new_spec), "-o", str(out)]) == 0
-        assert f"16 values are still the template's, {first}" in capsys.readouterr().out
+        assert f"16 values are still from the template, {first}" in capsys.readouterr().out
     names = [*FACTS.values(), "manufacturer.title"]
-    sentence = f"16 values are still the template's, not the manufacturer's: {', '.join(names)}"
+    sentence = f"16 values are still from the template, not from the manufacturer: {', '.join(names)}"
     for path in (
         "docs/my_encoder.md",
         "docs/my_encoder/MY-ENCODER-17-SC.md",
@@ -69,7 +69,7 @@ def test_decode_says_so(new_spec: Path, capsys: pytest.CaptureFixture[str]) -> N
     frame = "0b0001111101000_1_1_011010"
     assert main(["decode", "MY-ENCODER-13-SC", frame, "--specs", str(new_spec.parent)]) == 0
     printed = " ".join(capsys.readouterr().out.split())
-    assert "evidence: uncorroborated 16 values are still the template's" in printed
+    assert "evidence: uncorroborated 16 values are still from the template" in printed
 
 
 def test_a_manufacturer_that_is_still_the_template_s_allows_only_the_lowest_grade(new_spec: Path) -> None:
@@ -78,7 +78,7 @@ def test_a_manufacturer_that_is_still_the_template_s_allows_only_the_lowest_grad
     new_spec.write_text(manual, encoding="utf-8")
     (problem,) = load_for_targets([new_spec.parent], targets_named())[1].problems
     assert (problem.line, problem.rule) == (19, "evidence-grade")
-    assert "still the template's: manufacturer.title;" in problem.message
+    assert "left over from the template: manufacturer.title;" in problem.message
     maker = new_spec.with_name("manufacturer.yaml")
     maker.write_text(maker.read_text(encoding="utf-8").replace("TODO Name of the manufacturer", "Acme"))
     devices, report = load_for_targets([new_spec.parent], targets_named())

@@ -25,7 +25,7 @@ from test_conditions_of_masters import JOINED, write_spec
 Capture = pytest.CaptureFixture[str]
 MADE = Path(__file__).parent / "made"
 EVIDENCE = "Evidence: uncorroborated (the facts have a single source, so do not rely on them)."
-PLACEHOLDER = "1 value is still the template's, not the manufacturer's: interfaces.biss.clock."
+PLACEHOLDER = "1 value is still from the template, not from the manufacturer: interfaces.biss.clock."
 
 
 @pytest.fixture(scope="module")
@@ -177,7 +177,7 @@ def test_grade_and_placeholders_next_to_settings(capsys: Capture) -> None:
     printed = printed_by(capsys, "master", "SECOND-B")
     assert f"{EVIDENCE[:-1]}. {PLACEHOLDER}" in printed
     assert EVIDENCE in printed_by(capsys, "master", "THREE-S-12x8x3")
-    assert "still the template's" not in printed_by(capsys, "master", "THREE-S-12x8x3")
+    assert "still from the template" not in printed_by(capsys, "master", "THREE-S-12x8x3")
     data = master_data(capsys, "SECOND-B")
     assert (data["evidence"], data["placeholders"]) == ("uncorroborated", ["interfaces.biss.clock"])
     main(["master", "AMM5A21/65KSC1"])

@@ -174,9 +174,7 @@ def _field_faults(sent_fields: SentFields, crcs: Mapping[str, Located[Crc]], fra
             problem = f"{quoted(name)} is active high, but in BiSS it is active low; write 'active: low'"
             yield _Fault((*path, "active"), f"{frame_path}.{name}.active", problem)
         if field.crc_of:
-            problem = (
-                f"{quoted(name)} has 'crc_of', but in BiSS the CRC covers everything before it; leave 'crc_of' out"
-            )
+            problem = f"{quoted(name)} has 'crc_of', but in BiSS the CRC covers everything before it; remove 'crc_of'"
             yield _Fault((*path, "crc_of"), f"{frame_path}.{name}", problem)
         if field.crc not in crcs:
             continue

@@ -211,14 +211,14 @@ def _find_contradiction(
     if gray is None:
         if code == "gray":
             example = f"'gray: {{of: {_find_position(fields, spec, as_read)}}}'"
-            return f"has no 'gray', so decoders take the position as binary; add {example} to it"
+            return f"has no 'gray', so decoders read the position as binary; add {example} to it"
         if code == "by_order_code" and not has_gray:
             example = f"'gray: {{of: {_find_position(fields, spec, as_read)}, when: PARAMETER}}'"
-            return f"has no 'gray', so decoders take the position as binary; add {example} to it"
+            return f"has no 'gray', so decoders read the position as binary; add {example} to it"
         return ""
     if code == "binary":
         correct_code = "by_order_code" if gray.when else "gray"
-        return f"has 'gray'; write 'output_code: {correct_code}', or leave 'gray' out"
+        return f"has 'gray'; write 'output_code: {correct_code}', or remove 'gray'"
     if code == "by_order_code" and not gray.when:
         return "is always in Gray code; write 'output_code: gray', or add 'when' to 'gray'"
     if code == "gray" and 0 in _numbers_set(spec, fields.interface, gray.when):
@@ -244,7 +244,7 @@ def check_named_gray_code(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
             if position_layouts and all(_gray_of(frame) is None for frame in position_layouts):
                 message = (
                     f"the meaning of {quoted(label)} says Gray, but no layout of {interface_name} has 'gray', "
-                    "so decoders take it as binary"
+                    "so decoders read it as binary"
                 )
                 report.add("output-code", value.place_of("meaning"), message)
 

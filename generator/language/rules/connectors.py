@@ -167,7 +167,7 @@ def _report_missing_signals(incomplete: _Connector, complete: _Connector, report
     unexplained = [signal for signal in dict.fromkeys(missing_signals) if not incomplete.names_in_note(signal)]
     if unexplained:
         lacking = f"{incomplete.label} lacks {listed(map(quoted, unexplained))}, which {complete.label} has"
-        message = f"{lacking}; correct one of the two, or name what is missing in the 'note' of {incomplete.label}"
+        message = f"{lacking}; correct one of the two, or name the missing signal in the 'note' of {incomplete.label}"
         report.add("missing-signal", (*incomplete.located.path, "contacts"), message, at_key=True)
 
 

@@ -55,7 +55,7 @@ def _check_order(connector: Located[Connector], numbered: Numbered, report: Docu
         if has_leading_zero or not (is_next or is_explained):
             message = (
                 f"contact {quoted(connector.part.contacts[index].contact)} is where {quoted(str(expected_number))}"
-                " should be; list all contacts in order, including those that are not connected, or say in a 'note' of"
+                " should be; list all contacts in order, including unconnected contacts, or say in a 'note' of"
                 f" {quoted(connector.part.name)} that there is no contact {expected_number}"
             )
             report.add("contact-numbers", (*connector.path, "contacts", index, "contact"), message)

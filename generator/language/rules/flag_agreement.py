@@ -69,7 +69,7 @@ def check_repeated_flags(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
                 line, _ = report.document.position(first_flag.path)
                 message = (
                     f"{quoted(flag.name)} has {quoted(key)} {value} here, but {first_value} on line {line}; correct one"
-                    " of the two, or rename the flag if it is another one"
+                    " of the two, or rename the flag if it is a different flag"
                 )
                 report.add("flag-differs", flag.place_of(key), message)
 
@@ -92,8 +92,8 @@ def check_cleared_alarms(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
     for alarm in spec.alarms:
         if alarm.part.latch is False and alarm.part.cleared_by:
             message = (
-                f"{quoted(alarm.part.cleared_by[0])} clears the alarm, but 'latch' is false, so that it clears itself;"
-                " correct one of the two"
+                f"{quoted(alarm.part.cleared_by[0])} clears the alarm, but 'latch' is false, which means that the"
+                " alarm clears itself; correct one of the two"
             )
             report.add("alarm-latch", (*alarm.path, "latch"), message)
 
@@ -104,7 +104,9 @@ def check_implemented_alarms(spec: WrittenSpec, as_read: WrittenSpec, report: Do
         flag = _flag_of(spec, alarm)
         if flag is not None and flag.implemented != alarm.part.implemented:
             flag_text = "is implemented" if flag.implemented else "is not implemented"
-            message = f"its flag {quoted(flag.name)} {flag_text}, unlike this alarm; write 'implemented: false' at both"
+            message = (
+                f"its flag {quoted(flag.name)} {flag_text}, unlike this alarm; write 'implemented: false' for both"
+            )
             key = "implemented" if alarm.has("implemented") else "name"
             report.add("alarm-implemented", (*alarm.path, key), message)
 
@@ -146,7 +148,7 @@ def check_summands(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
             for index, name in enumerate(flag.sums_up):
                 if name in combining_flags and flag.name != combining_flags[name]:
                     message = (
-                        f"{quoted(combining_flags[name])} combines {quoted(name)} too; remove it from one of the two"
+                        f"{quoted(combining_flags[name])} also combines {quoted(name)}; remove it from one of the two"
                     )
                     report.add("summed-twice", (*flag.place_of("sums_up"), index), message)
                 combining_flags.setdefault(name, flag.name)
@@ -170,7 +172,7 @@ def _report_unsummed(
     if not _mentions_word(unsummed_flag.meaning, "combine"):
         message = (
             f"no flag of {quoted(fields.name)} combines {quoted(unsummed_flag.name)}, unlike the other flags of"
-            f" {quoted(group.name)}; add it to 'sums_up' of one, or say in its 'meaning' that none combines it"
+            f" {quoted(group.name)}; add it to 'sums_up' of a flag, or say in its 'meaning' that no flag combines it"
         )
         report.add("not-summed", unsummed_flag.place_of("name"), message)
 
@@ -211,7 +213,7 @@ def check_explained_flags(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
             for index, bit in enumerate(flag.explained_by):
                 if bit in flags_by_bit:
                     message = (
-                        f"{quoted(bit)} explains {quoted(flags_by_bit[bit])} already; remove it from one of the two"
+                        f"{quoted(bit)} already explains {quoted(flags_by_bit[bit])}; remove it from one of the two"
                     )
                     report.add("explains-twice", (*flag.place_of("explained_by"), index), message)
                 flags_by_bit.setdefault(bit, flag.name)

@@ -75,8 +75,8 @@ def _report_uncovered_fields(
         parity_field = parity_fields[0]
         pronoun = "it" if len(left_out) == 1 else "them"
         message = (
-            f"{quoted(parity_field.name)} leaves out {listed(map(quoted, left_out))}; add {pronoun} to 'parity_of', or "
-            f"name {pronoun} in a 'note' if the manual leaves {pronoun} out"
+            f"{quoted(parity_field.name)} does not cover {listed(map(quoted, left_out))}; add {pronoun} to 'parity_of',"
+            f" or name {pronoun} in a 'note' if the manual excludes {pronoun}"
         )
         report.add("parity-coverage", parity_field.place_of("parity_of"), message)
 
@@ -104,8 +104,8 @@ def check_slaves(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport
     if not fits and not has_erratum_at(report.document, *map(str, network.path)):
         slaves_text = "several slaves" if network.part.multiple_slaves else "one slave"
         message = (
-            f"{quoted(network.part.topology)} does not fit {slaves_text}; correct one of the two. If this is what the"
-            f" manual says, add an erratum that affects {'.'.join(map(str, network.path))}"
+            f"the topology is {quoted(network.part.topology)}, but the interface has {slaves_text}; correct one of"
+            f" them. If this is what the manual says, add an erratum that affects {'.'.join(map(str, network.path))}"
         )
         report.add("network-mismatch", (*network.path, "multiple_slaves"), message)
 

@@ -40,7 +40,7 @@ def check_measurement_shape(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
         if movement == "linear":
             _check_step(measurement, report)
         if measurement.has("highest") and not raw_measurement.has(total_key):
-            problem = f"'highest' has no effect without {quoted(total_key)}; add it, or leave 'highest' out"
+            problem = f"'highest' has no effect without {quoted(total_key)}; add it, or remove 'highest'"
             report.add("measurement-shape", (*measurement.path, "highest"), problem, at_key=True)
 
 
@@ -68,7 +68,7 @@ def check_position_range_shape(spec: WrittenSpec, as_read: WrittenSpec, report: 
             report.add("measurement-shape", own_range.path, message, at_key=True)
         elif not raw_frame.is_from_encoder or measurement.part.of not in readable_names(raw_frame, groups):
             problem = f"{name} does not carry the position, {quoted(measurement.part.of)}, to the master"
-            report.add("measurement-shape", own_range.path, f"{problem}; leave 'position_range' out", at_key=True)
+            report.add("measurement-shape", own_range.path, f"{problem}; remove 'position_range'", at_key=True)
         _check_range_keys(own_range, measurement, spec.movement, report)
 
 
@@ -87,14 +87,14 @@ def _check_range_keys(
     if not own_range.part.wraps:
         contradictions = [key for key in ("turns", "modulus", "highest") if own_range.has(key)]
         if contradictions:
-            problem = f"{quoted(contradictions[0])} contradicts 'wraps: false'; leave one of the two out"
+            problem = f"{quoted(contradictions[0])} contradicts 'wraps: false'; remove one of the two"
             report.add("measurement-shape", (*path, contradictions[0]), problem, at_key=True)
         return
     has_total = own_range.has(total_key) or own_range.has("modulus")
     if measurement is not None and not has_total:
         has_total = measurement.has(total_key) or measurement.has("modulus")
     if own_range.has("highest") and not has_total:
-        problem = f"'highest' has no effect without {quoted(total_key)}; add it, or leave 'highest' out"
+        problem = f"'highest' has no effect without {quoted(total_key)}; add it, or remove 'highest'"
         report.add("measurement-shape", (*path, "highest"), problem, at_key=True)
 
 

@@ -207,7 +207,7 @@ def check_standards(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
             continue
         unknown_numbers = [number for number in _STANDARD.findall(text) if number not in _STANDARDS]
         if unknown_numbers:
-            problem = f"RS-{unknown_numbers[0]} is not a usual standard, such as RS-422 or RS-485"
+            problem = f"RS-{unknown_numbers[0]} is not a known standard; expected one such as RS-422 or RS-485"
             message = f"{problem}; correct the number, or write TIA-{unknown_numbers[0]}"
             report.add("unknown-standard", path, message)
 

@@ -72,7 +72,7 @@ def _no_verdict(fields: FieldList, field: WrittenField, has_verdict: bool) -> st
     """Return the reason that a value of a field cannot have a verdict, and the fix. Empty if it can."""
     name = quoted(field.name)
     if not has_verdict:
-        return f"{_reason_without_verdict(fields)}; leave 'makes_position' out"
+        return f"{_reason_without_verdict(fields)}; remove 'makes_position'"
     if field.name in fields.selectors:
         return f"{name} identifies the frame, so it cannot decide the verdict on the position; use another field"
     if constant_width(field) is None:
@@ -110,7 +110,7 @@ def check_combinations(spec: WrittenSpec, as_read: WrittenSpec, report: Document
     for frame in layouts(spec):
         listed_combinations = frame.layout.combinations if frame.layout is not None else ()
         if listed_combinations and not _has_position(spec, frame, groups):
-            problem = f"{_reason_without_verdict(frame)}; leave 'combinations' out"
+            problem = f"{_reason_without_verdict(frame)}; remove 'combinations'"
             report.add("combination", frame.owner.place_of("combinations"), problem, at_key=True)
             continue
         fields_by_name = field_names(frame, groups)
@@ -198,7 +198,7 @@ def _obstacle_to_combination(fields: FieldList, field_name: str, field: WrittenF
     if field.has("only"):
         return f"the manual explains {name} only for some order codes; a combination applies to all of them"
     if field_name in fields.selectors:
-        return f"{name} identifies the frame, so it has the same value in all of them; leave it out"
+        return f"{name} identifies the frame, so it has the same value in all of them; remove it"
     if constant_width(field) is None:
         return f"the width of {name} depends on the order code; a field in a combination has the same for all"
     return ""
@@ -234,7 +234,7 @@ def _check_can_decide(
             problem = (
                 f"{quoted(combination.name)} never decides, since {part_text} already makes the position {verdict}"
             )
-            report.add("combination", combination.place_of("makes_position"), f"{problem}; leave the combination out")
+            report.add("combination", combination.place_of("makes_position"), f"{problem}; remove the combination")
             return
 
 
@@ -320,9 +320,9 @@ def _check_settings(alternative: WrittenAlternative, report: DocumentReport) -> 
         for parameter, value in answer.sets.items():
             expected = 0 if is_default else 1
             if value != expected:
-                owner = "the default" if is_default else "an answer other than the default"
-                problem = f"{quoted(name)} sets {quoted(parameter)} to {value}, but {owner} sets it to {expected}"
-                report.add("alternative-default", (*sets_path, parameter), f"{problem}; write {expected}")
+                problem = f"{quoted(name)} sets {quoted(parameter)} to {value}; the default answer must set it to 0"
+                message = f"{problem} and every other answer to 1, so write {expected}"
+                report.add("alternative-default", (*sets_path, parameter), message)
 
 
 def check_verdicts_by_answer(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -340,7 +340,11 @@ def check_verdicts_by_answer(spec: WrittenSpec, as_read: WrittenSpec, report: Do
                 parameter = as_read.parameters.get(name)
                 if parameter is None or parameter.alternative not in alternatives_with_default:
                     reason = f"{quoted(name)} is not a parameter of an alternative with a default"
-                    report.add("verdict-choice", verdict_path, f"{reason}; give it 'alternative' with the name of one")
+                    report.add(
+                        "verdict-choice",
+                        verdict_path,
+                        f"{reason}; set its 'alternative' to the name of such an alternative",
+                    )
                     continue
                 problem = _no_other_verdict(field_list, field, verdict)
                 if problem:

@@ -74,7 +74,7 @@ def _check_row(row: WrittenPrintedDefault, register: WrittenRegister, report: Do
         key, message = faults[0]
         report.add("default-mismatch", row.place_of(key), message)
     elif not faults and row.erratum:
-        message = f"the row is correct, so {quoted(row.erratum)} explains nothing; leave 'erratum' out"
+        message = f"the row is correct, so {quoted(row.erratum)} explains nothing; remove 'erratum'"
         report.add("default-mismatch", row.place_of("erratum"), message)
 
 

@@ -77,7 +77,7 @@ def check_step_access(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
             if writes_field and register.access == "write_only" and has_other_bits(register, groups):
                 message = (
                     f"{quoted(step.register)} is write_only, so a step cannot keep its other bits; "
-                    "describe it as one field with all its bits, and leave 'field' out"
+                    "describe it as one field with all its bits, and remove 'field'"
                 )
                 report.add("access-mismatch", step.place_of("field"), message)
             if register.access and _REFUSED.get(step.do) == register.access:
@@ -257,7 +257,7 @@ def check_saves_before_writes(spec: WrittenSpec, as_read: WrittenSpec, report: D
         unsaved_register = _first_unsaved(writes_to_other_registers, arguments, registers)
         if unsaved_register:
             problem = f"this step saves before {quoted(unsaved_register)} is written"
-            remedy = "move this step behind the write, or explain the order in a 'note' of the procedure"
+            remedy = "move this step after the write, or explain the order in a 'note' of the procedure"
             message = f"{problem}, so that value is lost at power-off; {remedy}"
             report.add("saved-too-early", save.path, message)
 
@@ -284,8 +284,8 @@ def check_named_bank(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
             continue
         if INTERFACES[interface_of(register)].highest_in_bank is None:
             message = (
-                f"{quoted(register.name)} is in a bank, but only BiSS has a register that selects banks; leave"
-                " 'bank' out, and describe in 'note' how the bank is selected"
+                f"{quoted(register.name)} is in a bank, but only BiSS has a register that selects banks; remove"
+                " 'bank', and describe in 'note' how the bank is selected"
             )
             report.add("bank-not-selected", register.place_of("bank"), message, at_key=True)
         elif not is_select_named:

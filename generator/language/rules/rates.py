@@ -271,7 +271,7 @@ def _check_timeout_rule(timeout: Located[Timeout], report: DocumentReport) -> No
     has_limit = part.at_most_ns is not None or part.typical_ns is not None
     if part.rule == "fixed":
         if has_half_periods:
-            message = "a fixed time-out does not depend on the clock; leave 'half_clock_periods' out"
+            message = "a fixed time-out does not depend on the clock; remove 'half_clock_periods'"
             report.add("timeout-mismatch", (*timeout.path, "half_clock_periods"), message, at_key=True)
         if not has_limit:
             message = "a fixed time-out needs 'at_most_ns' or 'typical_ns'"

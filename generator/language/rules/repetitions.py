@@ -32,7 +32,7 @@ def check_repeated_items(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
                 item_text = quoted(set_item) if isinstance(set_item, (str, int)) else "this"
                 message = (
                     f"{item_text} is already item {first_index + 1} of '{path[-1]}'; "
-                    "remove it, or write the intended one"
+                    "remove it, or write the intended value"
                 )
                 report.add("repeated-item", (*path, index), message)
 

@@ -99,12 +99,12 @@ def check_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
         report.add(_RULE, (*port.path, "data_bits"), message)
     if not interface.has("exchanges"):
         if not raw_interface.has("data_ids"):
-            message = "no request is described; add 'data_ids' (for frames like those of the T-format) or 'exchanges'"
+            message = "no request is described; add 'data_ids' (for frames as in the T-format) or 'exchanges'"
             report.add(_RULE, interface.path, message)
         return
     for key in _OF_DATA_IDS:
         if interface.has(key):
-            message = f"{quoted(key)} belongs to frames like those of the T-format; keep either it or 'exchanges'"
+            message = f"{quoted(key)} belongs to frames as in the T-format; keep either it or 'exchanges'"
             report.add(_RULE, interface.place_of(key), message, at_key=True)
     check_exchanges(interface, raw_interface, as_read, _RULE, report)
     _check_frames_of_rs485(interface, report)
@@ -123,7 +123,7 @@ def _check_frames_of_rs485(interface: WrittenRs485, report: DocumentReport) -> N
     for layout in interface.layouts:
         report_unused(layout, interface.exchanges, _RULE, report)
         if layout.when:
-            message = "the request decides which frame is the reply; leave 'when' out"
+            message = "the request decides which frame is the reply; remove 'when'"
             report.add(_RULE, layout.place_of("when"), message, at_key=True)
         if layout.carried_as == "bits":
             message = f"{quoted(layout.name)} is sent over a serial port, as bytes; use 'carried_as: bytes'"
@@ -153,8 +153,8 @@ def _check_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
             continue
         if register.byte_order:
             message = (
-                f"{quoted(register.name)} is sent as one number over SPI, high byte first; leave 'byte_order' out,"
-                " or leave the register out if its low byte comes first"
+                f"{quoted(register.name)} is sent as one number over SPI, high byte first; remove 'byte_order',"
+                " or omit the register if its low byte comes first"
             )
             report.add("spi-exchange", register.place_of("byte_order"), message, at_key=True)
         for field in register.fields:
@@ -166,7 +166,7 @@ def _check_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
         register_name, _, _ = parameter.read_from.partition(".")  # ``register`` or ``register.field``
         if interface_of(registers.get(register_name)) == Spi.name:
             message = (
-                f"a parameter cannot be read from a register over SPI; leave 'read_from' out of {quoted(name)}"
+                f"a parameter cannot be read from a register over SPI; remove 'read_from' from {quoted(name)}"
                 ", and give it a value for each order code"
             )
             report.add("spi-exchange", parameter.place_of("read_from"), message, at_key=True)
@@ -282,8 +282,8 @@ def _check_fields(
             free_names = _free_fields(layouts.get(exchange.request))
             undecided_names = [field_name for field_name in free_names if field_name not in needed]
             if undecided_names:
-                problem = f"an access to a register gives no value for {quoted(undecided_names[0])}"
-                message = f"{problem} in {quoted(exchange.request)}; use 'constant' or 'unused' there"
+                problem = f"a register access gives no value for {quoted(undecided_names[0])}"
+                message = f"{problem} in {quoted(exchange.request)}; give it 'constant' or 'unused'"
                 report.add("spi-exchange", exchange.place_of(frame_key), message)
 
 

@@ -177,7 +177,7 @@ def _problem_with_others(fields: FieldList, field: WrittenField) -> str:
     if width is None or width > MOST_RESERVED_BITS:
         return f"'others' gives every value a name, so 'bits' of {name} must be a number from 1 to {MOST_RESERVED_BITS}"
     if fields.is_written_by_master:
-        return f"{name} is written by a master, which does not write reserved values; leave 'others' out"
+        return f"{name} is written by a master, which does not write reserved values; remove 'others'"
     reserved_names = {f"{RESERVED}_{number}" for number in range(1 << MOST_RESERVED_BITS)}
     clashing_names = []
     for value_name, value in field.values.items():
@@ -205,7 +205,7 @@ def _check_width(field: WrittenField, report: DocumentReport) -> None:
         problem = f"{listed(map(quoted, places))} {quantity} give the position; keep one of them"
         report.add("layout-keys", field.place_of(places[1]), problem, at_key=True)
     elif field.bits is not None and ":" in str(field.at):
-        problem = f"the range {quoted(field.at)} already gives the width; leave 'bits' out"
+        problem = f"the range {quoted(field.at)} already gives the width; remove 'bits'"
         report.add("layout-keys", field.place_of("bits"), problem, at_key=True)
     elif not has_width:
         message = f"{name} has no width; give it 'bits', or 'at' with a range such as 7:6"
@@ -252,7 +252,7 @@ def _check_carriage(fields: FieldList, layout: WrittenLayout, as_read: WrittenSp
         if problem:
             report.add("layout-keys", layout.place_of("byte_order"), problem, at_key=True)
         if layout.when:
-            problem = f"'when' only distinguishes frames of bytes, but {name} is carried as bits; leave 'when' out"
+            problem = f"'when' only distinguishes frames of bytes, but {name} is carried as bits; remove 'when'"
             remedy = "" if fields.interface == Spi.name else ", or write 'carried_as: bytes'"
             report.add("layout-keys", layout.place_of("when"), problem + remedy, at_key=True)
     if layout.channel is not None and not interface.has_channels:
@@ -269,9 +269,9 @@ def _wrong_order(interface: str, layout: WrittenLayout) -> str:
     if not layout.byte_order:
         return ""
     if interface != Spi.name:
-        return f"{name} is carried as bits, which have no byte order; leave 'byte_order' out"
+        return f"{name} is carried as bits, which have no byte order; remove 'byte_order'"
     if layout.byte_order == "high_byte_first":
-        return f"{name} is sent over SPI, high byte first unless it says otherwise; leave 'byte_order' out"
+        return f"{name} is sent over SPI, high byte first unless it says otherwise; remove 'byte_order'"
     if not layout.join:
         return f"{name} sends the low byte first, so describe each byte as a field, and 'join' them"
     return ""

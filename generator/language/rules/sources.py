@@ -336,8 +336,8 @@ class _Limited:
 
 _CLOCK = _LimitKeys(("min_hz", "max_hz"), "write 'used_hz' for a clock that a program or a master uses")
 _TIMING = _LimitKeys(("at_least_us", "at_most_us"), "write 'typical_us', or describe the time in a 'note'")
-_TIMEOUT = _LimitKeys(("at_most_ns",), "write 'typical_ns', or leave the time-out out")
-_CABLE = _LimitKeys(("below_hz",), "leave the table out")
+_TIMEOUT = _LimitKeys(("at_most_ns",), "write 'typical_ns', or remove the time-out")
+_CABLE = _LimitKeys(("below_hz",), "remove the table")
 _SUPPLY = _LimitKeys(("min_mv", "max_mv"), "list the voltage in use under 'characteristics'")
 
 
@@ -411,5 +411,5 @@ def check_open_quotation(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
     for erratum in spec.errata:
         has_open_quotation = erratum.printed.count('"') % 2 == 1
         if has_open_quotation:
-            message = "a quotation mark has no partner; text between two of them is quoted to the letter"
+            message = "a quotation mark is not closed; text between two quotation marks is a verbatim quotation"
             report.add("open-quotation", erratum.place_of("printed"), message)

@@ -36,7 +36,7 @@ def check_edges_and_periods(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
                 continue
             is_explained = {row[periods], row[edges]} <= numbers_of_errata
             if not is_explained:
-                message = f"{row[edges]} edges are not {_EDGES} times {row[periods]} periods"
+                message = f"the edge frequency {row[edges]} is not {_EDGES} times the period frequency {row[periods]}"
                 path = (*table.path, "rows", index, edges)
                 report.add("table-arithmetic", path, f"{message}; correct one of the two")
 

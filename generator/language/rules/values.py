@@ -307,7 +307,7 @@ def _check_piece(
     match = _PIECE.fullmatch(piece.replace("\n", " ").removeprefix("TODO "))
     key, place = (match["key"], match["place"].strip()) if match is not None else (None, piece)
     if key is not None and key == own_language:
-        report.add("bad-source", path, f"{quoted(key)} is the language of the manual itself; leave '{key}:' out")
+        report.add("bad-source", path, f"{quoted(key)} is the language of the manual itself; remove '{key}:'")
     elif key is not None and key not in editions and key not in documents:
         hint = suggestion(key, [*editions, *documents])
         report.add("undefined-reference", path, f"there is no edition or document {quoted(key)}{hint}")

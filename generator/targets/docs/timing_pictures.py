@@ -144,7 +144,7 @@ def _spi_diagram(interface: Spi) -> TimingDiagram:
     )
 
     lines: list[tuple[str, tuple[Part, ...]]] = [("CS", select), ("Clock", clock), ("MISO", _spi_words(*replies))]
-    behaviour = "The encoder ignores the words of the master."
+    behaviour = "The encoder ignores the words that the master sends."
     if has_requests:
         lines.insert(2, ("MOSI", _spi_words("request 1", "request 2")))
         behaviour = f"{REPLIES[interface.reply].capitalize()}."

@@ -118,7 +118,7 @@ static inline uint64_t cw_to_gray(uint64_t word, uint32_t low, uint32_t bits)
     return (low < 64U) ? (word ^ ((v >> 1U) << low)) : word;
 }
 
-/** Return the word with another number in a field. Bits of value that do not fit are cut. */
+/** Return the word with another number in a field. Bits of value that do not fit are cut off. */
 CW_CONSTEXPR
 static inline uint64_t cw_with_field(uint64_t word, uint32_t low, uint32_t bits, uint64_t value)
 {
@@ -155,7 +155,7 @@ static inline uint32_t cw_parity(uint32_t value)
     return (0x6996U >> (v & 0x0FU)) & 1U; /* bit n of 6996h is the parity of n */
 }
 
-/** Return the parity of the bits with even numbers in bit 0, of those with odd numbers in bit 1. */
+/** Return the parity of the even-numbered bits in bit 0, and of the odd-numbered bits in bit 1. */
 CW_CONSTEXPR
 static inline uint32_t cw_parities(uint32_t value)
 {

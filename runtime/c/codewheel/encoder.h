@@ -26,7 +26,7 @@ typedef struct cw_report_text {
     const char *name; /**< its name in these headers */
     const char *printed_name; /**< its name in the manual */
     const char *meaning; /**< its meaning */
-    const char *remedy; /**< what to do about it */
+    const char *remedy; /**< instructions for clearing it */
     const char *source; /**< section and page of the manual */
 } cw_report_text;
 

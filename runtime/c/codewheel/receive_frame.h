@@ -5,8 +5,8 @@
  * This file is yours: use it, change it and pass it on as you like.
  * BiSS is a trademark of iC-Haus GmbH.
  *
- * The functions of receive.h give a frame of up to 64 bits as a word. Those here give it as bytes,
- * for the decoder of a longer frame. The header of each encoder defines the lengths:
+ * The functions in receive.h return a frame of up to 64 bits as a word. The functions in this file
+ * return bytes, for the decoder of a longer frame. The header of each encoder defines the lengths:
  *
  *   static uint8_t rx[ORDER_CODE_BISS_RX_BYTES];
  *   cw_biss_receive_frame(rx, sizeof rx, ORDER_CODE_BISS_BITS, frame, sizeof frame)
@@ -50,7 +50,7 @@ static inline void cw_received_frame(
  *
  * @param rx  the received bits, packed into bytes
  * @param received  number of bits received, which need not fill whole bytes
- * @param bits  number of bits of the frame, ORDER_CODE_BISS_BITS
+ * @param bits  number of bits in the frame, ORDER_CODE_BISS_BITS
  * @param frame  the bytes of the frame, unchanged on error. It must not overlap rx
  * @param length  number of bytes in the frame, enough for all its bits
  * @return the results of cw_biss_receive_bits, and LENGTH if length is too short

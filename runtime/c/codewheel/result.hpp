@@ -4,7 +4,7 @@
  * Part of the codewheel runtime. SPDX-License-Identifier: 0BSD
  * This file is yours: use it, change it and pass it on as you like.
  *
- * The header of each interface for C++17 uses these types: acme/x1_biss.hpp next to
+ * Each interface's C++17 header uses these types: acme/x1_biss.hpp next to
  * acme/x1_biss.h, for example. All of them work at compile time. They need no library, no
  * exceptions and no allocation.
  */
@@ -53,11 +53,11 @@ enum class verdict : uint8_t {
     usable = CW_USABLE                            /**< no error and no warning */
 };
 
-/** A value, or the fault because of which there is none. */
+/** A value, or the fault that explains why there is none. */
 template <typename T>
 class [[nodiscard]] result {
 public:
-    /** Keep the value if a function of C returned CW_OK, else its result. */
+    /** Keep the value if a C function returned CW_OK, otherwise keep the result. */
     constexpr result(cw_result found, const T &value) noexcept
         : value_(value), fault_(static_cast<codewheel::fault>(found))
     {
@@ -99,7 +99,7 @@ public:
     codewheel::verdict verdict; /**< not_usable as well if the frame is not well formed */
     T position;                 /**< the position, or 0 if it is not usable */
 
-    /** Keep the verdict on a well-formed frame, and its position if that is usable. */
+    /** Keep the verdict on a well-formed frame, and its position if the position is usable. */
     constexpr reading(codewheel::verdict found, T value) noexcept
         : verdict(found), position((found != codewheel::verdict::not_usable) ? value : T{}),
           fault_(codewheel::fault::none)

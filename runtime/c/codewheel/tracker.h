@@ -11,7 +11,7 @@
  *     cw_tracker_restart(&axis, now_us);                 after each preset, and to leave LOST
  *
  * axis.position is the last accepted position in counts. It continues across the wrap, where the
- * position of the encoder returns to 0. It is valid only while axis.known is 1.
+ * encoder's position returns to 0. It is valid only while axis.known is 1.
  *
  * A position that the axis cannot have reached is refused. If too many positions are refused in a
  * row, or if none is accepted for too long, the axis is LOST: axis.known is 0, axis.lost is 1, and
@@ -21,7 +21,7 @@
  * still refused, so watch axis.refused.
  *
  * The tracker uses only integers, no division and no allocation. Times are in microseconds, from a
- * 32-bit counter that wraps around. A gap of 2^32 us or more (71 minutes) looks like a short one.
+ * 32-bit counter that wraps around. A gap of 2^32 us or more (71 minutes) looks like a short gap.
  * Pass the time at which the encoder sampled the position, which is the start of the frame:
  * timestamps taken at the end of the frame add jitter to the speed. Times must not go backwards: an
  * earlier time counts as a gap of more than an hour.
@@ -54,7 +54,7 @@ typedef struct cw_tracker_config {
     /** time after start or restart during which a first position of 0 is refused */
     uint32_t boot_us;
     uint32_t lost_after_us; /**< LOST if no position was accepted for longer than this (0: never) */
-    uint32_t lost_after_refused; /**< LOST if this many in a row were refused (0: never) */
+    uint32_t lost_after_refused; /**< LOST after this many refused positions in a row (0: never) */
 } cw_tracker_config;
 
 /** State of an axis. Read the members, but let only the functions write them. */
@@ -70,7 +70,7 @@ typedef struct cw_tracker {
     uint32_t refused_at_most; /**< private: lost_after_refused - 1 */
     uint64_t modulus; /**< private: as in the configuration */
     uint64_t raw; /**< last accepted position as the encoder sent it */
-    int64_t position; /**< the same, unwrapped. Equal to raw for the first position */
+    int64_t position; /**< the same, unwrapped. Equals raw for the first position */
     int64_t moved; /**< counts between the last two accepted positions */
 } cw_tracker;
 
@@ -168,11 +168,12 @@ static inline cw_result cw_tracker_lose(cw_tracker *tracker)
 }
 
 /**
- * Add a position. The first one is accepted without a check: if its CRC is short or missing,
+ * Add a position. The first position is accepted without a check: if its CRC is short or missing,
  * compare two readings first (cw_ssi_repeats).
  *
  * @param tracker  the axis
- * @param position  position of a valid and usable frame, in counts. Cast a signed one to uint64_t
+ * @param position  position of a valid and usable frame, in counts. Cast a signed position to
+ *                  uint64_t
  * @param now_us  start of that frame
  * @return
  *   OK     accepted, the members are updated.

@@ -309,7 +309,7 @@ static inline cw_biss_outcome cw_biss_data(
  * @param request  the access
  * @param cds  the CDS bits of the 32 frames that sent the word, the first in bit 31: IDL0..15, R,
  *             W, S, DATA7..0, CRC3..0, P
- * @param slaves  number of slaves, 9 if more than 8
+ * @param slaves  number of slaves, or 9 if more than 8
  * @param value  the byte read, unchanged unless the outcome is DONE
  * @return DONE, REFUSED, NO_ANSWER, BUSY, BAD_CRC or BAD_ECHO
  */
@@ -351,9 +351,9 @@ static inline uint8_t cw_biss_zeros(uint8_t zeros, bool cdm)
 /**
  * State of a master. Initialise it with _master_init, begin an access with _master_read or
  * _master_write, then call _master_next or _master_next_late once in every BiSS frame until the
- * outcome is no longer RUNNING. Keep calling it while frames continue, so that it counts the zeros
- * required between two accesses. An access to one register takes at most 46 frames. Each further
- * register takes 14 more, and each frame in which the slave is busy adds one.
+ * outcome is no longer RUNNING. Keep calling the function while frames continue, so that it counts
+ * the zeros required between two accesses. An access to one register takes at most 46 frames. Each
+ * further register takes 14 more, and each frame in which the slave is busy adds one.
  *
  * The diagram shows when to call each function, and when its bit must be on MA. The header of each
  * encoder gives the times.
@@ -388,7 +388,7 @@ typedef struct cw_biss_master {
     uint8_t bit_index; /**< private: last bit sent, counted from the S of its phase or from DATA7 */
     bool repeats_start; /**< private: with CDM one frame late, repeat S until the slave responds */
     uint16_t busy_frames; /**< private: frames in a row in which the slave was busy */
-    uint16_t busy_limit; /**< private: largest number of these */
+    uint16_t busy_limit; /**< private: maximum number of busy frames */
     uint32_t bits_to_send; /**< private: the bits of this phase, the last in bit 0 */
     uint32_t responses; /**< private: the CDS bits of this phase, the last in bit 0 */
 } cw_biss_master;
@@ -519,7 +519,7 @@ static inline bool cw_biss_master_end(cw_biss_master *master, cw_biss_outcome ou
     return false;
 }
 
-/** Return the bit to send now, if that with this index is in bit 0. */
+/** Return the bit to send now, if the bit with this index is in bit 0. */
 static inline bool cw_biss_master_bit(const cw_biss_master *master, uint32_t last_index)
 {
     return ((master->bits_to_send >> (last_index - master->bit_index)) & 1U) != 0U;
@@ -770,7 +770,7 @@ static inline bool cw_biss_late_byte(cw_biss_master *master, bool cds)
  * With a busy limit of 0, the access does not restart.
  *
  * @param master  the master
- * @param cds  the CDS bit of the frame just received
+ * @param cds  the CDS bit in the frame just received
  * @return the CDM bit of the next frame
  */
 static inline bool cw_biss_master_next_late(cw_biss_master *master, bool cds)

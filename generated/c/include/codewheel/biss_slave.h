@@ -40,14 +40,15 @@ typedef enum cw_biss_wants {
  * call.
  *
  * To answer S in time, the slave asks for a byte before it is certain that the master will read it:
- * after W and, in a sequence, after P. A register that changes when it is read must tolerate that.
+ * after W and, in a sequence, after P. A register that changes when it is read must tolerate this
+ * early read.
  */
 typedef struct cw_biss_slave {
     /** one bit per address, with address 0 in bit 0 of byte 0 */
     uint8_t readable[CW_BISS_ADDRESS_BYTES];
     uint8_t writable[CW_BISS_ADDRESS_BYTES]; /**< the same for writing */
     cw_biss_wants wants; /**< action that it waits for */
-    uint8_t address; /**< register to which the member wants refers */
+    uint8_t address; /**< register that the member wants refers to */
     uint8_t value;   /**< value to store there */
     uint8_t id;      /**< ID taken in the last control frame, or NO_ID */
     cw_biss_phase phase; /**< private */

@@ -5,7 +5,7 @@
  * This file is yours: use it, change it and pass it on as you like.
  *
  * The steps come from a _steps() function in an encoder's header. The runner does not access the
- * encoder itself: it returns what to do now, or when to call again.
+ * encoder itself: it returns the next action, or when to call again.
  *
  *     cw_runner_start(&runner, steps, count, bytes, length, now_us);
  *
@@ -25,10 +25,10 @@
  *
  *     cw_runner_done(&runner, error, now_us);       after each access: 0, or your error number
  *
- * It does the same as cw_run(), in the same order. After a failure it closes the registers that
- * were opened, and then ends. Always keep calling _next() until END, since a register may be open
- * until then. now_us is a free-running 32-bit microsecond counter that wraps around. A wait can be
- * one tick too short, so use a counter with a short tick. There is no locking and nothing is
+ * The runner does the same as cw_run(), in the same order. After a failure it closes the registers
+ * that were opened, and then ends. Always keep calling _next() until END, since a register may be
+ * open until then. now_us is a free-running 32-bit microsecond counter that wraps around. A wait
+ * can be one tick too short, so use a counter with a short tick. There is no locking and nothing is
  * volatile: call the functions from one task, or where none of the calls can interrupt another.
  */
 #ifndef CODEWHEEL_RUNNER_H
@@ -64,7 +64,7 @@ typedef struct cw_runner {
     /** true between the requests of one step: send no other request, and do not poll */
     bool bus_reserved;
     uint8_t *data; /**< READ, SEND: buffer for the received bytes. WRITE: the bytes to write */
-    size_t length; /**< number of these bytes */
+    size_t length; /**< number of bytes in data */
     /** maximum number of readings per poll, as in a transport. Set it after the start */
     uint32_t poll_at_most;
     uint32_t poll_pause_us; /**< pause between two readings of a poll */
@@ -125,13 +125,13 @@ static inline void cw_runner_advance(cw_runner *runner, size_t steps)
 }
 
 /**
- * Try again to close what is still open. Call it when the runner is at END and failure.left_open is
- * true, and then call _next() until END again. The result remains the first failure, and left_open
- * becomes false if closing succeeded.
+ * Try again to close registers that are still open. Call it when the runner is at END and
+ * failure.left_open is true, and then call _next() until END again. The result remains the first
+ * failure, and left_open becomes false if closing succeeded.
  *
  * @param runner  the procedure in progress
  * @param now_us  current time
- * @return true if there is something to close, false if nothing is open
+ * @return true if a register must be closed, false if none is open
  */
 static inline bool cw_runner_close(cw_runner *runner, uint32_t now_us)
 {

@@ -39,7 +39,7 @@ extern "C" {
 
 /** A request, with the address of its register if it accesses one. */
 typedef struct cw_spi_asked {
-    uint32_t request; /**< a ..._REQUEST_ macro of the encoder, or CW_SPI_NONE */
+    uint32_t request; /**< an encoder's ..._REQUEST_ macro, or CW_SPI_NONE */
     uint32_t address; /**< your value for this request, such as the address of a register */
 } cw_spi_asked;
 
@@ -53,7 +53,7 @@ typedef struct cw_spi_pipeline {
  * Forget all requests: at the start, and after the encoder was off or a word was lost.
  *
  * @param line The pipeline.
- * @param reply_words The macro ..._REPLY_WORDS of the encoder.
+ * @param reply_words The encoder's ..._REPLY_WORDS macro.
  */
 static inline void cw_spi_start(cw_spi_pipeline *line, uint32_t reply_words)
 {
@@ -63,12 +63,14 @@ static inline void cw_spi_start(cw_spi_pipeline *line, uint32_t reply_words)
 }
 
 /**
- * Note the request that is sent now, and return the one that the word received meanwhile answers.
+ * Record the request that is sent now, and return the request that the word received at the same
+ * time answers.
  *
  * @param line The pipeline.
- * @param request A ..._REQUEST_ macro of the encoder.
+ * @param request An encoder's ..._REQUEST_ macro.
  * @param address Your value for this request, which is returned with its reply.
- * @return The request that is answered. It is CW_SPI_NONE in the first word if replies are late.
+ * @return The request that is answered. For the first word, it is CW_SPI_NONE if replies come one
+ * word late.
  */
 static inline cw_spi_asked cw_spi_exchange(
     cw_spi_pipeline *line, uint32_t request, uint32_t address)
@@ -107,8 +109,8 @@ static inline uint64_t cw_spi_data(const uint8_t *bytes, size_t length)
  * @param word The word.
  * @param bits Number of its bits, from the ..._bits function of its frame.
  * @param bytes The bytes, unchanged on error.
- * @param length Number of bytes, as many as hold the bits.
- * @return CW_OK, or CW_FAULT_LENGTH if length is that of another word.
+ * @param length Number of bytes that hold the bits.
+ * @return CW_OK, or CW_FAULT_LENGTH if length does not match the word.
  */
 CW_NODISCARD
 static inline cw_result cw_spi_store(uint64_t word, uint32_t bits, uint8_t *bytes, size_t length)
@@ -123,15 +125,16 @@ static inline cw_result cw_spi_store(uint64_t word, uint32_t bits, uint8_t *byte
 /**
  * Return the word in received bytes.
  *
- * Their number does not show the number of bits: words of 17 and of 20 bits have three bytes. If
- * your driver knows how many bits it exchanged, compare them with bits before this call. Otherwise
- * the _decode function refuses a longer word only if one of its additional bits is 1.
+ * The number of bytes does not show the number of bits: words of 17 bits and of 20 bits both have
+ * three bytes. If your driver knows how many bits it exchanged, compare that number with bits
+ * before this call. Otherwise, the _decode function rejects a longer word only if one of its
+ * additional bits is 1.
  *
  * @param bytes The bytes, most significant first.
  * @param length Number of bytes received.
  * @param bits Number of bits of the reply, from the ..._bits function of its frame.
  * @param word The word, unchanged on error. The _decode function of the frame takes it.
- * @return CW_OK, or CW_FAULT_LENGTH if the word has another number of bytes.
+ * @return CW_OK, or CW_FAULT_LENGTH if the number of bytes is wrong.
  */
 CW_NODISCARD
 CW_CONSTEXPR

@@ -36,13 +36,13 @@ typedef enum cw_step_kind {
 } cw_step_kind;
 
 /**
- * One step of a procedure. Members that its kind does not use are ignored. If mask is 0xFF, a whole
+ * One step of a procedure. Members that the kind does not use are ignored. If mask is 0xFF, a whole
  * byte is written. Otherwise the byte is read first, and its bits outside the mask are written back
  * unchanged. If a register has one address for several bytes, as over SPI, MORE steps follow with
- * its other bytes, up to CW_STEP_BYTES in all, and one call reads or writes all of them. READ steps
- * at consecutive addresses are read in one call too, unless their times is 0, which means that each
- * register needs a call of its own. For SEND, address is the number of bytes in the reply. All of
- * them must arrive, the first must equal the request, and if mask is 0xFF, the XOR of all bytes
+ * the other bytes, up to CW_STEP_BYTES in all, and one call reads or writes all bytes. One call
+ * also reads READ steps at consecutive addresses, unless their times is 0, which means that each
+ * register needs its own call. For SEND, address is the number of bytes in the reply. All bytes
+ * must arrive, the first byte must equal the request, and if mask is 0xFF, the XOR of all bytes
  * must be 0. If address is 0, the reply is not checked.
  */
 typedef struct cw_step {
@@ -50,7 +50,7 @@ typedef struct cw_step {
     uint16_t address; /**< address of the register byte, or for SEND the length of the reply */
     uint8_t mask; /**< bits that are written or compared */
     uint8_t value; /**< value to write, to compare with, or to send */
-    uint16_t times; /**< SEND: number of requests. READ: 0 for a call of its own, otherwise 1 */
+    uint16_t times; /**< SEND: number of requests. READ: 0 if it needs its own call, otherwise 1 */
     uint32_t microseconds; /**< minimum wait, or for SEND the minimum pause between requests */
 } cw_step;
 
@@ -83,7 +83,7 @@ static inline cw_step cw_step_read(uint16_t address)
     return step;
 }
 
-/** Return a step that reads a register in a call of its own, as over SPI. MORE steps can follow. */
+/** Return a step that reads a register in its own call, as over SPI. MORE steps can follow. */
 static inline cw_step cw_step_read_one(uint16_t address)
 {
     const cw_step step = { CW_STEP_READ, address, 0xFFU, 0U, 0U, 0U };
@@ -104,7 +104,7 @@ static inline cw_step cw_step_verify(uint16_t address, uint8_t mask, uint8_t val
     return step;
 }
 
-/** Return the step for the next byte of a register that has one address for all of them. */
+/** Return the step for the next byte of a register whose bytes share one address. */
 static inline cw_step cw_step_more(uint16_t address, uint8_t mask, uint8_t value)
 {
     const cw_step step = { CW_STEP_MORE, address, mask, value, 1U, 0U };
@@ -123,17 +123,17 @@ static inline cw_step cw_step_close(uint16_t address, uint8_t mask, uint8_t valu
 /**
  * Bus access functions, which you provide. Each receives the context member and returns 0, or your
  * own error number, which is passed on in the failure. Set a function to NULL if your bus does not
- * have it. Functions that need it then return UNSUPPORTED.
+ * support it. Calls that need it then return UNSUPPORTED.
  *   read_registers   reads length bytes from consecutive register addresses, starting at address.
  *                    Over SPI, they are the bytes of the one register there, high byte first
  *   write_registers  writes length bytes in the same way
  *   wait_us          returns after at least this many microseconds
  *   send_request     sends this byte, which is a complete RS-485 request (its control field), and
- *                    receives a reply of length bytes. Return an error if fewer arrive in time. If
- *                    length is 0, ignore the reply
- * A poll reads repeatedly until the encoder is done. No manual says how long that may take, so you
- * set the limit: at most poll_at_most readings, with poll_pause_us between them. If poll_at_most is
- * 0, the defaults CW_POLL_AT_MOST and CW_POLL_PAUSE_US apply.
+ *                    receives a reply of length bytes. Return an error if fewer bytes arrive in
+ *                    time. If length is 0, ignore the reply
+ * A poll reads repeatedly until the encoder is done. No manual says how long a poll may take, so
+ * you set the limit: at most poll_at_most readings, with poll_pause_us between them. If
+ * poll_at_most is 0, the defaults CW_POLL_AT_MOST and CW_POLL_PAUSE_US apply.
  */
 typedef struct cw_transport {
     void *context; /**< passed to each function unchanged */
@@ -153,14 +153,14 @@ typedef struct cw_transport {
 #define CW_POLL_AT_MOST 1000U /**< default for poll_at_most */
 #define CW_POLL_PAUSE_US 1000U /**< default for poll_pause_us */
 #define CW_REPLY_BYTES 16U /**< longest reply that a step can check */
-#define CW_STEP_BYTES 8U /**< most bytes of a register that has one address */
+#define CW_STEP_BYTES 8U /**< maximum number of bytes in a register with one address */
 
 /**
  * The step that failed, and the cause. It is set if the result is TRANSPORT, TIMEOUT, VERIFY or
  * UNSUPPORTED. It is also set if a reply caused the result CRC or CONSTANT, or if a step of an
  * unknown kind caused RANGE. All earlier steps were carried out. Of the later steps, only
  * those that close an opened register were carried out. An error found before the first step, or in
- * the bytes read, leaves this struct unchanged. You may pass NULL instead.
+ * the bytes read, leaves this struct unchanged. Pass NULL if you do not need it.
  */
 typedef struct cw_failure {
     size_t step; /**< index of the step, from 0 */
@@ -332,7 +332,7 @@ static inline cw_result cw_send(
     return (result == CW_OK) ? result : cw_failed(result, CW_STEP_SEND, 0U, 0, failure);
 }
 
-/** Return the number of bytes that a step accesses at once: its own, and those of MORE steps. */
+/** Return the number of bytes that a step accesses at once, including its MORE steps. */
 static inline size_t cw_step_bytes(const cw_step *steps, size_t count)
 {
     size_t bytes = 1U;
@@ -343,8 +343,8 @@ static inline size_t cw_step_bytes(const cw_step *steps, size_t count)
 }
 
 /**
- * Replace the bits under the masks of a WRITE or CLOSE step. Return true if other bits are kept, so
- * that the bytes must be read first.
+ * Replace the bits under the masks of a WRITE or CLOSE step. Return true if other bits stay
+ * unchanged, so that the bytes must be read first.
  */
 static inline bool cw_step_change(const cw_step *steps, uint8_t *bytes, size_t length)
 {
@@ -480,7 +480,7 @@ static inline size_t cw_run_together(const cw_step *steps, size_t count)
         ((size_t)steps[steps_at_once].address == ((size_t)steps[0].address + steps_at_once))) {
         steps_at_once++;
     }
-    /* A MORE step belongs to the last of them, which is then read on its own. */
+    /* If a MORE step follows, it belongs to the last READ, so that one is run on its own. */
     if ((steps_at_once < count) && (steps[steps_at_once].kind == CW_STEP_MORE)) {
         steps_at_once--;
     }
@@ -538,8 +538,8 @@ static inline bool cw_step_closes(
 }
 
 /**
- * Close what was opened up to the failed step, by carrying out the later steps that close it.
- * Return true if that succeeded. Return false if not, or if the failed step is itself a closing
+ * Close the registers that were opened up to the failed step, by carrying out the later closing
+ * steps. Return true on success. Return false on failure, or if the failed step is itself a closing
  * step.
  */
 static inline bool cw_run_closing(
@@ -558,8 +558,8 @@ static inline bool cw_run_closing(
 }
 
 /**
- * Carry out a list of steps in order, up to the first one that fails. After a failure, close what
- * was opened. READ steps at consecutive addresses are read in one call, unless times is 0.
+ * Carry out a list of steps in order, up to the first failure. After a failure, close opened
+ * registers. READ steps at consecutive addresses are read in one call, unless times is 0.
  *
  * @param transport  your bus access functions
  * @param steps  the list, from a _steps() function of an encoder

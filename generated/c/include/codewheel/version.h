@@ -4,8 +4,8 @@
  * Part of the codewheel runtime. SPDX-License-Identifier: 0BSD
  * This file is yours: use it, change it and pass it on as you like.
  *
- * The headers in this folder are the runtime. They are the same for all manufacturers, so a program
- * needs them once, and the header of each encoder includes them.
+ * The headers in this folder form the runtime. The runtime is the same for all manufacturers, so a
+ * program needs only one copy, which the header of each encoder includes.
  *
  * A header for an encoder works with a runtime of the same major version, and at least the minor
  * version that it was generated with. It does not compile with any other runtime. A newer minor
