@@ -1,11 +1,8 @@
 """Read YAML files into plain data, with the place of each value, within bounds.
 
 Events are used instead of PyYAML's nodes, so that depth and aliases are bounded before anything is built. The cost of
-any file, even a hostile one, is then limited by its size.
-
-PyYAML handles the syntax. Scalars are resolved here, by the YAML 1.2 core schema. PyYAML's own resolver follows YAML
-1.1, where ``7:0`` is the number 420, ``010`` is 8 and ``no`` is false. A person who transcribes a manual intends none
-of these. No later module depends on YAML.
+any file, even a hostile one, is then limited by its size. Scalars are resolved here, by the YAML 1.2 core schema.
+PyYAML's own resolver follows YAML 1.1, where ``7:0`` is the number 420, ``010`` is 8 and ``no`` is false.
 """
 
 from __future__ import annotations

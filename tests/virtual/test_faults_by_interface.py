@@ -149,7 +149,8 @@ def spi_words(encoder: VirtualEncoder) -> Callable[[], Any]:
 def line_levels(encoder: VirtualEncoder) -> Callable[[], Any]:
     """Return a function that clocks out all bits, and returns the levels of the data line."""
     line: ByLevels = BissLine(encoder) if encoder.variant.interface == "biss" else SsiLine(encoder)
-    clocks = 8 + encoder.place(encoder.layouts("encoder")[0]).bits
+    # A frame can carry several data channels, each with a layout of its own.
+    clocks = 8 + sum(encoder.place(layout).bits for layout in encoder.layouts("encoder"))
 
     def clocked() -> bytes:
         line.receive(b"T" + b"C" * clocks)
