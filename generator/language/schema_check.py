@@ -2,7 +2,7 @@
 
 The keys of each part are in device.schema.json. The quick test supports only the keywords that our schemas use. In any
 doubt the answer is no, and jsonschema decides and finds the errors. Importing jsonschema takes several times as long as
-this test takes for a whole spec. Editors use the same JSON Schemas. jsonschema walks through the data. The messages are our own, because those of a
+this test takes for a whole spec. Editors use the same JSON Schemas. The messages are our own, because those of a
 validator talk about instances and properties to someone who is transcribing a manual.
 """
 
