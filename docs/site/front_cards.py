@@ -128,7 +128,8 @@ def _frames_of_bits(device: Device) -> list[tuple[Variant, PlacedLayout]]:
 
 
 def _is_frame_of_bits(layout: Layout) -> bool:
-    return not layout.in_bytes and not layout.channel and layout.sender == "encoder"
+    # Of several data channels in a frame, the card shows the first.
+    return not layout.in_bytes and layout.channel in (None, 1) and layout.sender == "encoder"
 
 
 def _bits(placed: PlacedLayout) -> str:

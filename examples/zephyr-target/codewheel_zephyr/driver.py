@@ -84,7 +84,8 @@ class Driver:
         has_choice = bool(self.view.reading.questions)
         sizes = [_bits(self.frame, row.variant) for row in self.view.variants.rows]
         is_whole = self.bus != "spi" or all(size % 8 == 0 for size in sizes)
-        return is_angle and is_whole and not has_choice and not self.frame.plan.in_bytes
+        has_one_channel = self.view.channels is None
+        return is_angle and is_whole and has_one_channel and not has_choice and not self.frame.plan.in_bytes
 
 
 def _bits(frame: StructCodec, variant: Variant) -> int:
