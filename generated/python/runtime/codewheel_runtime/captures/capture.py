@@ -332,7 +332,7 @@ def _find_frame_kinds(encoder: Encoder, layout: str, answers: Mapping[str, Any])
     for frame_layout in list_layouts(encoder):
         is_wanted = frame_layout.name == wanted
         if is_wanted or not frame_layout.answers:
-            layout_answers = answers if is_wanted else {}
+            layout_answers: Mapping[str, Any] = answers if is_wanted else {}
             shape = find_shape(encoder, frame_layout.name, layout_answers)
             shapes[frame_layout.sender][frame_layout.name] = shape
     return Kinds(replies=shapes["encoder"], requests=shapes["master"], wanted=wanted)
