@@ -79,7 +79,7 @@ def handed_over(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def colleague_commands(readme: str) -> list[str]:
-    match = re.search(r"To hand the package to a colleague.*?```\n(.*?)```", readme, re.DOTALL)
+    match = re.search(r"To give the package to a colleague.*?```\n(.*?)```", readme, re.DOTALL)
     assert match is not None
     commands = match[1].splitlines()
     assert commands[0] == "pip wheel -w dist ."

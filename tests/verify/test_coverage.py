@@ -81,7 +81,7 @@ UNREACHED = (
         "two usable words without a warning have the same verdict",
     ),
     Unreached(
-        r"cw_(biss_master_next_late|runner_accessed)",
+        r"cw_(biss_master_next_late|runner_continue)",
         r"default",
         2,
         "every phase and every kind of step has a case of its own; MISRA C:2012 16.4 wants a default all the same",
@@ -93,7 +93,7 @@ UNREACHED = (
         "running asks only about a step of the list; the proof asks about any",
     ),
     Unreached(
-        r"cw_(runner_accessed|runner_begin|run_step)",
+        r"cw_(runner_continue|runner_begin|run_step)",
         r"case CW_STEP_(WAIT|MORE):?",
         5,
         "a wait has no access, and further bytes belong to the step before them; the cases stand for readers",
