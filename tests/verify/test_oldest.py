@@ -47,5 +47,5 @@ def test_the_same_bytes(version: str, tmp_path: Path) -> None:
     sources = tmp_path / "sources"
     shutil.copytree(ROOT, sources, ignore=shutil.ignore_patterns(".*", "*.egg-info", "__pycache__"))
     run(programs / "python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *lowest, sources)
-    assert "no problems in 37 families" in run(programs / "codewheel", "check", "specs")
+    assert re.search(r"^no problems in \d+ families: ", run(programs / "codewheel", "check", "specs"), re.MULTILINE)
     assert run(programs / "codewheel", "generate", "--check").endswith("files up to date\n")

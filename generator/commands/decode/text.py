@@ -352,8 +352,8 @@ def _bit_name(bit: int, placed_layout: PlacedLayout) -> str:
 
 def _mistake_lines(diagnosis: Diagnosis) -> list[str]:
     """Return the mistakes that explain a frame, each with its chance, or that none does, and the hints that follow."""
-    rounds_to_percent = diagnosis.coincidence >= 0.005  # From 0.5 % on, to 1 or more.
-    percent = f"{100 * diagnosis.coincidence:.0f}" if rounds_to_percent else "less than 1"
+    whole_percent = round(100 * diagnosis.coincidence)
+    percent = f"{whole_percent}" if whole_percent else "less than 1"
     mistakes = counted(diagnosis.tried, "common mistake")
     chance = f"{mistakes} tried; {percent} of 100 random frames would match at least one"
     lines = [""]
