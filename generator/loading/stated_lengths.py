@@ -63,6 +63,10 @@ def _check_text(path: tuple[str, ...], text: str, lengths: Sequence[int], report
     """Report the first statement of a text about the length of a frame that does not fit its possible lengths."""
     lengths_of_range = (lengths[0], lengths[-1])
     for match in chain(_STATED.finditer(text), _RANGE.finditer(text)):
+        # This can be a part of the frame: ``The frame has 2 bits, error and warning, after the position``.
+        may_be_part = len(_numbers(match)) == 1 and text[match.end() :].startswith(",")
+        if may_be_part:
+            continue
         is_range = match.re is _RANGE
         fits = _numbers(match) == lengths_of_range if is_range else _fits(match, lengths)
         if not fits:
