@@ -150,7 +150,7 @@ def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
             # A frame of bits may be one number, which has a prefix. RS-485 has only bytes.
             plain_text = with_prefix(plain_text, bits or 0)
             compact_text = re.sub(r"[\s_]", "", plain_text)
-            digit_count = len(compact_text) - len("0b")  # The prefix 0x is as long.
+            digit_count = len(compact_text) - len("0b")  # The prefix 0x has the same length.
             if re.fullmatch(r"0[bB][01]+", compact_text):
                 return _Frame(int(compact_text, 2), digit_count)
             if re.fullmatch(r"0[xX][0-9A-Fa-f]+", compact_text):

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from ..order_codes.labels import Match
 
 EXAMPLES = ("codewheel master", "codewheel master MY-ENCODER-13-SC")
-#: Longest cable that ``--cable`` accepts, in metres. Any real one is shorter.
+#: Longest cable that ``--cable`` accepts, in metres. Every real cable is shorter.
 _LONGEST_CABLE_M = 100_000
 
 

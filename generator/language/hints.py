@@ -274,7 +274,7 @@ def _fraction_hint(key: str, fraction: float) -> str:
     A lower bound is rounded up and an upper one down, unless it would be 0. Others are not rounded.
     """
     unit = _unit_of_key(key)
-    # Small frequencies and baud rates are more likely in a larger unit.
+    # A small frequency or baud rate is probably in a larger unit.
     if unit in _LARGER and fraction > 0:
         return _larger_unit_hint(unit, fraction)
     if key == "step_um":

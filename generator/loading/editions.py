@@ -245,7 +245,7 @@ def check_editions(raw_spec: Raw, device: Device, report: DocumentReport) -> Non
     count = len(device.editions)
     value_count = len(leaves(raw_spec))
     if count * value_count > MOST_VALUES:
-        work = f"each of {count} editions is checked with {value_count} values"
+        work = f"each of {count} editions is checked against {value_count} values"
         message = f"{work}; the product must be at most {MOST_VALUES}"
         report.add("too-large", ("editions",), f"{message}; leave out early editions", at_key=True)
     known_labels = {spelling.pattern for spelling in device.order_code.also_written}

@@ -60,7 +60,7 @@ def with_placeholders(raw_spec: Raw, device: Device, report: DocumentReport) -> 
         names.append("manufacturer.title")
     grade = device.evidence.grade
     if names and grade != _LOWEST_GRADE:
-        message = f"the grade '{grade}' cannot have values left over from the template: {first_of(names, _MOST_NAMES)}"
+        message = f"the grade '{grade}' allows no values left over from the template: {first_of(names, _MOST_NAMES)}"
         remedy = f"replace each text with TODO, or write 'grade: {_LOWEST_GRADE}' until then"
         report.add("evidence-grade", ("evidence", "grade"), f"{message}; {remedy}")
     return replace(device, evidence=replace(device.evidence, placeholders=tuple(names)))

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 #: Part of a field in a frame: data of three forms, a check of other bits, or bits that are always the same.
 Role = Literal["data", "flag", "choice", "check", "fixed"]
-#: Roles of fields that carry data: they are neither always the same nor derived from other fields.
+#: Roles of fields that carry data, which is neither constant nor derived from other fields.
 DATA_ROLES: frozenset[Role] = frozenset(("data", "flag", "choice"))
 
 #: Meaning of an active flag that the manual explains only for other order codes.

@@ -46,7 +46,7 @@ def _opening_number(device: Device, locked_register: Register) -> int:
     opening_register = device.register(locked_register.opened_by)
     named_values: list[Value] = []
     for field in opening_register.layout.fields:
-        # Without a name, any field of the register can open it.
+        # If no field is named, any field of the opening register can open the locked register.
         if locked_register.opened_by_field in ("", field.name):
             named_values += field.values
     return member_named(named_values, locked_register.opened_by_value, f"value of '{opening_register.name}'").value

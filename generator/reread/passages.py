@@ -149,7 +149,7 @@ def _differences_with_near_joined(old: Sequence[str], new: Sequence[str]) -> Ite
 
 
 def _shown_text(words: Sequence[str], low: int, high: int) -> str:
-    """Return a range of words in brackets, between 5 words before and after it: ``at most [ 10 ] MHz``."""
+    """Return a range of words in brackets, with up to 5 words before and after it: ``at most [ 10 ] MHz``."""
     words_before = words[max(low - _SHOWN, 0) : low]
     words_after = words[high : high + _SHOWN]
     text = " ".join([*words_before, "[", *words[low:high], "]", *words_after])

@@ -73,7 +73,7 @@ FAULTS: Mapping[str, Mapping[str, str]] = {
 }
 #: Seconds for which the fault ``busy`` keeps an encoder busy.
 BUSY_S = 0.02
-#: Seconds between a reply and an extra one, as in the effects above.
+#: Shortest and longest time in seconds between a reply and an extra reply, as in the effects above.
 _SHORTEST_AND_LONGEST_GAP_S = (0.0001, 0.001)
 #: Most random bytes in front of a reply with the fault ``junk``.
 _MOST_JUNK_BYTES = 8

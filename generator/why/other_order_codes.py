@@ -228,7 +228,7 @@ def _shapes_of_order_codes(device: Device, variant: Variant, layout: Layout) -> 
         constants = [field for field in other_layout.fields if isinstance(field.field.kind, Constant)]
         constant_places = tuple((constant.low, constant.width) for constant in constants)
         shape_key = other_layout.bits, device.crc_of(other_layout), constant_places
-        # The first order code with this key gives the layout, and each one adds its name.
+        # The layout is that of the first order code with this key. Each order code adds its name.
         known_shape = shape_by_key.get(shape_key, FrameShape(other_layout, order_codes=()))
         order_codes = (*known_shape.order_codes, other_variant.code)
         shape_by_key[shape_key] = FrameShape(known_shape.placed_layout, order_codes)

@@ -165,7 +165,7 @@ def test_a_wrong_cell_next_to_a_missing_row_stays(folder: Path, capsys: pytest.C
 
 
 def test_a_wider_position_of_one_model_is_one_problem(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """SMA21 6.2: at 1 µm, the position has 25 bits in a field of 25. With another bit, frame and limits change."""
+    """SMA21 6.2: at 1 µm, the position has 25 bits in a field of 25. One more bit changes the frame and the limits."""
     edit(
         folder / "sma21.yaml",
         ("position_bits: 25, scd_padding_bits: 0", "position_bits: 25, scd_padding_bits: 1"),

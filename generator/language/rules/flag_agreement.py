@@ -171,7 +171,7 @@ def _report_unsummed(
     (unsummed_flag,) = unsummed_flags
     if not _mentions_word(unsummed_flag.meaning, "combine"):
         message = (
-            f"no flag of {quoted(fields.name)} combines {quoted(unsummed_flag.name)}, unlike the other flags of"
+            f"{quoted(unsummed_flag.name)} is not combined by any flag of {quoted(fields.name)}, unlike the rest of"
             f" {quoted(group.name)}; add it to 'sums_up' of a flag, or say in its 'meaning' that no flag combines it"
         )
         report.add("not-summed", unsummed_flag.place_of("name"), message)

@@ -234,7 +234,7 @@ def _check_pattern(spec: WrittenSpec, report: DocumentReport) -> None:
     pattern, path = spec.order_code.pattern, spec.order_code.place_of("pattern")
     used_parts = _BRACES.findall(pattern)
     names = [part.name for part in spec.order_code.parts]
-    literals = "".join(_BRACES.split(pattern)[0::2])  # Splitting gives literals and names in turn.
+    literals = "".join(_BRACES.split(pattern)[0::2])  # The split pieces alternate: literal, name, literal.
     forbidden = [character for character in literals if not _LITERAL.fullmatch(character)]
     if forbidden:
         message = (

@@ -293,7 +293,7 @@ def _suggest_source(cited_place: str, documents: Collection[str]) -> str:
     if not cited_place:
         return ""
     if cited_place in documents:
-        return f"; write {quoted(f'{cited_place}: PLACE')} with a place in it"
+        return f"; write {quoted(f'{cited_place}: PLACE')} with a place in that document"
     return f"; write {quoted(f'KEY: {cited_place}')} with the key of its document"
 
 

@@ -78,7 +78,7 @@ def _contradiction_of(quantity: re.Match[str], stated_by_kind: Mapping[str, Mapp
     if not text_by_number or _in_smallest_unit(number_text, unit) in text_by_number:
         return ""
     texts = listed(list(text_by_number.values()), "or")
-    return f"the text says {quoted(quantity[0])}, but the facts affected have {texts}; correct one of the two"
+    return f"the text says {quoted(quantity[0])}, but the affected facts have {texts}; correct one of the two"
 
 
 def _stated_quantities(facts: Iterable[object]) -> Iterator[tuple[str, Decimal, str]]:
@@ -270,5 +270,5 @@ def check_led_states(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
             continue
         for match in _LED_IS.finditer(text):
             if match["state"].casefold() not in words_of_states:
-                message = f"the text says {quoted(match[0])}, but no state of an LED is {quoted(match['state'])}"
+                message = f"the text says {quoted(match[0])}, but no LED has the state {quoted(match['state'])}"
                 report.add("left-behind", path, f"{message}; correct one of the two", cause=match["state"])

@@ -72,7 +72,7 @@ class UnusedAre:
     bits: Expr
 
 
-#: The bits with odd and with even numbers in the lower 32 bits of a word.
+#: Masks of the odd and the even bits in the lower 32 bits of a word.
 _ODD_BITS, _EVEN_BITS = 0xAAAAAAAA, 0x55555555
 
 

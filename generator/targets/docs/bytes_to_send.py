@@ -226,7 +226,7 @@ def _exchange_row(exchange: Exchanged) -> Row:
 def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: Callable[..., str]) -> Row:
     """Return a row of request → reply, meaning.
 
-    The request is its control byte and the names of its further parts, such as ``C2, address, data``. The meaning is
+    The request is shown as its control byte and the names of the rest, such as ``C2, address, data``. The meaning is
     followed by the repetitions in procedures that send only this request, by the data ID, and by errata.
     """
     request = _layout_with_data_id(interface, "master", data_id.id)

@@ -87,7 +87,7 @@ def _word_for_contact(connector: Connector) -> str:
 
 
 def _build_row(columns: Sequence[Sequence[Connector]], signal: str, order_codes: Sequence[str]) -> Row:
-    """Return a row with the contacts of a signal in each column, and the signal: ``("3", "wh", "CLOCK+")``."""
+    """Return a row with the contacts of a signal in each column, followed by the signal: ``("3", "wh", "CLOCK+")``."""
     contact_cells = [_contacts_cell(column, signal, order_codes) for column in columns]
     return (*contact_cells, signal)
 

@@ -134,7 +134,7 @@ class Reader:
         self.source = "number" if codec.in_bytes else "word"
 
     def as_sent(self) -> Reader:
-        """Return the reader of the bits before any Gray code is converted. They are in ``sent_frames``."""
+        """Return the reader of the bits before any Gray code is converted. They are in ``sent``."""
         reader = Reader(self.scope, self.codec, self._byte)
         reader.source = "sent" if self.codec.parity_covers_gray else self.source
         return reader

@@ -36,7 +36,7 @@ def channel_code(context: Context, interface: Interface, scope: Scope) -> Channe
     position_layouts = (layout for layout in frame.layouts if context.device.sends_position(interface.name, layout))
     compared = []
     for field in frame.compared:
-        # A channel is the layout of a frame, so that neither a register nor CRC functions reserve names.
+        # A channel is a frame layout, so no names are reserved for a register or for CRC functions.
         class_names = ClassNames(field.layout, register=None, crcs=())
         channel_index = index_by_layout[field.layout.name]
         compared.append((channel_index, class_names.attribute(field.name), scope.expression_of(field.width)))

@@ -117,7 +117,7 @@ def _is_valid(decode: Callable[[object], object], frame: object) -> bool:
     try:
         decode(frame)
     except (FrameError, TypeError):
-        # A TypeError is a missing answer, or a frame of the wrong type.
+        # A TypeError means that an answer is missing, or that the frame has the wrong type.
         return False
     return True
 
@@ -133,7 +133,7 @@ def _try_changes(encoder: Sender, frame: object) -> Iterator[_Change]:
 
 
 def _try_changed_bytes(encoder: Sender, data: bytes) -> Iterator[_Change]:
-    """Yield the changes of a frame of bytes that undo each common mistake."""
+    """Yield the changes to a frame of bytes that undo each common mistake."""
 
     def name_bit(bit: int) -> str:
         # Bit 0 is the lowest bit of the last byte.

@@ -193,7 +193,7 @@ class OrderCode(NamedTuple):
         if fitting_code is None:
             raise self._clash_error(text, part_texts, listed_values, codes)
         return Label(
-            # Each name in braces is replaced by the text of this part.
+            # Each part name in braces is replaced by the text of that part.
             code=_BRACES.sub(lambda brace: part_texts[brace[1]], self.pattern),
             parts=tuple(part_texts.values()),
             listed=fitting_code,

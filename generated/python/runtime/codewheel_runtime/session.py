@@ -448,7 +448,7 @@ class Session:
         reply_s: float = _TURNAROUND_S + self._byte_s * sent_bytes
         if not self._reply_times:
             return reply_s
-        # Few replies that were much slower than the others do not count. Three in four took this time at most.
+        # Few replies that were much slower than the others do not count. Three in four replies took this long or less.
         times = sorted(self._reply_times)
         third_quartile = times[3 * len(times) // 4]
         return max(reply_s, third_quartile)

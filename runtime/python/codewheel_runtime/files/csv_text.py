@@ -289,7 +289,7 @@ def _find_frame_column(first_row: list[str], name: str, stored: Stored, shape: S
 
     The column is the requested one, by name or by number from 1, or the only one, or one named ``frame`` or ``word``.
     Names are those of a header. Otherwise the first row is a header if its cell in the column is not a frame. ``name``
-    is that of the file, for errors, and ``stored.column`` the request.
+    is the name of the file, for errors, and ``stored.column`` is the requested column.
 
     Raises:
         InputError: There is no such column.

@@ -36,7 +36,7 @@ def shape_of(kind: type, *arguments: object) -> Shape:
 def find_any_shape(kind: type, encoder: Encoder) -> Shape:
     """Return the description of a class for an encoder, with the first possible answer to each open question.
 
-    It is for what does not depend on the answers, such as the length of the frame.
+    Use it for properties that do not depend on the answers, such as the length of the frame.
     """
     make, needed = find_description(kind)
     arguments: list[object] = []

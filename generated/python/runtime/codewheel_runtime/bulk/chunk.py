@@ -237,7 +237,7 @@ def compare_crc(chunk: Chunk, crc: CrcOf) -> Any:
 
 
 def _xor_bytes(chunk: Chunk, xorout: int) -> Any:
-    """Return the XOR of all bytes of each frame, the CRC among them: of 64 bits, then 32, 16 and 8."""
+    """Return the XOR of all bytes of each frame, including the CRC, by folding 64 bits to 32, 16 and 8."""
     number = reduce(np.bitwise_xor, chunk.limbs)
     half = (number ^ shift_right(number, 32)).astype(np.uint32)
     half ^= half >> np.uint32(16)

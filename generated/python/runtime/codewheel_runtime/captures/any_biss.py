@@ -152,7 +152,7 @@ def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tupl
     crc = None
     # Width of the unused bits so far, which are side by side in the column ``unused``.
     unused_width = 0
-    # Place of the lowest bit of a field. It begins above the highest one.
+    # Place of the lowest bit of a field. It starts just above the highest bit of the frame.
     low = bits = sum(field.width for field in fields)
     for field in fields:
         name = field.name

@@ -122,7 +122,7 @@ def find_table_form(path: str, head: bytes) -> TableForm:
 def _find_delimiter(lines: Sequence[str]) -> str | None:
     """Return the separator of the cells. A comma counts only if there is no other one, since it can be decimal.
 
-    The last line may be cut off, and the first ones can be titles, so the line before the last one shows it.
+    The last line may be cut off, and the first lines can be titles, so the second-to-last line is examined.
     """
     sample_line = lines[-2] if len(lines) > 2 else lines[0]
     return next((mark for mark in ";\t," if mark in sample_line), None)
