@@ -57,6 +57,8 @@ def pytest_collection_modifyitems(items: Sequence[pytest.Item]) -> None:
     for test in items:
         for thinned in test.iter_markers("one_in"):
             count, mark = thinned.args
+            if test.get_closest_marker(mark):
+                continue
             cases = (test.path, getattr(test, "originalname", test.name), mark)
             if cases_seen[cases] % count:
                 test.add_marker(mark)

@@ -45,7 +45,7 @@ class _NotSelectable(Exception):
 class _SpecFile:
     """A spec: its kind, the name of its device, and the beginnings of its order codes.
 
-    The kind is empty if the text does not show it. So are the beginnings, and then any label can belong to the device.
+    The kind is empty if the text does not show it. The beginnings are then ``("",)``, which fits any label.
     """
 
     path: Path

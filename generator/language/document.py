@@ -196,7 +196,7 @@ def label_of(list_item: Any) -> str | None:
 
 _STEP = re.compile(r"\[([0-9]+)\]|\.?([^.\[\]]+)")
 #: Lists and maps that the path of an erratum omits, because their items are identified by name.
-_LEFT_OUT = frozenset(
+LEFT_OUT = frozenset(
     "layouts fields combinations values parts steps arguments meanings data_ids contacts timings".split()
 )
 _UNNAMED = re.compile(r"[^a-z0-9_]")
@@ -356,7 +356,7 @@ def _with_edited_parent(root: Any, mark: Mark, parent_path: Path, edit: _Edit) -
 def as_affected(root: Any, path: Path) -> str:
     """Return a path in the form used by errata: ``registers.preset`` or ``interfaces.biss.word.crc``.
 
-    List items are given by their labels, and keys of ``_LEFT_OUT`` are omitted. The path ends before the first step
+    List items are given by their labels, and keys of ``LEFT_OUT`` are omitted. The path ends before the first step
     that cannot be named. It is empty if that is the first step.
     """
     named_steps: list[str] = []
@@ -366,7 +366,7 @@ def as_affected(root: Any, path: Path) -> str:
         step_name = label_of(root) if is_list_item else str(step)
         if step_name is None or _UNNAMED.search(step_name):
             break
-        is_omitted = step_name in _LEFT_OUT and not is_list_item and depth > 0
+        is_omitted = step_name in LEFT_OUT and not is_list_item and depth > 0
         if not is_omitted:
             named_steps.append(step_name)
     return ".".join(named_steps)

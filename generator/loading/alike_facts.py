@@ -8,7 +8,7 @@ from pathlib import PurePath
 
 from ..language.document import Document, Path, label_of
 from ..language.problems import Report, quoted
-from ..language.rules.parts import has_erratum_at
+from ..language.rules.parts import as_affected_name, has_erratum_at
 from ..language.rules.walk import leaves, mapping
 from ..language.schema_files import PROSE
 
@@ -36,8 +36,12 @@ def compare_facts(places: Sequence[str], documents: Sequence[Document], report: 
         counts = Counter(frozenset(facts.items()) for facts in facts_by_file.values())
         if len(counts) < 2:
             continue  # All devices have the same facts, or there are none.
-        # Of several devices with the highest count, max returns the first one.
-        common = max(with_interface, key=lambda document: counts[frozenset(facts_by_file[document.file].items())])
+        # Of several devices with the highest count, one without an erratum is compared with the others.
+        frequencies = {
+            document.file: (counts[frozenset(facts_by_file[document.file].items())], not has_erratum_at(document, *steps))
+            for document in with_interface
+        }
+        common = max(with_interface, key=lambda document: frequencies[document.file])
         for document in with_interface:
             # Errata of both devices are about the text that their manuals have in common.
             if has_erratum_at(document, *steps) is has_erratum_at(common, *steps):
@@ -75,7 +79,7 @@ def _report_difference(
         message = (
             f"this is {value}, but {common_value} in {PurePath(common.file).name}:{line}; according to the"
             f" manufacturer's file, {quoted('.'.join(map(str, place)))} is the same in all devices. If it is not, add"
-            " an erratum that affects it, or remove it from that file"
+            f" an erratum that affects {as_affected_name('.'.join(map(str, place)))}, or remove it from that file"
         )
         report.add("not-alike", document, (*place, *path), message)
         return

@@ -9,10 +9,11 @@ from ..language.document import Path
 from ..language.problems import DocumentReport
 from ..model import Device, Interface, Layout, Measurement, Number, Variant
 from ..model.expressions import Expression
+from ..order_codes.parameters import run_time_names
 
 
 class KeyProblem(NamedTuple):
-    """A problem of one key of a measurement or of ``gray``. Without a key, one is missing."""
+    """A problem of one key of a measurement or of ``gray``. Without a key, ``gray`` itself has it."""
 
     key: str
     message: str
@@ -25,17 +26,17 @@ def is_power_of_two(number: int) -> bool:
 
 def check_gray_positions(device: Device, report: DocumentReport) -> None:
     """Report a position in Gray code without the excess that its counts per turn need, or with one it cannot have."""
-    run_time_names = _set_at_run_time(device)
+    names_at_run_time = run_time_names(device)
     for interface in device.interfaces:
         measurement = device.measurement_of(interface.name)
         for layout in interface.layouts:
-            problem = _reason_against_excess(layout, measurement, run_time_names)
+            problem = _reason_against_excess(layout, measurement, names_at_run_time)
             if problem is None and measurement is not None and _is_in_gray(layout, measurement):
-                variants = _gray_variants(device, interface, layout, run_time_names)
+                variants = _gray_variants(device, interface, layout, names_at_run_time)
                 problem = _problem_of_counts(layout, measurement, variants)
             if problem is not None:
                 path: Path = ("interfaces", interface.name, "layouts", layout.name, "gray")
-                # A problem without a key is that 'excess' is missing. Then 'gray' itself is marked.
+                # A problem without a key is about 'gray' itself.
                 place = (*path, problem.key) if problem.key else path
                 report.add("gray-excess", place, problem.message, at_key=not problem.key)
 
@@ -140,10 +141,3 @@ def _no_excess_message(layout: Layout, variant: Variant, counts: int) -> str:
         reason = "and an odd number of counts cannot be sent in Gray excess"
     remedy = "leave 'gray' and 'measurement' out, call the field 'gray_code', and convert it in your program"
     return f"{_counts_text(layout, variant, counts)}, {reason}; {remedy}"
-
-
-def _set_at_run_time(device: Device) -> set[str]:
-    """Return the parameters that depend on a register, directly or through other parameters."""
-    held_names = {parameter.name for parameter in device.run_time_parameters}
-    names = (parameter.name for parameter in device.parameters)
-    return {name for name in names if not held_names.isdisjoint(device.needed_parameters([name]))}

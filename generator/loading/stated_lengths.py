@@ -22,7 +22,10 @@ _NUMBER = re.compile(r"\d+")
 
 
 def check_stated_lengths(device: Device, report: DocumentReport) -> None:
-    """Report a layout whose note, or an erratum about it, states a length that the frame has for no order code."""
+    """Report a layout whose note, or an erratum about it, states a length that no frame has.
+
+    A list of lengths, such as ``21, 23 or 26``, must have those of all order codes.
+    """
     if report.document.family or report.document.other_files:
         return
     for interface in device.interfaces:
@@ -64,7 +67,9 @@ def _check_text(path: tuple[str, ...], text: str, lengths: Sequence[int], report
     lengths_of_range = (lengths[0], lengths[-1])
     for match in chain(_STATED.finditer(text), _RANGE.finditer(text)):
         # This can be a part of the frame: ``The frame has 2 bits, error and warning, after the position``.
-        may_be_part = len(_numbers(match)) == 1 and text[match.end() :].startswith(",")
+        stated_numbers = _numbers(match)
+        is_short = len(stated_numbers) == 1 and stated_numbers[0] < lengths[0]
+        may_be_part = is_short and text[match.end() :].startswith(",")
         if may_be_part:
             continue
         is_range = match.re is _RANGE

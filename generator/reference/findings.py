@@ -293,13 +293,13 @@ def _compare_register(
 def _known_digits(field_bits: int, known_bits: int, width: int) -> str:
     """Return the hexadecimal digits of a field, with dots for unknown digits, such as ``..A3h``.
 
-    In ``known_bits``, the known bits of the field are 1. Whole bytes are known or not, so a digit with one known bit is
-    known.
+    In ``known_bits``, the known bits of the field are 1. A digit is known if all of its bits are.
     """
     digits = ""
     highest_digit_shift = (width - 1) // 4 * 4  # A digit is 4 bits. The highest one may have fewer.
     for shift in range(highest_digit_shift, -1, -4):
-        is_known = (known_bits >> shift) & 0xF != 0
+        bits_of_digit = (((1 << width) - 1) >> shift) & 0xF
+        is_known = (known_bits >> shift) & bits_of_digit == bits_of_digit
         digits += f"{(field_bits >> shift) & 0xF:X}" if is_known else "."
     return digits + "h"
 

@@ -350,7 +350,7 @@ NO_EXPLANATION = "No common mistake explains it"
 
 def equal_readings(count: str) -> str:
     """Return the words about readings that nothing in a frame distinguishes."""
-    return f"The frame fits {count} of these readings equally well. The most common mistake comes first"
+    return f"The frame fits {count} of these readings equally well. The likeliest one comes first"
 
 
 def compared(bits: str, numbers: str, *, agree: bool) -> str:

@@ -76,7 +76,7 @@ class Diagnosis:
     def equal_readings(self) -> int:
         """Number of readings of a frame without a CRC that fit equally well, or 0 if one fits better than all others.
 
-        Their order depends only on how common each mistake is.
+        Of these, the likeliest comes first.
         """
         if self.has_crc:
             return 0

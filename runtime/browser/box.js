@@ -91,7 +91,7 @@ function box(root) {
     return decodeFrame(orderCode, state.frameType, frameText, registerContents, answers);
   }
 
-  /** Return {line, found} with the decoded frame of a line, or {line, error} with the reason why it is unreadable. */
+  /** Return {line, decoded} with the decoded frame of a line, or {line, error} with the reason why it is unreadable. */
   function decodeLine(line) {
     try {
       return { line, decoded: decodeText(line.text) };

@@ -1,7 +1,10 @@
 // Licence 0BSD: use, modify and distribute this file without any condition.
 // Frames with several data channels, one directly after the other.
 
-/** Decode the frame in a text with all data channels. Return null if the text is not longer than a single channel. */
+/**
+ * Decode the frame in a text with all data channels. Return null if it is a single channel.
+ * The digits of a number may lack leading zeros, so they are a single channel only if they are as many as a channel has.
+ */
 function decodeChannels(orderCode, text, registerContents, answers) {
   const { channels } = orderCode.interface;
   if (!channels) return null;
@@ -9,8 +12,10 @@ function decodeChannels(orderCode, text, registerContents, answers) {
     placedFor(orderCode, orderCode.interface.frames[layoutIndex], registerContents, answers)));
   const bits = placedChannels.reduce((sum, placedLayout) => sum + placedLayout.bits, 0);
   const typedFrame = numberIn(text, bits, true);
-  const fewestBits = typedFrame.exact ? typedFrame.bits : Math.max(typedFrame.bits, typedFrame.written - 3);
-  if (fewestBits <= Math.max(...placedChannels.map((placedLayout) => placedLayout.bits))) return null;
+  const channelBits = placedChannels.map((placedLayout) => placedLayout.bits);
+  const writtenBits = channelBits.flatMap((count) => [4, 8].map((unit) => unit * Math.ceil(count / unit)));
+  const hasAllDigits = typedFrame.exact || writtenBits.includes(typedFrame.written);
+  if (typedFrame.bits <= Math.max(...channelBits) && hasAllDigits) return null;
   const positionChannel = placedChannels[channels.position];
   const receivedBits = typedFrame.exact ? typedFrame.bits : Math.max(bits, typedFrame.bits);
   if (receivedBits !== bits) {

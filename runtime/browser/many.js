@@ -31,7 +31,7 @@ function findMainField({ decoded }, measure) {
     ?? decoded.fields.find((field) => typeof field.value === "bigint");
 }
 
-/** Create a table of lines, each with its frame decoded in ``found`` or an ``error``. ``pick`` shows one in full. */
+/** Create a table of lines, each with its frame ``decoded`` or an ``error``. ``pick`` shows one in full. */
 function createLineTable(rows, measure, pick) {
   const hasTimes = rows.some((row) => row.line.time);
   const heads = ["Line", ...(hasTimes ? ["Time"] : []), "Frame", "Verdict", "Value", "Remark"];

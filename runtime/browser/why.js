@@ -382,7 +382,7 @@ function createHypothesisAsSent(placedLayout, crc, number) {
 
 /**
  * The frame was this number, whose last bits were not received.
- * These ``lost`` bits belong to the CRC, of which the others are compared. Without a CRC, they are assumed as in the
+ * These ``missingLowBits`` bits belong to the CRC, of which the others are compared. Without a CRC, they are assumed as in the
  * number, so they prove nothing.
  */
 function createFrameHypothesis(

@@ -66,7 +66,7 @@ def test_a_mistake_in_both_readings_is_reported(
             "",
             "this is 400, but 200 in amm5.yaml:",
         ),
-        ("sma21", "typical_us: 12\n", "typical_us: 11\n", "this is 11, but 12 in am36.yaml:"),
+        ("sma21", "typical_us: 12\n", "typical_us: 11\n", "this is 11, but 12 in amm5.yaml:"),
     ],
 )
 def test_a_fact_that_differs_or_is_missing_in_one_device_is_reported(
@@ -82,14 +82,23 @@ def test_a_fact_that_differs_or_is_missing_in_one_device_is_reported(
     assert problem.message.startswith(message)
 
 
-def test_an_erratum_explains_a_clock_that_differs(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("printed", "mistake", "place"),
+    [
+        ("max_hz: 10000000", "max_hz: 5000000", "interfaces.biss.clock.max_hz"),
+        # Errata omit the key of the list.
+        ("typical_us: 12\n", "typical_us: 11\n", "interfaces.ssi.monoflop"),
+    ],
+)
+def test_an_erratum_explains_a_fact_that_differs(tmp_path: Path, printed: str, mistake: str, place: str) -> None:
     folder = tmp_path / "lika"
     shutil.copytree(LIKA, folder, ignore=shutil.ignore_patterns("*.words.yaml", "*.second.yaml", "*.coverage.json"))
     spec = folder / "sma21.yaml"
-    text = spec.read_text(encoding="utf-8").replace("max_hz: 10000000", "max_hz: 5000000")
+    text = spec.read_text(encoding="utf-8").replace(printed, mistake)
     spec.write_text(text, encoding="utf-8")
-    assert len(unlike_parts(folder)) == 1
-    affects = "affects: [interfaces.biss.clock.max_hz, interfaces.biss.single_cycle_data]"
+    (problem,) = unlike_parts(folder)
+    assert f"add an erratum that affects {place}, or" in problem.message
+    affects = f"affects: [{place}, interfaces.biss.single_cycle_data]"
     text = text.replace("affects: [interfaces.biss.single_cycle_data]", affects, 1)
     spec.write_text(text, encoding="utf-8")
     assert unlike_parts(folder) == []

@@ -57,10 +57,10 @@ def test_the_answer_counts_the_readings_that_fit_equally_well(capsys: Capture) -
     explained = why(capsys, "AMT22-12", word)
     assert [mistake["one_in"] for mistake in explained["explanations"]] == [8, 16, 16, 16]
     assert explained["equal_readings"] == 3
-    words = "The frame fits 3 of these readings equally well. The most common mistake comes first."
+    words = "The frame fits 3 of these readings equally well. The likeliest one comes first."
     assert words in printed(capsys, "AMT22-12", word)
-    # One reading fits better than the others.
-    assert why(capsys, "AS5045", "0b1001111101000100001")["equal_readings"] in (0, 2)
+    # The last bit is lost, or there is one in front.
+    assert why(capsys, "AS5045", "0b1001111101000100001")["equal_readings"] == 2
     assert why(capsys, BISS, "0b" + "01" * 15)["equal_readings"] == 0
 
 

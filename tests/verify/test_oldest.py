@@ -47,5 +47,7 @@ def test_the_same_bytes(version: str, tmp_path: Path) -> None:
     sources = tmp_path / "sources"
     shutil.copytree(ROOT, sources, ignore=shutil.ignore_patterns(".*", "*.egg-info", "__pycache__"))
     run(programs / "python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *lowest, sources)
-    assert re.search(r"^no problems in \d+ families: ", run(programs / "codewheel", "check", "specs"), re.MULTILINE)
+    spec_files = [path for path in (ROOT / "specs").rglob("*.yaml") if ".second" not in path.name]
+    families = [path for path in spec_files if "\ndevice: " in path.read_text(encoding="utf-8")]
+    assert f"no problems in {len(families)} families" in run(programs / "codewheel", "check", "specs")
     assert run(programs / "codewheel", "generate", "--check").endswith("files up to date\n")

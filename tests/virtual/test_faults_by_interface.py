@@ -162,7 +162,7 @@ def line_levels(encoder: VirtualEncoder) -> Callable[[], Any]:
 BITS = {"ssi": (words, line_levels), "biss": (cycles, line_levels), "spi": (spi_words,)}
 
 
-@pytest.mark.one_in(4, "exhaustive")
+@pytest.mark.one_in(5, "exhaustive")
 @pytest.mark.slow
 @pytest.mark.parametrize("pause_ms", PAUSES_MS)
 @pytest.mark.parametrize(("interface", "fault"), [(name, fault) for name in BITS for fault in faults_of(name)])

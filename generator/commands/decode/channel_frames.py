@@ -56,16 +56,20 @@ class ChannelDecoder:
         self.frame = frame
 
     def read(self, frame_text: str) -> TypedFrame | None:
-        """Return the frame in a text, or None if it is not longer than a single channel.
+        """Return the frame in a text, or None if it is a single channel.
+
+        It is one if it has no more bits than the longest channel. The digits of a number may lack leading zeros, so
+        they are a single channel only if they are as many as a channel has, in bits or in bytes.
 
         Raises:
             FrameTextError: The text cannot be read as a number.
         """
         typed_frame = frame_number(self.frame, undecorated(frame_text), exact=True)
-        longest_channel = max(channel.bits for channel in self.frame.channels)
-        # Up to 3 bits of the first hex digit may only fill it up.
-        fewest_bits = typed_frame.bits if typed_frame.exact else max(typed_frame.bits, typed_frame.written - 3)
-        return typed_frame if fewest_bits > longest_channel else None
+        channel_bits = [channel.bits for channel in self.frame.channels]
+        fits_in_channel = typed_frame.bits <= max(channel_bits)
+        written_bits = {unit * -(-bits // unit) for bits in channel_bits for unit in (4, 8)}
+        has_all_digits = typed_frame.exact or typed_frame.written in written_bits
+        return None if fits_in_channel and has_all_digits else typed_frame
 
     def decode(self, typed_frame: TypedFrame) -> ChannelResult:
         """Return the frame decoded. Its bits are those of all channels, in the order in which they are sent."""

@@ -43,8 +43,8 @@ def with_prefix(text: str, bits: int) -> str:
 def _binary_digits(pieces: Sequence[str], bits: int) -> str:
     """Return the bits of a number in pieces of zeros and ones, or "" if these may also be hex or decimal.
 
-    They are bits if they are as many as the frame has, or in groups of more than two. Groups of different lengths
-    are bytes without their leading zeros, unless such a zero is written.
+    They are bits if they are as many as the frame has, or in groups of one or of more than two. Groups of different
+    lengths are bytes without their leading zeros, unless such a zero is written.
     """
     digits = "".join(pieces)
     byte_count = (bits + 7) // 8

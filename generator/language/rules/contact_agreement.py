@@ -180,7 +180,7 @@ def check_order_of_pairs(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
         return
     for connector in spec.connectors:
         contacts_by_name = _index_contacts(connector.part)
-        statements = list(_true_statements(connector, contacts_by_name, report))
+        statements = list(_stated_pairs(connector, contacts_by_name, report))
         pairs = list(_yield_pairs(connector.part, contacts_by_name))
         for pair in pairs:
             problem = _wrong_order(pair, pairs)
@@ -231,7 +231,7 @@ def _yield_pairs(connector: Connector, indexes: Mapping[str, int]) -> Iterator[_
             yield _Pair(plain, inverted, *contact_pair)
 
 
-def _true_statements(
+def _stated_pairs(
     connector: Located[Connector], indexes: Mapping[str, int], report: DocumentReport
 ) -> Iterator[set[int]]:
     """Yield the contacts of each statement of the note about their order, and report a statement that is not true.

@@ -16,7 +16,7 @@ from typing import Protocol, TypeVar
 
 from ...model import INTERFACES, Alarm, Biss, Clock, Timing
 from ...model.measurement import Measurement
-from ..document import Document
+from ..document import LEFT_OUT, Document
 from ..problems import DocumentReport, Path
 from ..schema_files import is_second
 from ..written import Located
@@ -343,6 +343,16 @@ def bank_select(spec: WrittenSpec) -> str:
     return spec.interfaces.biss.bank_select if spec.interfaces.biss is not None else ""
 
 
+def as_affected_name(path: str) -> str:
+    """Return a path of names in the form used by errata: ``interfaces.ssi.monoflop`` for a timing.
+
+    Errata omit keys such as ``timings`` between two names. A last one stands for all parts under it.
+    """
+    *steps, last_step = path.split(".")
+    named_steps = [step for step in steps if step not in LEFT_OUT]
+    return ".".join((*named_steps, last_step))
+
+
 def has_erratum_at(document: Document, *keys: str) -> bool:
     """Return True if an erratum affects exactly this place, given by keys and names: ``"interfaces", "ssi", "clock"``.
 
@@ -351,5 +361,6 @@ def has_erratum_at(document: Document, *keys: str) -> bool:
     """
     if is_second(document.file):
         return True
-    affected_path = ".".join(keys)
-    return any(affected_path in erratum.affects for erratum in WrittenSpec(document.data).errata)
+    affected_path = as_affected_name(".".join(keys))
+    errata = WrittenSpec(document.data).errata
+    return any(affected_path in map(as_affected_name, erratum.affects) for erratum in errata)

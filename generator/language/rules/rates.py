@@ -14,7 +14,7 @@ from ..schema_files import is_second
 from ..written import Located
 from ..written_interfaces import WrittenBiss, WrittenRs485, WrittenSpi, WrittenSsi
 from ..written_parts import WrittenSpec
-from .parts import WrittenInterface, has_erratum_at, interfaces, share_codes
+from .parts import WrittenInterface, as_affected_name, has_erratum_at, interfaces, share_codes
 
 #: Significant digits of the rates in data sheets.
 _DIGITS = 3
@@ -113,8 +113,8 @@ def check_monoflop(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
 def _check_monoflop(timing: Located[Timing], ssi: WrittenSsi, report: DocumentReport) -> None:
     """Check a monoflop time against the clocks and pauses of the same order codes."""
     time_us, key = _find_shortest(timing)
-    # Errata give an item of a list by its name: interfaces.ssi.timings.monoflop.at_least_us.
-    affected_path = ".".join(map(str, (*timing.path[:-1], _MONOFLOP, key)))
+    # Errata give an item of a list by its name: interfaces.ssi.monoflop.at_least_us.
+    affected_path = as_affected_name(".".join(map(str, (*timing.path[:-1], _MONOFLOP, key))))
     if has_erratum_at(report.document, affected_path) or not time_us:
         return
     remedy = f"If this is what the manual says, add an erratum that affects {affected_path}"

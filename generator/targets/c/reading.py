@@ -75,11 +75,13 @@ class ReadCode:
     def buffer_of(self, order_code: str) -> str:
         """Return the size of the buffer for an order code and the first answers, as C, or an empty string.
 
-        A word over SPI has no macro for its size.
+        A word over SPI has no macro for its size. Its bytes are those of the word of all order codes.
         """
         buffer_size = self.expected_size
-        if buffer_size == "sizeof(rx)":
-            return ""
+        if self.frame is not None and buffer_size == "sizeof(rx)":
+            sent_bits = self.frame.struct.layout.sent_bits
+            is_spi = isinstance(self._context.interface, Spi)
+            return str((sent_bits.constant + 7) // 8) if is_spi and sent_bits.is_constant else ""
         for question in self.questions:
             first_answer = question.alternative.answers[0].name.upper()
             buffer_size = buffer_size.replace(f"##{question.argument}##", first_answer)

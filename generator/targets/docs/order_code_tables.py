@@ -27,13 +27,13 @@ from ...order_codes.parameters import parameters_of, run_time_names, with_answer
 from ...plan.values import Active, TwosComplement, meaning_of
 from ...say.layout import crc_inverted, crc_reflected
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
-from ...say.names_and_places import bits, frame_bytes, heading
+from ...say.names_and_places import heading
 from ...say.order_code import open_values, parameter_origin, parameter_value
 from ...say.plain_text import counted, number
 from ...say.register import covered_by_parity_bit, measurement, own_ranges, position_range
 from ...say.report import deciding_bits
 from .page_links import style_in_folder
-from .verdict_table import changed_verdicts_of, judgement_of, verdict_line
+from .verdict_table import changed_verdicts_of, judgement_in_family, place_of_field, verdict_line
 
 
 def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
@@ -336,7 +336,7 @@ def _parity_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
     for placed_field in placed_layout.fields:
         covered_fields = covered_by_parity_bit(placed_field.field)
         if covered_fields is not None:
-            place = _place(placed_field, placed_layout)
+            place = place_of_field(placed_field, placed_layout)
             yield "Parity", f"{code(placed_field.name)} ({place}). {MARKDOWN.phrase(covered_fields)}"
 
 
@@ -348,7 +348,7 @@ def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
     layout = placed_layout.layout
     flags_by_label: dict[str, list[tuple[str, str]]] = {}
     for placed_field in placed_layout.fields:
-        flag = (code(placed_field.name), _place(placed_field, placed_layout))
+        flag = (code(placed_field.name), place_of_field(placed_field, placed_layout))
         # The active level of a flag, or what differs from the manual: ``0`` or ``1`` for a single unused bit.
         level = deciding_bits(placed_field.field)
         if isinstance(meaning_of(placed_field.field), Active):
@@ -362,7 +362,7 @@ def _verdict_facts(
     family_device: Device, layout: Layout, variant: Variant, choices: Sequence[str], has_crc: bool
 ) -> Iterator[tuple[str, str]]:
     """Yield the verdict on the position, if there is one, and verdicts to which other answers add causes."""
-    judgement = judgement_of(family_device, layout)
+    judgement = judgement_in_family(family_device, layout)
     if judgement is None:
         return
     yield "Position", verdict_line(judgement, variant, has_crc)
@@ -381,14 +381,6 @@ def _range_of_signed_number(family_device: Device, placed_field: PlacedField, pl
     """Return a signed field with its range, such as ``position, in two's complement, -512 to 511``."""
     lowest, highest = family_device.signed_range(placed_field, placed_layout)
     return f"{code(placed_field.name)}, in two's complement, {number(lowest)} to {number(highest)}"
-
-
-def _place(placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
-    """Return the bits of a field, such as ``bit 7``, with their byte if the frame consists of bytes."""
-    high, low = placed_field.high, placed_field.low
-    if placed_layout.layout.in_bytes:
-        return frame_bytes(placed_layout.layout, placed_layout.bits, high, low)
-    return bits(high, low)
 
 
 def _flags_with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from ...model import Device, Field, Layout, PlacedLayout, Variant, Verdict
+from ...model import Device, Field, Layout, PlacedField, PlacedLayout, Variant, Verdict
 from ...plan.values import Active, meaning_of
 from ...plan.verdicts import Judgement, Match, VerdictCause, reportings
 from ...say.layout import is_reserved
@@ -26,7 +26,7 @@ _MOST_ALTERNATIVES = 3
 _HEAD = ("Bit", "Flag", "Active at", "Position", "What to do")
 
 
-def judgement_of(family_device: Device, layout: Layout) -> Judgement | None:
+def judgement_in_family(family_device: Device, layout: Layout) -> Judgement | None:
     """Return how the verdict on a frame follows from its bits, or None for a frame without a position."""
     judgements = (
         reporting.judgement for reporting in reportings(family_device) if reporting.codec.layout.name == layout.name
@@ -40,7 +40,7 @@ def verdict_table(family_device: Device, device: Device, layout: Layout, variant
     The rows are the causes of each verdict, then all other flags, then the verdict without any cause. ``device`` is the
     family with the order codes of the page, and has the alarms and remedies for these only.
     """
-    judgement = judgement_of(family_device, layout)
+    judgement = judgement_in_family(family_device, layout)
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {}
     if judgement is not None:
         judgement = judgement.for_parameters(variant.parameters)
@@ -105,7 +105,7 @@ def _rows_of_other_flags(
 def _build_row(device: Device, placed_layout: PlacedLayout, field: Field, level: str, effect: str) -> Row:
     """Return a row of place, name, active level, effect on the position, remedy."""
     return (
-        _place_of_field(placed_layout, field.name),
+        place_of_field(placed_layout.field(field.name), placed_layout),
         _names_of_field(field),
         level,
         effect,
@@ -138,17 +138,18 @@ def _names_of_field(field: Field) -> str:
 
 def _row_of_match(placed_layout: PlacedLayout, match: Match, effect: str) -> Row:
     """Return the row of values that lead to a verdict together: their places, the values, and the verdict."""
-    places = ", ".join(_place_of_field(placed_layout, part.field.name) for part, _ in match.conditions)
+    placed_fields = [placed_layout.field(part.field.name) for part, _ in match.conditions]
+    places = ", ".join(place_of_field(placed_field, placed_layout) for placed_field in placed_fields)
     phrase = MARKDOWN.phrase(conditions((part.field, value) for part, value in match.conditions))
     return places, phrase, "", effect, ""
 
 
-def _place_of_field(placed_layout: PlacedLayout, name: str) -> str:
-    """Return the bit of a field, or its byte and bit in a frame of bytes."""
-    field = placed_layout.field(name)
+def place_of_field(placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
+    """Return the bits of a field, such as ``bit 7``, with their byte if the frame consists of bytes."""
+    high, low = placed_field.high, placed_field.low
     if placed_layout.layout.in_bytes:
-        return frame_bytes(placed_layout.layout, placed_layout.bits, field.high, field.low)
-    return bits(field.high, field.low)
+        return frame_bytes(placed_layout.layout, placed_layout.bits, high, low)
+    return bits(high, low)
 
 
 def _while_inactive(cause: VerdictCause) -> str:

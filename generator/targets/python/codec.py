@@ -444,6 +444,6 @@ def _with_trailing_defaults(attributes: Sequence[Attribute]) -> list[Attribute]:
     """Return the attributes. An attribute keeps its default only if all attributes after it also have one."""
     indices_without_default = [index for index, attribute in enumerate(attributes) if not attribute.default]
     last_required = max(indices_without_default, default=0)
-    # The attribute at this index has no default either.
+    # The attribute at this index has no default, or all attributes have one.
     required = [replace(attribute, default="") for attribute in attributes[:last_required]]
     return [*required, *attributes[last_required:]]
