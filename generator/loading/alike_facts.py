@@ -38,7 +38,10 @@ def compare_facts(places: Sequence[str], documents: Sequence[Document], report: 
             continue  # All devices have the same facts, or there are none.
         # Of several devices with the highest count, one without an erratum is compared with the others.
         frequencies = {
-            document.file: (counts[frozenset(facts_by_file[document.file].items())], not has_erratum_at(document, *steps))
+            document.file: (
+                counts[frozenset(facts_by_file[document.file].items())],
+                not has_erratum_at(document, *steps),
+            )
             for document in with_interface
         }
         common = max(with_interface, key=lambda document: frequencies[document.file])
