@@ -32,6 +32,7 @@ from codewheel.virtual.encoder import VirtualEncoder
 from exhaustive import mostly_exhaustive
 from five_engines import NOT_USABLE, SPECS, USABLE, VERDICTS, WARNING, Import, joined, load_made, remainder
 
+ENCODERS = Path(__file__).resolve().parents[2] / "specs"
 COUNTS = mostly_exhaustive([100, 4000], 100)
 
 
@@ -390,6 +391,31 @@ def test_a_single_word_is_decoded_as_before(capsys: pytest.CaptureFixture[str]) 
     code, text = decoded(capsys, "RXH", f"0b{bits[32:]}", "--layout", "safety_word")
     assert code == 0
     assert "Safety position word, 40 bits" in text
+
+
+@pytest.mark.parametrize(
+    ("text", "has_whole_frame"),
+    [
+        # 12 bits of revolutions, 24 of the angle, and 0 for the active error: the whole frame without leading zeros.
+        ("0x63a2ba03b57", True),
+        ("0x63A2BA03B57", True),
+        ("00 00 00 06 3A 2B A0 3B 57", True),
+        # The position channel alone, with all its digits.
+        ("0x000000031D15D", False),
+        ("0x0000000031D15D", False),
+        ("00 00 00 00 31 D1 5D", False),
+        ("0b" + f"{0x31D15D:050b}", False),
+    ],
+)
+def test_a_number_without_leading_zeros_is_a_whole_frame(
+    text: str, has_whole_frame: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its bits would also fit into the position channel of 50 bits, which would then be decoded as usable."""
+    exit_code = main(["decode", "iC-MR-12-L6T", text, "--specs", str(ENCODERS / "ichaus")])
+    output = " ".join(capsys.readouterr().out.split())
+    assert exit_code == 3
+    assert "error (nE): an error is active" in output
+    assert ("all channels together: the position is not usable" in output) is has_whole_frame
 
 
 def test_json_has_both_words_in_the_shape_of_the_schema(capsys: pytest.CaptureFixture[str]) -> None:

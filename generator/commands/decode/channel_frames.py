@@ -58,18 +58,19 @@ class ChannelDecoder:
     def read(self, frame_text: str) -> TypedFrame | None:
         """Return the frame in a text, or None if it is a single channel.
 
-        It is one if it has no more bits than the longest channel. The digits of a number may lack leading zeros, so
-        they are a single channel only if they are as many as a channel has, in bits or in bytes.
+        It is one if it has all digits of a channel, in hex digits or in bytes. Fewer digits may be those of a whole
+        frame without its leading zeros. Exact bits are one if they are no more than the longest channel has.
 
         Raises:
             FrameTextError: The text cannot be read as a number.
         """
         typed_frame = frame_number(self.frame, undecorated(frame_text), exact=True)
         channel_bits = [channel.bits for channel in self.frame.channels]
-        fits_in_channel = typed_frame.bits <= max(channel_bits)
+        longest = max(channel_bits)
         written_bits = {unit * -(-bits // unit) for bits in channel_bits for unit in (4, 8)}
-        has_all_digits = typed_frame.exact or typed_frame.written in written_bits
-        return None if fits_in_channel and has_all_digits else typed_frame
+        has_all_digits = typed_frame.written in written_bits and typed_frame.number >> longest == 0
+        has_bits_of_channel = typed_frame.exact and typed_frame.bits <= longest
+        return None if has_all_digits or has_bits_of_channel else typed_frame
 
     def decode(self, typed_frame: TypedFrame) -> ChannelResult:
         """Return the frame decoded. Its bits are those of all channels, in the order in which they are sent."""
