@@ -22,11 +22,20 @@ function decodeChannels(orderCode, text, registerContents, answers) {
   const positionChannel = placedChannels[channels.position];
   const receivedBits = typedFrame.exact ? typedFrame.bits : Math.max(bits, typedFrame.bits);
   if (receivedBits !== bits) {
-    const names = placedChannels.map((placedLayout) => placedLayout.name).join(", ");
-    const lengthError = createLengthError({ ...positionChannel, name: names }, `${bits} bits`, receivedBits);
-    return { ...lengthError, channels: [], bits };
+    const message = describeChannelLength(placedChannels, bits, receivedBits);
+    const emptyResult = createEmptyResult(positionChannel, 0n);
+    return { ...emptyResult, problems: [{ fault: "length", field: "", message }], channels: [], bits };
   }
   return { ...mergeChannels(channels, decodeEachChannel(placedChannels, typedFrame.number, bits)), bits };
+}
+
+/** Return the message about a frame of another length than the ``bits`` bits of all channels. */
+function describeChannelLength(placedChannels, bits, receivedBits) {
+  const channelTexts = placedChannels.map((placedLayout) => `${placedLayout.name} (${placedLayout.bits} bits)`);
+  const bitsOff = Math.abs(bits - receivedBits);
+  const difference = `${countWithNoun(bitsOff, "bit")} ${bitsOff === 1 ? "is" : "are"} `
+    + (receivedBits < bits ? "missing" : "too many");
+  return messageFor("length_of_channels", channelTexts.join(" and "), `${bits} bits`, receivedBits, difference);
 }
 
 /** Decode the channels in the ``bits`` bits of a frame, each by its placed layout. The first has the highest bits. */

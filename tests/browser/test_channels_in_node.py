@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from browser_harness import Asker
+from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.targets import Library
 
@@ -37,3 +40,26 @@ def test_a_number_without_leading_zeros_is_a_whole_frame(node: Asker) -> None:
     assert [(answer["verdict"], answer["reports"]) for answer in answers] == [("not_usable", ["error"])] * len(items)
     have_temperature = ["tmp.temperature" in answer["fields"] for answer in answers]
     assert have_temperature == list(has_whole_frame_by_text.values())
+
+
+@pytest.mark.starts_process
+def test_errors_and_reports_are_those_of_the_command(node: Asker, capsys: pytest.CaptureFixture[str]) -> None:
+    """The last digit of tmp, and then of both channels, is changed. The others have another number of bits."""
+    texts = [
+        "0x63a2ba03b57",
+        "0x63a2ba03b56",
+        "0x63a2b803b56",
+        "0F 42 43 00 00 00 00 00",
+        "0b" + "01" * 36,
+    ]
+    answers = node("lines", [{"code": CODE, "text": text} for text in texts])
+    for text, ((_, _, answer),) in zip(texts, answers, strict=True):
+        main(["decode", CODE, text, "--json", "--specs", str(ENCODERS / "ichaus")])
+        data: dict[str, Any] = json.loads(capsys.readouterr().out)
+        rows = [row.split("\t") for row in answer.splitlines()]
+        problems = [[problem["kind"], problem["field"] or "", problem["message"]] for problem in data["problems"]]
+        assert [row[1:] for row in rows if row[0] == "problem"] == problems
+        reports = [[report["field"], report["meaning"]] for report in data["reports"]]
+        assert [row[1:3] for row in rows if row[0] == "report"] == reports
+        assert (["verdict", data["verdict"] or ""]) in rows
+        assert bool(problems or reports)

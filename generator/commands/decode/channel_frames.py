@@ -11,7 +11,7 @@ from ...reference import codec
 from ...reference.channels import ChannelFindings, channel_findings, decode_channels
 from ...reference.findings import Findings
 from ...say import report as say_report
-from ...say.plain_text import WIDTH
+from ...say.plain_text import WIDTH, counted
 from ...say.text import VERDICT_CLAUSES
 from ...why.hypotheses import TypedFrame
 from .field_table import wrapped
@@ -39,6 +39,22 @@ class ChannelResult:
     def has_problem(self) -> bool:
         """True if the frame or one of its channels has an error."""
         return bool(self.problems) or any(decoded.problems for decoded in self.channels)
+
+    @property
+    def all_problems(self) -> Iterator[codec.Problem]:
+        """The problem with the length, or those of the channels, each with the name of its channel in the message."""
+        yield from self.problems
+        for decoded in self.channels:
+            assert decoded.layout is not None
+            for problem in decoded.problems:
+                yield replace(problem, message=f"{decoded.layout.name}: {problem.message}")
+
+    @property
+    def all_findings(self) -> Findings:
+        """The reports and differences of all channels, with the verdict of the whole frame."""
+        reports = tuple(report for channel in self.findings.channels for report in channel.reports)
+        differences = tuple(difference for channel in self.findings.channels for difference in channel.differences)
+        return Findings(reports=reports, verdict=self.findings.verdict, differences=differences)
 
     @property
     def findings_with_verdict(self) -> Iterator[Findings]:
@@ -118,8 +134,11 @@ def channel_decoder(device: Device, variant: Variant) -> ChannelDecoder | None:
 
 def report_of_length(frame: PlacedChannels, bits: int) -> str:
     """Return the message about a frame of another length."""
-    names = ", ".join(channel.name for channel in frame.channels)
-    return say_report.length(names, f"{frame.bits} bits", f"{bits}")
+    channels = " and ".join(f"{channel.name} ({channel.bits} bits)" for channel in frame.channels)
+    bits_off = abs(frame.bits - bits)
+    verb = "is" if bits_off == 1 else "are"
+    difference = f"{counted(bits_off, 'bit')} {verb} {'missing' if bits < frame.bits else 'too many'}"
+    return say_report.length_of_channels(channels, f"{frame.bits} bits", f"{bits}", difference)
 
 
 def described_channels(device: Device, variant: Variant, frame: PlacedChannels, result: ChannelResult) -> Iterator[str]:
