@@ -710,7 +710,7 @@
   const isBetterReason = (reason, other) => reason.length > other.length
     || (reason.length === other.length && reason.error.isClose && !other.error.isClose);
 
-  /** List the beginnings of a label up to each mark, without marks: ``ic`` and ``icmr`` of ``iC-MR``. */
+  /** List the beginnings of a label up to each mark, without marks: ``x`` and ``xy24`` of ``X-Y24``. */
   function listPossibleNames(label) {
     const pieces = removeBlanks(label).toLowerCase().match(/[a-z0-9]+/g) ?? [];
     return pieces.map((_, index) => pieces.slice(0, index + 1).join(""));
@@ -719,7 +719,7 @@
   /** Return the name of a family without the marks between its words. */
   const nameWithoutMarks = (family) => family.name.replaceAll("_", "");
 
-  /** Count the letters and digits in front of the first part of the pattern: 4 for ``iC-MR-{turns}``. */
+  /** Count the letters and digits in front of the first part of the pattern: 2 for ``X-Y-{bits}``. */
   const lengthBeforeParts = (family) => family.labels.pattern.split("{")[0].replace(/[^\p{L}\p{N}]/gu, "").length;
 
   /** The order code on a label, or null if it is unknown. */

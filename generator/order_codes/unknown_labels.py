@@ -22,7 +22,7 @@ class _Reason(NamedTuple):
 
 
 def family_with_name(devices: Iterable[Device], text: str) -> Device | None:
-    """Return the family with the name ``text``, such as ``icmr`` for ``iC-MR``, or None."""
+    """Return the family with the name ``text``, such as ``xy24`` for ``X-Y 24``, or None."""
     possible_names = list(_possible_names(text))
     for device in devices:
         # The last possible name is the whole text.
@@ -59,7 +59,7 @@ def _reasons(devices: Iterable[Device], text: str) -> Iterator[_Reason]:
 
 
 def _possible_names(text: str) -> Iterator[str]:
-    """Yield the beginnings of a text up to each mark, without marks: ``ic`` and ``icmr`` of ``iC-MR``."""
+    """Yield the beginnings of a text up to each mark, without marks: ``x`` and ``xy24`` of ``X-Y24``."""
     label = without_blanks(text).lower()
     return accumulate(_LETTERS_AND_DIGITS.findall(label))
 
@@ -69,6 +69,6 @@ def _name_without_marks(device: Device) -> str:
 
 
 def _length_before_parts(device: Device) -> int:
-    """Return the number of letters and digits in front of the first part of the pattern: 4 for ``iC-MR-{turns}``."""
+    """Return the number of letters and digits in front of the first part of the pattern: 2 for ``X-Y-{bits}``."""
     text_before_parts, _, _ = device.order_code.pattern.partition("{")
     return sum(map(str.isalnum, text_before_parts))
