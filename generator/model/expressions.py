@@ -185,14 +185,17 @@ class Expression:
             elif term.multiple <= 0:
                 text_of_terms = "-"
             text_of_terms += " * ".join(factors)
+        constant = f"{abs(self.constant)}{suffix}"
         if not text_of_terms:
             return f"{self.constant}{suffix}"
-        if text_of_terms.startswith("-") and self.constant > 0:
+        if not self.constant:
+            return text_of_terms
+        if self.constant < 0:
+            return f"{text_of_terms} - {constant}"
+        if text_of_terms.startswith("-"):
             # ``8 - bits`` instead of ``-bits + 8``.
-            return f"{self.constant}{suffix} - {text_of_terms[1:]}"
-        if self.constant > 0:
-            return f"{text_of_terms} + {self.constant}{suffix}"
-        return f"{text_of_terms} - {-self.constant}{suffix}" if self.constant < 0 else text_of_terms
+            return f"{constant} - {text_of_terms[1:]}"
+        return f"{text_of_terms} + {constant}"
 
 
 def _simplify(constant: int, terms: tuple[Term, ...]) -> Expression:

@@ -160,8 +160,9 @@ class Layout:
     def judging_bits(self) -> Expression:
         """Expression that is 0 for order codes whose frames have no judging field, and positive for all others.
 
-        It is 1 if a judging field has a constant width. Otherwise it is the sum of their widths, each width counted
-        once.
+        A judging field decides whether the position is usable. Some order codes lack it, for which its width is 0. If
+        a judging field has a constant width, all order codes have it, and the expression is 1. Otherwise it is the sum
+        of the different widths, which is 0 only if all are 0.
         """
         # Each width once. A dict keeps their order, which a set does not.
         widths = {field.width: None for field in self.judging_fields}

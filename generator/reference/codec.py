@@ -314,8 +314,8 @@ def _problems_of_value(field: Field, raw: int) -> Iterator[Problem]:
 def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
     """Encode these values.
 
-    Constants, parity and CRC are filled in. The value of a join can replace those of its fields. Unused bits are as in
-    the manual, except for those that the value ``unused`` inverts.
+    Constants, parity and CRC are filled in. A join is a number made of several fields, and its value can replace those
+    of its fields. Unused bits are as in the manual. The bits that are 1 in the value ``unused`` are inverted.
 
     Raises:
         EncodeError: A value is missing, unknown, or does not fit.
@@ -331,8 +331,8 @@ def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
         frame_bits |= _encode_unused(placed, inverted_bits)
     # What remains are names of fields: joins and ``unused`` have been removed.
     _check_names(placed, field_values)
+    # Parity and CRC are those of the bits as sent, which includes the Gray code. The CRC also covers the parity.
     frame_bits = to_gray(placed, frame_bits)
-    # The parity comes before the CRC, which covers it.
     for placed_field in placed.fields:
         if isinstance(placed_field.field.kind, Parity):
             frame_bits |= parity_bit(placed, placed_field.field.kind, frame_bits) << placed_field.low

@@ -399,9 +399,10 @@ class SpiLine:
         return self.encoder.frame(layout, {**repeated_values, "data": register_value})
 
     def _complete_write(self) -> int | None:
-        """Carry out a write once its address and data have come, and return the value of the register.
+        """Carry out a write if both its address and its data have come, and return the value of the register.
 
-        Return None if there is no register, or it cannot be written. Before the data come, the value is the old one.
+        Before the data come, the value is the old one. Return None if there is no such register, or if it cannot be
+        written, which is known only with the data.
         """
         address = self._written_fields.get("address", -1)  # No register has the address -1.
         if self._written_fields.keys() >= {"address", "data"}:

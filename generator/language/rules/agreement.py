@@ -24,6 +24,7 @@ _BIT = r"\d{1,3}(?::\d{1,3})?"
 _UNUSED = re.compile(
     rf"(?:^|[.;] )bits? ({_BIT}(?:(?:,| and|, and) {_BIT})*) (?:is|are) (?:not used|unused)(?=[.;]|$)", re.IGNORECASE
 )
+#: An access in words. The group is ``read`` or ``write``.
 _ONLY = re.compile(r"\b(?:is|are) (read|write)[ -]only\b")
 _NUMBERS = ("two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
 _REQUESTS = re.compile(rf"\b({'|'.join(_NUMBERS)}|[1-9]\d?) requests\b", re.IGNORECASE)
@@ -268,7 +269,8 @@ def check_repeated_access(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 def _check_access_in_erratum(spec: WrittenSpec, erratum: WrittenErratum, report: DocumentReport) -> None:
     """Check that the registers affected by an erratum have its access, if it says ``read only`` or ``write only``.
 
-    An erratum about bits or fields, or with both accesses, is not compared.
+    The key ``used`` of an erratum is the text about what applies instead. An erratum about bits or fields, or with both
+    accesses, is not compared.
     """
     registers = by_name(spec.registers)
     is_about_bits = re.search(r"\b(?:bit|field)", erratum.used, re.IGNORECASE) is not None

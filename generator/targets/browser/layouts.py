@@ -278,8 +278,11 @@ def _parameters_in_registers(device: Device, layout: Layout, codec: Codec) -> li
 
 
 def _field_data(codec: Codec, description: Description) -> Iterator[Data]:
-    """Yield the data of each field: its bits, the texts about it, and how it is encoded if users do not provide it."""
-    terms = {term.field.name: term.value for term in codec.terms}
+    """Yield the data of each field: its bits, the texts about it, and its encoding if it has a value of its own.
+
+    A constant, a parity and a CRC have a value of their own. Users provide the values of other fields.
+    """
+    own_values = {term.field.name: term.value for term in codec.terms}
     for column, field in zip(description.columns, codec.layout.fields, strict=True):
         when_active, when_inactive = states(field)
         only = codes_with_explanation(field)
@@ -295,7 +298,7 @@ def _field_data(codec: Codec, description: Description) -> Iterator[Data]:
             equals=_documented_value(field),
             colour=box_colour(field),
         )
-        yield plain_data(column) | texts | _encoding_data(terms.get(field.name))
+        yield plain_data(column) | texts | _encoding_data(own_values.get(field.name))
 
 
 def _value_data(value: Value) -> list[Any]:

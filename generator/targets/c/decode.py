@@ -183,7 +183,7 @@ class Decoder:
         ``(bytes[0] & 0x9FU) != 0x1AU``.
         """
         assert parity.known_parity is not None
-        # With a known parity, one value selects the frame, and the parity is that of the selector alone.
+        # A known parity covers a single field with a single value: here the selector, with the value of this frame.
         (selected_value,) = self.plan.layout.selects
         (selector_bits,) = parity.of_bits
         pieces = [(piece, selected_value) for piece in selector_bits.pieces]
@@ -194,7 +194,8 @@ class Decoder:
         (byte,) = bytes_of_pieces
         mask = 0
         expected_value = 0
-        # The constants in it have been checked. With them, a byte without other bits needs no mask.
+        # The constants of the byte were checked before. Comparing them again can complete the mask to 0xFF, so that
+        # the byte needs no mask. There is at most one constant for each byte.
         for constant in _constant_bytes(self.plan.checks):
             if constant.byte == byte:
                 mask = constant.mask

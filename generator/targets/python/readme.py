@@ -367,9 +367,10 @@ class Readme:
 
     @property
     def identified(self) -> list[ReadmeExample]:
-        """Worked examples of identifying registers, as items of a dict: ``"model": bytes.fromhex("1B")``.
+        """Call that identifies an order code from the worked examples of its registers, as a list of at most one.
 
-        They are those of the order code in the first such example. Empty if it is not a listed one.
+        The order code is that of the first example of an identifying register. Its examples become the items of a dict:
+        ``"model": bytes.fromhex("1B")``. The list is empty if the spec does not list the order code.
         """
         identity_registers = {register.name for register, _ in self.device.identity}
         register_examples: dict[str, RegisterExample] = {}

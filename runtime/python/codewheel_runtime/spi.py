@@ -138,11 +138,11 @@ class Pipeline:
             yield self._start_request(request, type(value))
 
     def bus(self, exchange: Callable[[int], int]) -> RegisterBus:
-        """Return a bus for ``run``, which carries out procedures.
+        """Return the bus argument of ``run``, the function that carries out a procedure of the manual.
 
         Args:
-            exchange: Function that sends a word on your bus and returns the word that was received meanwhile. The word
-                has ``bits`` bits.
+            exchange: Function that sends a word of ``bits`` bits over SPI, and returns the word that was received
+                meanwhile.
         """
         return RegisterBus(self, exchange)
 

@@ -507,7 +507,7 @@ class Master:
         Returns:
             The CDM bit of this frame. MA carries its inverse during the time-out.
         """
-        # A pin may be read as a bool, or as a number too narrow for the answers.
+        # A pin may be read as a bool or as a NumPy byte, into which the collected bits would not fit.
         cds = int(cds & 1)
         if self._phase is _Phase.HEADER:
             cdm = self._follow_header(cds)
@@ -516,7 +516,7 @@ class Master:
         elif self._phase is _Phase.BYTE:
             cdm = self._follow_byte(cds)
         else:
-            # Outside a control frame, zeros are sent. After enough of them, S = 1 starts the access.
+            # Outside a control frame, the master sends zeros. After 14 of them, the start bit S = 1 begins an access.
             cdm = int(self.outcome is Outcome.RUNNING and self._zeros >= ZEROS)
             if cdm:
                 self._phase = _Phase.HEADER

@@ -32,7 +32,10 @@ _TUPLE: Final[Any] = tuple
 
 
 def by_class(kind: type[_Kind]) -> type[_Kind]:
-    """Make objects of ``kind`` equal only to those of the same class, unlike a plain NamedTuple."""
+    """Make objects of ``kind`` equal only to those of the same class, unlike a plain NamedTuple.
+
+    Like the methods of a tuple, the new ones return NotImplemented for objects that are not tuples.
+    """
 
     def equals(self: tuple[object, ...], other: object) -> object:
         """Compare the items if the classes are the same. No other tuple is equal."""

@@ -193,9 +193,10 @@ def _list_sample_files(archive: zipfile.ZipFile, stem: str) -> list[zipfile.ZipI
 def _unpack_samples(
     archive: zipfile.ZipFile, entries: list[zipfile.ZipInfo], size: int, path: str
 ) -> Generator[tuple[Any, int, Any], None, None]:
-    """Yield the samples of a session as numbers, the amount read, and None, because samples have no times.
+    """Yield the samples of a session as numbers, the number of bytes read, and None, because samples have no times.
 
-    A sample has ``size`` bytes, and can begin in one file and end in the next.
+    A sample has ``size`` bytes, and can begin in one file and end in the next. An incomplete sample at the end of the
+    session is ignored.
     """
     done = 0
     remainder = b""

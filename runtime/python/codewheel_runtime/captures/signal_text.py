@@ -186,6 +186,9 @@ class _RowReader:
     def _levels(self, cells: Any, line: int) -> Any:
         """Return the levels of some rows, each as one number whose lowest bit is the first column.
 
+        A table of voltages can have empty cells, which are read as NaN. They are neither 0 nor 1, so they raise the
+        error.
+
         Raises:
             InputError: The cells are neither 0 and 1 nor voltages.
         """

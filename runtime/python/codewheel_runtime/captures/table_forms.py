@@ -129,10 +129,11 @@ def _find_delimiter(lines: Sequence[str]) -> str | None:
 
 
 def _find_headers(cells_by_line: Sequence[list[str]]) -> _Headers | None:
-    """Return the headers of a table, or None if it has no rows after them.
+    """Return the headers of a table, or None if the lines are not a table.
 
     A line of units can follow the names of the columns. Oscilloscopes also write settings, line by line, in front of
-    the names.
+    the names. The lines are not a table if several of them have no row after them, or if the last header has fewer
+    cells than the first row.
     """
     line_count = next((index for index, cells in enumerate(cells_by_line) if _is_row(cells)), len(cells_by_line))
     if not line_count:
@@ -145,6 +146,7 @@ def _find_headers(cells_by_line: Sequence[list[str]]) -> _Headers | None:
     last_header = cells_by_line[line_count - 1]
     if len(last_header) < columns:
         return None
+    # A line that begins with the name of a time column has names, so the line in front of it is a setting.
     has_units = line_count > 1 and len(cells_by_line[line_count - 2]) >= columns and not _is_time(last_header[0])
     if has_units:
         return _Headers(names=cells_by_line[line_count - 2], units=last_header, line_count=line_count)

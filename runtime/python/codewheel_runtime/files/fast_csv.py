@@ -51,9 +51,10 @@ def split_into_blocks(data: bytes, file: BinaryIO) -> Iterator[bytes]:
 
 
 def has_a_row_per_line(block: bytes) -> bool:
-    """Return whether each line of a block is a row, without comments. Cells can have quotes.
+    """Return whether a block has no comments, and ends its lines only with LF or CRLF.
 
-    With an odd number of quotes, the last row of the block can continue in the next one.
+    With an odd number of quotes, the last row of the block can continue in the next one, so the answer is False.
+    ``ends_with_row`` examines the quotes of other blocks.
     """
     if b"#" in block or (b'"' in block and block.count(b'"') % 2):
         return False

@@ -277,19 +277,21 @@ def _fold_crc(number: Any, crc: CrcOf, bits: int) -> Any:
 
 
 @lru_cache(maxsize=64)
-def _make_crc_tables(differs: Callable[[int], int], bits: int) -> tuple[Any, ...]:
-    """Return one table per byte of a number, with the contribution of each value of the byte to the CRC difference.
+def _make_crc_tables(compute_difference: Callable[[int], int], bits: int) -> tuple[Any, ...]:
+    """Return one table per byte of a frame. The XOR of the entries for all bytes is the CRC difference of the frame.
 
-    ``differs`` computes the difference of a number. The entries of the first table also include that of the number 0.
+    ``compute_difference`` returns the CRC difference of one frame: its CRC XOR the CRC computed from its other bits.
+    Each bit contributes the same difference in every frame, so the differences of bytes can be combined with XOR. The
+    difference of the frame 0 is part of each frame, and is included in the first table.
     """
-    zero_difference = differs(0)
+    zero_difference = compute_difference(0)
     tables: list[Any] = []
     for lowest_bit in range(0, bits, 8):
         first_entry = 0 if tables else zero_difference
         table = np.array([first_entry], np.uint64)
         # Each bit doubles the table: its second half has the entries with this bit set.
         for bit in range(lowest_bit, lowest_bit + 8):
-            contribution = differs(1 << bit) ^ zero_difference if bit < bits else 0
+            contribution = compute_difference(1 << bit) ^ zero_difference if bit < bits else 0
             table = np.concatenate([table, table ^ np.uint64(contribution)])
         tables.append(table)
     return tuple(tables)

@@ -224,8 +224,9 @@ def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstE
 
     A string has one piece for each character, and any other field one. ``arrays`` has the columns by name.
     """
-    # Only decimal digits have several columns, which ``_encode_digits`` takes from ``arrays``.
-    values = arrays[list_names(column)[0]]
+    # Only a field of decimal digits has several columns, which ``_encode_digits`` takes from ``arrays``.
+    first_name = list_names(column)[0]
+    values = arrays[first_name]
     match column.kind:
         case "flag" | "not_flag":
             bits = _encode_flag(values, column, first_error)

@@ -298,13 +298,17 @@ def _find_frames(
 ) -> _CaptureFrames:
     """Return the frames in the signals of a capture, with the column ``time``, or ``sample`` without a sample rate.
 
-    ``name`` is that of the file, for errors. For the other arguments, see ``read_capture``.
+    ``name`` is that of the file, for errors. ``probes`` has the arguments of ``read_capture`` about the connection and
+    the timing. For the other arguments, see there.
+
+    Raises:
+        UsageError: A frame has more than 64 bits.
     """
     time_column = "sample" if signals.seconds is None else "time"
     if isinstance(encoder, Encoder) and encoder.interface is Interface.RS485:
         line = read_serial_bytes(signals, _find_baud_rate(encoder, probes))
-        opened = _find_replies(encoder, line, name, probes, layout, answers)
-        return opened._replace(time_column=time_column, total=signals.total)
+        frames = _find_replies(encoder, line, name, probes, layout, answers)
+        return frames._replace(time_column=time_column, total=signals.total)
     is_ssi = isinstance(encoder, Encoder) and encoder.interface is Interface.SSI
     interface_name: Literal["biss", "ssi"] = "ssi" if is_ssi else "biss"
     shape = find_shape(encoder, layout, answers) if isinstance(encoder, Encoder) else encoder.shape
@@ -459,7 +463,7 @@ def _read_capture(
     frames: list[Any] = []
     times: list[Any] = []
     with _open_capture(encoder, source, probes, layout, answers) as opened:
-        # If no frame is found, or none is valid, the lines may be exchanged. That error is then raised instead.
+        # If no frame is found, or none is valid, the lines may be exchanged. If so, that error is raised instead.
         try:
             for stretch in opened.stretches:
                 log.add(stretch)

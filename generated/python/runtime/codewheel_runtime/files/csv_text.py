@@ -269,9 +269,11 @@ def _split_rows(lines: _Lines, texts: Iterable[str], delimiter: str) -> Iterator
     """Yield rows, without empty ones and # comments. ``texts`` are the lines, and ``lines`` counts them for errors."""
     try:
         for row in csv.reader(texts, delimiter=delimiter):
-            # The row counts if its first cell is not empty and no comment, or if any other cell is not empty.
             start = row[0].lstrip() if row else ""
-            if start[:1] != "#" and (start or any(cell.strip() for cell in row)):
+            is_comment = start.startswith("#")
+            # The first cell is tested by itself, because it alone decides for most rows.
+            is_empty = not start and not any(cell.strip() for cell in row)
+            if not is_comment and not is_empty:
                 yield row
     except csv.Error as error:
         raise lines.make_error(str(error)) from None
