@@ -8,7 +8,7 @@ from typing import NamedTuple
 from ..language.document import Path
 from ..language.problems import DocumentReport
 from ..model import Device, Interface, Layout, Measurement, Number, Variant
-from ..model.expressions import Expression
+from ..model.expressions import Expression, is_power_of_two
 from ..order_codes.parameters import run_time_names
 
 
@@ -17,11 +17,6 @@ class KeyProblem(NamedTuple):
 
     key: str
     message: str
-
-
-def is_power_of_two(number: int) -> bool:
-    """Return True for 1, 2, 4 and so on."""
-    return number > 0 and number & (number - 1) == 0
 
 
 def check_gray_positions(device: Device, report: DocumentReport) -> None:

@@ -9,9 +9,9 @@ from ..language.document import Path
 from ..language.problems import DocumentReport
 from ..language.schema_files import is_second
 from ..model import Device, Field, Interface, Layout, Measurement, Number, Variant
-from ..model.expressions import Expression
+from ..model.expressions import Expression, is_power_of_two
 from ..model.record import dataclass
-from .gray_positions import KeyProblem, check_gray_positions, is_power_of_two
+from .gray_positions import KeyProblem, check_gray_positions
 
 #: From this number, a power of two minus one is assumed to be the highest count, not the number of counts.
 _SEVERAL = 15

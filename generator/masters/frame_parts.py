@@ -22,6 +22,7 @@ from ..model import (
     Variant,
     assert_never,
 )
+from ..model.expressions import is_power_of_two
 from ..model.order_codes import facts_for_code
 from ..model.record import dataclass
 from ..say.text import hertz
@@ -212,8 +213,7 @@ def _turn_bits(measurement: Measurement, position_bits: int, variant: Variant) -
     if measurement.counts_per_turn is None or turns == 1:
         return 0
     counts = measurement.counts_per_turn.value(variant.parameters)
-    is_power_of_two = counts & (counts - 1) == 0
-    if is_power_of_two:
+    if is_power_of_two(counts):
         singleturn_bits = (counts - 1).bit_length()
         return max(position_bits - singleturn_bits, 0)
     if turns is None:

@@ -22,6 +22,11 @@ _OPERATOR = re.compile(r"[-+*]")
 LARGEST_EXPONENT = 128
 
 
+def is_power_of_two(number: int) -> bool:
+    """Return True for 1, 2, 4 and so on."""
+    return number > 0 and number & (number - 1) == 0
+
+
 class ExpressionError(ValueError):
     """The text is not an expression, or has no value. The message gives the reason."""
 

@@ -87,7 +87,7 @@ def check_flag_sums(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
     """Check that the flags combined by another one exist in some list of fields."""
     flags: list[str] = []
     for field_list in field_lists(as_read):
-        flags += [field.name for field in field_list.fields if field.has("active") and field.name]
+        flags += [field.name for field in field_list.fields if field.is_flag and field.name]
     for field_list in field_lists(spec):
         for field in field_list.fields:
             other_flags = [name for name in dict.fromkeys(flags) if name != field.name]

@@ -228,10 +228,10 @@ def _interface_data(device: Device, interface: Interface, shared: SharedParts) -
     ``exact`` has the senders whose frames differ in length: a number of bytes then stands for a frame of this length,
     not for a longer one without its leading zeros. ``told`` has the selectors that distinguish frames.
     """
-    reportings_by_name = {reporting.codec.layout.name: reporting for reporting in reportings(device)}
+    reporting_by_frame = reportings(device)
     frames: list[Data] = []
     for layout in interface.layouts:
-        frames.append(frame_data(device, interface.name, layout, reportings_by_name.get(layout.name)))
+        frames.append(frame_data(device, interface.name, layout, reporting_by_frame.get(layout.name)))
     registers = [register_data(device, register) for register in device.registers_over(interface.name)]
     return without_empty(
         name=interface.name,

@@ -383,7 +383,7 @@ class Reports:
             digits=(len(self.all) + 3) // 4,
             path=(),
         )
-        self._by_frame = {reporting.codec.layout.name: reporting for reporting in reportings(device)}
+        self._by_frame = reportings(device)
 
     def declared(self) -> Iterator[Declared]:
         """Yield the names that it declares at file scope."""

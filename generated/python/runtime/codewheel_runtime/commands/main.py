@@ -232,7 +232,7 @@ def _add_capture_command(add_command: Callable[..., Any], name: str, summary: st
 
 def _monitor(package: str, chosen: argparse.Namespace) -> None:
     """Show an encoder live. This needs no other packages but pyserial."""
-    from .live import monitor
+    from .monitor import monitor
 
     monitor(package, chosen)
 
