@@ -148,6 +148,8 @@ def command_again(arguments: argparse.Namespace, *more_specs: str) -> str:
         words += ["--target", name]
     for setting in arguments.option:
         words += ["--option", setting]
+    for edition in arguments.edition:
+        words += ["--edition", edition]
     if arguments.templates is not None:
         words += ["--templates", str(arguments.templates)]
     return shlex.join(words)

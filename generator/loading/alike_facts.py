@@ -26,7 +26,8 @@ def compare_facts(places: Sequence[str], documents: Sequence[Document], report: 
     """Report each device with other facts at a place such as ``interfaces.ssi.cable_lengths`` than most devices.
 
     All devices with the interface are compared, so one that lacks the facts is reported, too. Among equally common
-    facts, those of the first file apply. An erratum of either device that affects the place explains a difference.
+    facts, those of the first device without an erratum about the place apply. An erratum that only one of two devices
+    has about it explains a difference.
     """
     for place in places:
         steps = place.split(".")

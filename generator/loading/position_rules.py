@@ -180,7 +180,10 @@ def _unit_problem(case: _Case, values: Mapping[str, int]) -> KeyProblem | None:
 def _width_problem(
     device: Device, measurement: Measurement, case: _Case, counts_key: str, values: Mapping[str, int]
 ) -> KeyProblem | None:
-    """Return the key and the message if the position has too few bits, or unused bits where it must use all."""
+    """Return the key and the message if the position has too few bits, or unused bits where it must use all.
+
+    A position of several fields also has too few bits if ``highest`` does not fit.
+    """
     turns = values.get("turns", 1)
     counts = values[counts_key] * turns
     turns_text = f" × {turns} turns" if turns > 1 else ""

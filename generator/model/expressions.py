@@ -72,7 +72,8 @@ class Expression:
         """Parse an expression from a spec.
 
         Raises:
-            ExpressionError: The text is not a sum of numbers, parameters and powers of two.
+            ExpressionError: The text is not a sum of numbers, parameters and powers of two, a product contains a
+                number, or the exponent of a power is too large.
         """
         if isinstance(text, int):
             return cls(text)
@@ -237,7 +238,7 @@ def _multiply(product: Expression, atom: Expression) -> Expression:
     """Return the product of an expression and an atom. A product of 1, which begins a term, is the atom itself.
 
     Raises:
-        ExpressionError: A factor is a number.
+        ExpressionError: A factor is a number. A 1 at the beginning of a term is accepted.
     """
     if product == Expression(1):
         return atom
@@ -267,7 +268,7 @@ def _value_of_factor(factor: Factor, parameters: Mapping[str, int]) -> int:
 def resolve_parameters(known_values: Mapping[str, int], definitions: Mapping[str, Expression]) -> Mapping[str, int]:
     """Return ``known_values`` together with all parameters that can be calculated from them.
 
-    Definitions with a missing parameter, such as one that an answer sets, are omitted.
+    Definitions with a missing parameter, such as one that an answer sets, are omitted. A value out of range becomes 0.
     """
     parameters = dict(known_values)
     pending = {name: definition for name, definition in definitions.items() if name not in parameters}

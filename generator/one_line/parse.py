@@ -57,7 +57,8 @@ _EXAMPLE = "INTERFACE:FIELD,FIELD, such as biss:position=32,error,warning,crc=6:
 def _read_interface(text: str, problems: list[LineProblem]) -> tuple[str, int]:
     """Return the interface, and the offset of the colon after its options, or 0 if the line begins with a field.
 
-    A line without an interface is read as one for BiSS, to find its other problems.
+    Without a colon, the offset is the end of a line that begins with an interface. A line without an interface is read
+    as one for BiSS, to find its other problems.
     """
     head, colon, _ = text.partition(":")
     word = head.partition(",")[0].strip()

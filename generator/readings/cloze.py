@@ -82,21 +82,24 @@ def sheet(spec: Document, old_entries: Mapping[str, Any]) -> dict[str, Any]:
     old_entry_by_text = {old_entry["text"]: old_entry for old_entry in old_entries.values()}
     for path, (_, cloze) in clozes(spec).items():
         kinds.update(gap.kind for gap in cloze.gaps)
-        sheet_entry = old_entries.get(path) or old_entry_by_text.get(cloze.text, {})
+        sheet_entry = old_entries.get(path, {})
         if sheet_entry.get("text") != cloze.text:
             unfilled_words = ["?"] * len(cloze.gaps)
-            sheet_entry = {"text": cloze.text, "words": unfilled_words}
+            sheet_entry = old_entry_by_text.get(cloze.text, {"text": cloze.text, "words": unfilled_words})
         sheet_entries[path] = {**sheet_entry, "words": _valid_words(cloze, sheet_entry["words"], choices)}
     choices_of_kinds = {kind: list(words) for kind, words in choices.items() if kind in kinds}
     return {"choices": choices_of_kinds, "texts": sheet_entries}
 
 
 def _valid_words(cloze: ClozeText, words: Sequence[str], choices: Mapping[str, Sequence[str]]) -> list[str]:
-    """Return the filled words, with a question mark for one that is no longer a choice, such as a renamed signal.
+    """Return the word of each gap, with a question mark for one that is missing or no longer a choice.
+
+    A renamed signal, for example, is no longer a choice.
 
     ``choices`` are the valid words by kind of gap.
     """
-    return [word if word in choices[gap.kind] else "?" for gap, word in zip(cloze.gaps, words, strict=False)]
+    enough_words = [*words, *["?"] * len(cloze.gaps)]
+    return [word if word in choices[gap.kind] else "?" for gap, word in zip(cloze.gaps, enough_words, strict=False)]
 
 
 def open_gaps(sheet_data: Mapping[str, Any]) -> int:

@@ -16,7 +16,8 @@ _Row = tuple[tuple[int, Value], ...]
 def with_rows_of(spec: Facts, second: Facts) -> Facts:
     """Return the facts of a spec, in which a table has the rows numbered as in the second reading.
 
-    This concerns tables with another number of rows than in the second reading. Rows that only the spec has come last.
+    This concerns tables with another number of rows with numbers than in the second reading, if it has some. Rows that
+    only the spec has come last.
     """
     new_keys: dict[Key, Key] = {}
     for table_key in [key for key in spec.facts if key[0] == "table" and len(key) == 2]:

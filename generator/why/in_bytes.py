@@ -52,7 +52,7 @@ def byte_hypotheses(
 
 
 def is_valid_in_bytes(device: Device, placed_layout: PlacedLayout, received_bytes: bytes) -> bool:
-    """Return whether the frame has an 8-bit CRC, and the CRC and the constants of the frame are correct."""
+    """Return whether the frame has an 8-bit CRC, and its CRC, constants, parity and selector are correct."""
     crc = device.crc_of(placed_layout)
     if crc is None or crc.width != 8:
         return False

@@ -165,7 +165,7 @@ def _is_fixed(fields: FieldList, field_name: str) -> bool:
 
 
 def _width_of_field(field: WrittenField) -> int | str | None:
-    """Return the number of bits of a field, given by its width or as the place of one bit."""
+    """Return the number of bits of a field, given by its width or as the place of one bit, or None if neither is."""
     # ``at`` is the number of one bit, or a text such as 7:6.
     is_at_one_bit = isinstance(field.at, int)
     return 1 if is_at_one_bit else field.bits

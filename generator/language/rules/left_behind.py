@@ -129,7 +129,7 @@ def _parse_number(text: str) -> int:
 
 
 def _bytes_of(register: WrittenRegister) -> str:
-    """Return the default of a register as hexadecimal digits in byte order, such as ``"3412"`` for 0x1234.
+    """Return the default of a register as hexadecimal digits in byte order: ``"3412"`` for 0x1234, low byte first.
 
     The result is empty if there is no default, if several bytes have no byte order, or if the default does not fit.
     """
