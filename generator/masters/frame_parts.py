@@ -204,10 +204,11 @@ def turn_bits_of_fields(placed_layout: PlacedLayout, measurement: Measurement, v
 def _turn_bits(measurement: Measurement, position_bits: int, variant: Variant) -> int:
     """Return the number of the highest bits of the position that count revolutions: those above one revolution.
 
-    There are none for a length, and without the counts per revolution.
+    There are none for a length, for a single revolution, without the counts per revolution, or if these are not a power
+    of two and the number of revolutions is not known.
 
     Raises:
-        NoRecord: There are several revolutions, but no bits of the position are the revolutions.
+        NoRecord: There are several revolutions, of counts that are not a power of two, so no bits are the revolutions.
     """
     turns = measurement.turns.value(variant.parameters) if measurement.turns is not None else None
     if measurement.counts_per_turn is None or turns == 1:

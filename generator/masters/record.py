@@ -1,4 +1,4 @@
-"""Clock for a cable length, from the table in the encoder's manual or, for BiSS, from a public one.
+"""The record of an order code: the facts about its position, frame, clocks and times that settings of masters need.
 
 The rules for masters in ``specs/masters`` refer to its items by name. An item that the manual does not give is None. A
 rule that needs it reports it as unknown.
@@ -325,7 +325,11 @@ def _cable_row(unlimited: Record, metres: int) -> CableRow:
 
 
 def _frame_with_position(interface: Interface, measurement: Measurement, variant: Variant) -> PlacedLayout:
-    """Return the frame that carries the position of this order code. With several BiSS channels, this is the first."""
+    """Return the frame that carries the position of this order code. With several BiSS channels, this is the first.
+
+    Raises:
+        NoRecord: No frame carries the position.
+    """
     layouts = sorted(interface.layouts, key=lambda layout: layout.channel or 0)
     for layout in layouts:
         placed_layout = layout.place(variant.parameters)

@@ -197,7 +197,7 @@ ArgumentRefusal = OutsideArgumentLimits | TooWide | NotOneOf | Undecodable
 
 @dataclass(frozen=True, slots=True)
 class CheckedArgument:
-    """An argument, the operation that writes it, and the reasons for which it is rejected before any write.
+    """An argument, the operations that write it, and the reasons for which it is rejected before any write.
 
     Values that do not fit are also rejected when the register is encoded.
     """
@@ -283,7 +283,7 @@ def _with_verification(operations: Iterable[Operation]) -> Iterator[Operation]:
 
     The manuals have no such step. On BiSS, however, a disturbed write can be echoed as if it had been stored. A written
     value takes effect when the procedure writes to a register that cannot be read, such as a command register, makes a
-    closing write, or writes to the same place again.
+    closing write, or writes to the same place again. A write that no such write follows is not read back.
     """
     pending: list[Verifies] = []
     for operation in operations:
@@ -310,7 +310,7 @@ def _writes_same_place(write: Writes, earlier_write: Writes) -> bool:
 
 
 def _can_be_read_back(write: Writes) -> bool:
-    """Return whether a write can be verified: its register keeps the value, and its reserved bits have fixed places."""
+    """Return whether a write can be verified: it does not close, and the register keeps it, in fixed places."""
     register = write.register
     unused_fields = [field for field in register.layout.fields if isinstance(field.kind, Unused)]
     has_fixed_unused_bits = all(field.is_fixed for field in unused_fields)

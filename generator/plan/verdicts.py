@@ -91,7 +91,8 @@ class Judgement:
     def for_parameters(self, parameters: Mapping[str, int]) -> Judgement:
         """Return the verdict for an order code with these parameters, without causes that its frames do not have.
 
-        If no bit of its frames judges the position, the verdict is UNKNOWN, which is worse than a warning.
+        If no bit of its frames judges the position, ``otherwise`` is UNKNOWN. The causes of warnings are then omitted,
+        since UNKNOWN is worse.
         """
         not_usable = tuple(cause for cause in self.not_usable if _has_bits(cause.by, parameters))
         if self.judging_bits.value(parameters) == 0:

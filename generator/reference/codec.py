@@ -426,9 +426,9 @@ def _split_join(placed: PlacedLayout, join: Join, joined_value: int, values: Val
 
 
 def _encode_field(placed: PlacedLayout, placed_field: PlacedField, values: Values) -> int:
-    """Return the bits of one field, shifted down to bit 0. A selector with a single value needs none from the caller.
+    """Return the bits of one field, shifted down to bit 0, or raise an EncodeError if its value is missing or wrong.
 
-    Return 0 for CRC and parity, which are computed later from the others, and for unused bits, which are added later.
+    A selector with a single value needs none. CRC, parity and unused bits are 0 here, and are added later.
     """
     name = placed_field.name
     kind = placed_field.field.kind

@@ -107,8 +107,8 @@ class Decoder:
     def fields_with_local(self) -> tuple[Field, ...]:
         """The fields whose bits the decoder keeps in a local.
 
-        Those without one are constants, CRCs, texts, flags that are read from their byte, unused fields that are only
-        reported, and parity bits that are checked in the word.
+        Those without one are constants, CRCs, texts, unused fields that are only reported, and parity bits that are
+        checked in the word. Flags that no join and no parity uses are tested in place, in their byte or in the word.
         """
         names_without_local = self._plain_flags | self._only_reported | self.plan.constants.keys()
         names_without_local |= self._word_parities.keys()
@@ -216,9 +216,10 @@ class Decoder:
         return join_operands("||", (other_value, other_parity))
 
     def _mask_in_word(self, parity: ParityIs) -> int:
-        """Return the mask of a parity bit and all bits that it covers, 0 if they are not always in the lower 32 bits.
+        """Return the mask of a parity bit and all bits that it covers, or 0 if it cannot be checked by such a mask.
 
-        A selector with a known parity is compared instead.
+        The frame must be a word without Gray code, in which these bits are the same for all order codes, registers and
+        answers, and are in the lower 32 bits. A selector with a known parity is compared instead.
         """
         if not self.plan.by_word or self.plan.gray is not None or parity.known_parity is not None:
             return 0
@@ -356,7 +357,7 @@ class Decoder:
     def _is_active(self, part: Part, bit: Expr, *, low_is_active: bool) -> Expr:
         """Return the condition that a flag is active. A flag that the order code does not have is inactive.
 
-        An active-low flag is compared with its width, which is 1, or 0 if there is no flag.
+        An active-low flag of which only some order codes have the bit is compared with its width, which is 1 or 0.
         """
         if low_is_active and not part.field.width.is_constant:
             return Operation("!=", (bit, self.struct.scope.expression_of(part.field.width)))

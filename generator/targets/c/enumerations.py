@@ -356,7 +356,7 @@ class FrameReports:
 
 
 class Reports:
-    """All reports of a family. ``mask`` is the type with a bit for each."""
+    """All reports of a family, or a TargetError if there are more than 64. ``mask`` is the type with a bit for each."""
 
     def __init__(
         self, device: Device, prefix: str, choices: Mapping[tuple[str, str], Enumeration], scope: Scope

@@ -60,7 +60,7 @@ def _deciding_rows(device: Device, reporting_frames: Iterable[Reporting]) -> Ite
     """Yield rows of interface, frames, deciding field, its active value, verdict, source, errata.
 
     Frames of an interface with the same rows share them. Only the first of these rows names the interface and the
-    frames.
+    frames. If no frame has a position, a single row says so.
     """
     layouts_by_rows: dict[tuple[str, tuple[Row, ...]], list[Layout]] = {}
     for reporting in reporting_frames:
