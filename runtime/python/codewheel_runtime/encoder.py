@@ -261,7 +261,10 @@ class Encoder:
         return self._range_in(kind._frame_name(self))
 
     def _range_in(self, frame: str, /) -> PositionRange:
-        """Return the range of the positions in a frame of this name."""
+        """Return the range of the positions in a frame of this name.
+
+        This method is for families whose manual does not give the range. It raises ValueError. ``Wrapping`` returns it.
+        """
         raise ValueError(f"the manual does not say where the position of {self.code} wraps around")
 
     def _position_ranges(self) -> Mapping[str, PositionRange]:

@@ -116,7 +116,7 @@ class _Screen:
         self.frames = self.failures = 0
 
     def show_reading_of(self, reader: Reader) -> None:
-        """Show the next frame or failure. Raises the error of the reader if the encoder never answered."""
+        """Show the next frame or failure. Raises the error of the reader at the tenth failure without any frame."""
         try:
             self.add(reader.read())
         except RuntimeError as error:
