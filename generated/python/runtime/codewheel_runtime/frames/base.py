@@ -182,7 +182,7 @@ class FixedFrame(Fixed):
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
 
         Raises:
-            TypeError, ValueError: The frames are not in this form.
+            TypeError, ValueError: ``frames`` are not in this form.
         """
         return decode_many(frames, cls, variant=None)
 
@@ -277,7 +277,7 @@ class FrameOf(ByEncoder[_Encoder]):
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
 
         Raises:
-            TypeError, ValueError: The frames are not in this form.
+            TypeError, ValueError: ``frames`` are not in this form.
             TypeError, FamilyError, InterfaceError: ``variant`` is not an encoder that sends such frames.
         """
         return decode_many(frames, cls, variant=variant)
