@@ -428,7 +428,7 @@ def check_encoder(
 
 def raise_frame_error(error: Exception, frame: object, encoder: Encoder) -> NoReturn:
     """Raise an error with the frame and the encoder. This is the handler of ``decode``."""
-    raise _find_encoder(error, frame, encoder)
+    raise _with_encoder(error, frame, encoder)
 
 
 def _return_frame_error(error: Exception, frame: object, encoder: Encoder) -> Exception:
@@ -437,7 +437,7 @@ def _return_frame_error(error: Exception, frame: object, encoder: Encoder) -> Ex
     Raises:
         TypeError: The error is not a frame error, because the frame does not have the right type.
     """
-    error = _find_encoder(error, frame, encoder)
+    error = _with_encoder(error, frame, encoder)
     if isinstance(error, FrameError):
         return error
     raise error
@@ -446,7 +446,7 @@ def _return_frame_error(error: Exception, frame: object, encoder: Encoder) -> Ex
 return_frame_error: ErrorHandler = cast(ErrorHandler, _return_frame_error)
 
 
-def _find_encoder(error: Exception, frame: object, encoder: Encoder) -> Exception:
+def _with_encoder(error: Exception, frame: object, encoder: Encoder) -> Exception:
     """Return a frame error after the frame and the encoder are added to it. Others become a TypeError with the code."""
     if isinstance(error, FrameError):
         error.add(frame, encoder)

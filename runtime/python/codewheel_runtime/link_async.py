@@ -157,7 +157,7 @@ class AsyncLink:
         return await self._carry_out(self.session.exchange(request))
 
     async def run(self, steps: Sequence[Step]) -> None:
-        """Carry out a procedure, such as a reset."""
+        """Carry out a procedure, such as a reset. Raises StepError if a step fails."""
         await self._carry_out(self.session.run(steps))
 
     async def close(self) -> None:

@@ -288,7 +288,7 @@ def run(
     does not return the values that it stored.
 
     On a line, unread bytes are discarded before each request, and the reply to each request is checked before the
-    next request is sent.
+    next request is sent, if the length of the reply is known.
 
     Not yet tested on hardware.
 

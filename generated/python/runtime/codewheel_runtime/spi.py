@@ -155,8 +155,8 @@ class Pipeline:
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
-            The answer, or None if no request was sent before this word, or if the word does not have the length of a
-            late reply.
+            The answer. With late replies, it belongs to the request before the last one, and is None if there was none
+            or if its word had another length.
 
         Raises:
             FrameError: The word is damaged. The pipeline stays in step: take the next word as usual.

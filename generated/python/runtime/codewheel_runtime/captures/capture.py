@@ -124,7 +124,7 @@ class CaptureSummary(NamedTuple):
 
     Attributes:
         frames: Counts of the frames.
-        lost: Number of lost cycles by reason.
+        lost: Number of lost cycles by reason. Only the part of the reason in front of a colon counts.
         first_lost: The first lost cycles, at most 1000.
         accesses: The first accesses to registers, at most 1000.
         access_count: Number of accesses.

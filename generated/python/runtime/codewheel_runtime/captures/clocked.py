@@ -66,7 +66,7 @@ class CapturedFrames(NamedTuple):
         lost: Cycles without a frame.
         done: Amount of the file that has been read.
         control: Over BiSS, the bits of register accesses.
-        kind: Over RS-485, the kind of the frames. Empty if no valid frame was found.
+        kind: Over RS-485, the kind of the frames. Empty if none is requested, and no valid frame was found.
         others: Number of frames of other kinds, by name.
     """
 

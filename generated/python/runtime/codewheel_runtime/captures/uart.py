@@ -185,7 +185,7 @@ def find_replies(
     """Yield the replies of one kind.
 
     The line may also carry requests and other kinds of replies. If no kind is requested, the kind with a position that
-    is most frequent in the first stretch with such replies is used. Frames are yielded from that stretch on.
+    is most frequent in the first stretch with such replies is used, and nothing is yielded before that was read.
 
     Args:
         line: The bytes on the line.
