@@ -84,7 +84,10 @@ class FrameKind:
         """Arguments of ``decode``, with their descriptions."""
         if self.in_bytes:
             return [("frame", "Bytes of the frame, in the order of transmission."), *self.listed]
-        frame = "Frame as a number whose most significant bit was sent first, or as a string of 0 and 1."
+        frame = (
+            "Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes of "
+            "the number, most significant first."
+        )
         bits = "Number of bits received, if known. The number itself does not show whether bits are missing."
         return [("frame", frame), ("bits", bits), *self.listed]
 

@@ -201,7 +201,12 @@ class Session:
         self._position = next((kind for kind in captures if kind.has_position), None)
 
     def position(self, request: Any = None) -> Work[int]:
-        """Request the position in counts, with ``request`` or with factory defaults."""
+        """Request the position in counts, with ``request`` or with factory defaults.
+
+        Raises:
+            NotUsableError: The encoder reports that its position is not usable.
+            LinkError: See ``exchange``.
+        """
         frame = yield from self.read(request)
         value = frame.usable_position
         if value is None:
@@ -213,7 +218,11 @@ class Session:
         return value
 
     def read(self, request: Any = None) -> Work[PositionFrame]:
-        """Request a frame with the position, with ``request`` or with factory defaults."""
+        """Request a frame with the position, with ``request`` or with factory defaults.
+
+        Raises:
+            LinkError: See ``exchange``. Or the request has no defaults, or no reply contains the position.
+        """
         position_request = self._make_position_request() if request is None else request
         frame = yield from self.exchange(position_request)
         return cast(PositionFrame, frame)
@@ -241,7 +250,7 @@ class Session:
         Raises:
             BusyError: The memory stayed busy.
             DisturbedError: The reply has another value than the request, such as another address.
-            LinkError: There is no valid reply.
+            LinkError: There is no valid reply, or no such request.
         """
         pending = self._make_pending(request)
         kind = pending.kind
@@ -275,7 +284,11 @@ class Session:
         return ""
 
     def run(self, steps: Sequence[Step]) -> Work[None]:
-        """Carry out the steps of a procedure. If a request in a series fails, the series starts again."""
+        """Carry out the steps of a procedure. If a request in a series fails, the series starts again.
+
+        Raises:
+            StepError: A step failed, or is neither a request nor a wait.
+        """
         for index, step in enumerate(steps):
             try:
                 if isinstance(step, Wait):
@@ -288,7 +301,10 @@ class Session:
                 raise StepError(step, index, tuple(steps[:index]), (), str(error)) from error
 
     def pause(self, seconds: float) -> Work[None]:
-        """Wait, and discard all bytes that arrive. The last ones are searched for extra replies."""
+        """Wait, and discard all bytes that arrive. The last ones are searched for extra replies.
+
+        Raises SecondDeviceError if a second device seems to answer.
+        """
         deadline = self.clock() + seconds
         discarded = b""
         while (remaining_s := deadline - self.clock()) > 0:
@@ -297,13 +313,17 @@ class Session:
         self._discard(discarded)
 
     def drain(self) -> Work[None]:
-        """Discard all bytes that have arrived, until the line is quiet."""
+        """Discard all bytes that have arrived, until the line is quiet.
+
+        Raises SecondDeviceError if a second device seems to answer.
+        """
         yield from self._discard_waiting()
 
     def _send_series(self, step: Send) -> Work[None]:
         """Send a request several times in succession, and start again from the first one after a failure.
 
-        The encoder acts after ``step.times`` equal requests, which it counts.
+        The encoder acts after ``step.times`` equal requests, which it counts. After more than ``retries`` failures, the
+        last error is raised.
         """
         pending = self._make_pending(step.request)
         attempts_left = self.retries
@@ -322,7 +342,10 @@ class Session:
                 sent_count = 0
 
     def _send_with_retries(self, pending: PendingRequest) -> Work[bytes]:
-        """Send a request, again after each failure, and return the reply."""
+        """Send a request, again after each of at most ``retries`` failures, and return the reply.
+
+        Raises the error of the last attempt, and SecondDeviceError at once.
+        """
         attempts_left = self.retries
         while True:
             try:
@@ -454,7 +477,12 @@ class Session:
         return max(reply_s, third_quartile)
 
     def _take_reply(self, found_reply: FoundReply, received: bytes, pending: PendingRequest) -> bytes:
-        """Return the reply among the ``received`` bytes, and count other replies. Raises an error if they differ."""
+        """Return the reply among the ``received`` bytes, and count other replies.
+
+        Raises:
+            DisturbedError: Other replies to such a request differ from it.
+            SecondDeviceError: A second device seems to answer.
+        """
         if found_reply.same_kind or found_reply.other_kinds:
             self._count_replies_beside(found_reply, received)
         else:
@@ -482,7 +510,10 @@ class Session:
         return [reply for reply in replies if reply not in self._recent_replies]
 
     def _count_foreign(self, replies: Sequence[bytes], received: bytes, limit: int) -> None:
-        """Count extra replies with other values. Raises SecondDeviceError if there are ``limit`` of them in total."""
+        """Count extra replies with other values.
+
+        Raises SecondDeviceError if there are ``limit`` of them in total, unless ``settle_s`` is 0.
+        """
         self._foreign_replies += len(replies)
         # Without a time to settle, one copy can cause several of them.
         if replies and self._foreign_replies >= limit and self.settle_s != 0:

@@ -116,7 +116,7 @@ class Pipeline:
             register: Class of the register.
 
         Raises:
-            TypeError: The encoder has no such register over SPI.
+            TypeError: The encoder has no such register over SPI, or no request that reads one.
             RuntimeError: The word that was received with the previous request has not been taken.
         """
         address, _ = self._find_place(register)
@@ -129,7 +129,7 @@ class Pipeline:
             value: The value, an object of the register's class.
 
         Raises:
-            TypeError: The encoder has no such register over SPI.
+            TypeError: The encoder has no such register over SPI, or no request that writes one.
             RangeError: The value does not fit.
             RuntimeError: The word that was received with the previous request has not been taken.
         """
@@ -155,8 +155,8 @@ class Pipeline:
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
-            The answer, or None if no request was sent before this word, or if the word does not have the length of a
-            late reply.
+            The answer. With late replies, it belongs to the request before the last one, and is None if there was none
+            or if its word had another length.
 
         Raises:
             FrameError: The word is damaged. The pipeline stays in step: take the next word as usual.
@@ -185,7 +185,7 @@ class Pipeline:
         self._sent = self._before = None
 
     def _make_read_request(self, address: int) -> Request:
-        """Return the request that reads the register at an address."""
+        """Return the request that reads the register at an address. Raises TypeError if the encoder has none."""
         if self._read is None:
             raise TypeError(f"{self._encoder.code} has no request that reads a register")
         request: Request = self._read(address=address)
@@ -194,7 +194,7 @@ class Pipeline:
     def _make_write_requests(self, address: int, data: bytes) -> Iterator[Request]:
         """Yield the requests that write bytes to the register at an address, one of each class in ``write``.
 
-        A request has a field ``address``, a field ``data``, or both.
+        A request has a field ``address``, a field ``data``, or both. Raises TypeError if the encoder has none.
         """
         values = {"address": address, "data": int.from_bytes(data, "big")}
         if not self._write:

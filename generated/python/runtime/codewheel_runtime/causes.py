@@ -123,7 +123,7 @@ def _is_valid(decode: Callable[[object], object], frame: object) -> bool:
 
 
 def _try_changes(encoder: Sender, frame: object) -> Iterator[_Change]:
-    """Yield the changes that undo each common mistake."""
+    """Yield the changes that undo each common mistake. There are none for a text of 0 and 1."""
     if isinstance(frame, (bytes, bytearray, memoryview)):
         yield from _try_changed_bytes(encoder, bytes(cast(bytes, frame)))
         return

@@ -364,7 +364,8 @@ class Timeout(NamedTuple):
             clock_hz: Clock frequency in hertz.
 
         Returns:
-            The time-out in nanoseconds, or None if the manual does not give it for this frequency.
+            The time-out in nanoseconds, or None if the manual does not give it for this frequency. A fixed time-out is
+            the typical one, or else the maximum.
         """
         if self.half_clock_periods is not None:
             return self.half_clock_periods * 500_000_000 / clock_hz
@@ -484,7 +485,8 @@ class SsiFacts(NamedTuple):
             cable_m: Length of the cable in metres.
 
         Returns:
-            The limit in hertz. The clock must be below it. None if the cable is too long for the table.
+            The limit in hertz. The clock must be below it. None if the cable is too long for the table, or if there is
+            no table.
         """
         rows = (row for row in self.cable_lengths if not row.only)
         return next((row.below_hz for row in rows if cable_m < row.shorter_than_m), None)

@@ -161,7 +161,10 @@ class Link:
             self.transport.write(request)
 
     def receive(self, length: int, /) -> bytes:
-        """Return ``length`` bytes, or fewer after a time-out."""
+        """Return the bytes that arrive, until there are at least ``length`` of them, or fewer after a time-out.
+
+        There are more if further bytes arrived together with the last one.
+        """
         data = b""
         deadline = monotonic() + self.session.timeout_s
         # After the time-out, ``read`` returns what has arrived, without a wait. If that is nothing, the loop ends.

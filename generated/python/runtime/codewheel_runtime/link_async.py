@@ -56,7 +56,10 @@ class StreamTransport:
         await self._writer.drain()
 
     async def read(self, timeout_s: float, /) -> bytes:
-        """Return all bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``."""
+        """Return the bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``.
+
+        At the end of the stream, there are none, and this returns at once.
+        """
         try:
             return await wait_for(self._reader.read(4096), max(timeout_s, 0.0005))
         except (Late, TimeoutError):
@@ -105,7 +108,8 @@ async def _finish_in_thread(function: Callable[[_Argument], _Result], argument: 
 class AsyncLink:
     """Link to an encoder, for asyncio. Requests of several tasks are sent one after the other.
 
-    The methods are those of :class:`codewheel_runtime.link.Link`.
+    ``position``, ``read``, ``exchange``, ``run`` and ``close`` are coroutines that do the same as the methods of
+    :class:`codewheel_runtime.link.Link`.
 
     Args:
         encoder: The encoder, with RS-485.
@@ -153,7 +157,7 @@ class AsyncLink:
         return await self._carry_out(self.session.exchange(request))
 
     async def run(self, steps: Sequence[Step]) -> None:
-        """Carry out a procedure, such as a reset."""
+        """Carry out a procedure, such as a reset. Raises StepError if a step fails."""
         await self._carry_out(self.session.run(steps))
 
     async def close(self) -> None:

@@ -42,7 +42,11 @@ class Readings(NamedTuple):
 
 
 def monitor(package: str, chosen: argparse.Namespace) -> None:
-    """Show an encoder live, and record its readings."""
+    """Show an encoder live, and record its readings.
+
+    Raises:
+        Failed: The encoder has no RS-485, it never answered, or more readings failed than ``--max-errors`` allows.
+    """
     encoder = find_encoder(package, chosen)
     if encoder.interface is not Interface.RS485:
         is_spi = encoder.interface is Interface.SPI
@@ -156,7 +160,7 @@ class _Screen:
         self.frames = self.failures = 0
 
     def show_reading_of(self, reader: Reader) -> None:
-        """Show the next frame or failure. Raises the error of the reader if the encoder never answered."""
+        """Show the next frame or failure. Raises the error of the reader at the tenth failure without any frame."""
         try:
             self.add(reader.read())
         except RuntimeError as error:

@@ -24,7 +24,7 @@ def shape_of(kind: type, *arguments: object) -> Shape:
             that the manual leaves open for these frames. An answer is a member of the enumeration of its question.
 
     Raises:
-        TypeError: An argument is not an encoder, or an answer is not a member of the enumeration.
+        TypeError: An argument is missing or not an encoder, or an answer is not a member of the enumeration.
         FamilyError, InterfaceError: The encoder belongs to another family, or has another interface.
     """
     make, argument_types = find_description(kind)
@@ -88,7 +88,8 @@ def module_of(kind: type, folder: str) -> Any:
 def decoding_arguments(kind: type, /, **arguments: object) -> tuple[object, ...]:
     """Return those of ``arguments`` that a class of frames needs, in the order of its first fields.
 
-    They are ``variant``, which is the encoder, and the answers to open questions. Others are ignored.
+    They are ``variant``, which is the encoder, and the answers to open questions. Others are ignored. Raises KeyError
+    if one that the class needs is missing.
     """
     fields: tuple[str, ...] = cast(Any, kind)._fields
     # The first fields of a class are the arguments of the function for its description.

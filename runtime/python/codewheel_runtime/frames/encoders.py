@@ -94,8 +94,8 @@ class _Bits(NamedTuple):
 def _describe_usual_bits(column: Column) -> _Bits | None:
     """Return the condition and the bits of a field, or None if ``encode_number`` must handle it.
 
-    ``encode_number`` handles strings, decimal digits, numbers with a list of values, powers of two, numbers whose value
-    0 has another meaning, and signed numbers without bits.
+    ``encode_number`` handles strings, decimal digits, numbers and choices with a list of values, powers of two, numbers
+    whose value 0 has another meaning, and signed numbers without bits.
     """
     width = column.width
     if column.zero_means or column.power_of_two:

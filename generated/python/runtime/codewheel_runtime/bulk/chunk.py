@@ -78,7 +78,8 @@ class Chunk:
     def take(self, low: int, width: int, out: Any = None) -> Any:
         """Return the ``width`` bits of each frame that start at ``low``.
 
-        With ``out``, an array of 64-bit numbers, they are written there. Without it, the type can be smaller.
+        With ``out``, an array of 64-bit numbers, they are written there, and callers must not use the result, which can
+        be None. Without it, the type can be smaller.
         """
         is_in_one_byte = low % 8 + width <= 8
         if not width or is_in_one_byte:
@@ -105,7 +106,10 @@ class Chunk:
         (np.not_equal if active else np.equal)(bit, 0, out=out)
 
     def ungray(self, low: int, width: int, excess: int) -> None:
-        """Convert the ``width`` bits from ``low`` on from Gray code to binary, minus ``excess``. The others stay."""
+        """Convert the ``width`` bits from ``low`` on from Gray code to binary, minus ``excess``. The others stay.
+
+        Frames with Gray code have a single limb. ``sent`` is the chunk as it was before.
+        """
         mask = shift_left(bit_mask(width), low)
         gray = self.limbs[0] & mask
         # Bit n is the XOR of all Gray bits from n on, which doubling shifts collect.

@@ -268,7 +268,7 @@ def _decode(package: str, chosen: argparse.Namespace) -> int | None:
 
 
 def _parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
-    """Return the frame that the arguments contain, or None if they are the name of a file.
+    """Return the frame that the arguments contain, or None if they do not have the form of one.
 
     Over RS-485, ``"1A 2B"`` is bytes. A frame of bits is a number in hexadecimal, such as ``1A2B`` or ``0x1A2B``, or
     text of 0 and 1 such as ``0b0110``, which also shows its length. If the encoder only sends frames that are too long
