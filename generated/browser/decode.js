@@ -2345,7 +2345,7 @@
   /** Return the explanations of a frame of bytes, {merged, all}. */
   function explainBytes(decoded, isWithPairs) {
     const hypotheses = tryMistakesInBytes(decoded);
-    return hasCrcInBytes(decoded) ? explainWithCrc(hypotheses, [], isWithPairs) : explainWithoutCrc(hypotheses);
+    return canCrcContradict(decoded) ? explainWithCrc(hypotheses, [], isWithPairs) : explainWithoutCrc(hypotheses);
   }
 
   /** Return the explanations of a frame of bits, {merged, all}. */
@@ -2370,9 +2370,10 @@
     return significant.length ? explainWithCrc(significant, [], isWithPairs) : { merged: [], all: [] };
   }
 
-  /** Return whether any frame in bytes from the sender has a CRC. */
-  const hasCrcInBytes = ({ orderCode, interface: interface_, sender }) => !orderCode
-    || interface_.frames.some((layout) => layout.order && layout.sender === sender && layout.crc);
+  /** Return whether a CRC can contradict the frame: its own one or, for bytes, that of any frame from the sender. */
+  const canCrcContradict = ({ placedLayout, receivedBytes, interface: interface_, sender }) => (
+    receivedBytes ? interface_.frames.some((layout) => layout.order && layout.sender === sender && layout.crc)
+      : Boolean(placedLayout?.crc));
 
   /** Return the part that a recording without a complete frame lacks, or "". */
   function missingPart(decoded) {
@@ -3316,9 +3317,9 @@
 
   globalThis.codewheelDecode = {
     table: TABLE, FrameText, Refusal, bytesFor, bytesIn, bytesOfNumber, checked, decodeBits, decodeBytes, decodeFrame,
-    addField, anotherHelps, builtLine, deadLine, decodeRegister, explained, findCode, formOf, highestNumber, inferred,
-    judgedTogether, linesOf, lineFamily, missingPart, notOfAnyCode, numberIn, numbersRead, otherFrames,
-    otherPositions, ownRequest, parsedLine, placedFor, quantityOf, readLabel, UnknownCode,
+    addField, anotherHelps, builtLine, canCrcContradict, deadLine, decodeRegister, explained, findCode, formOf,
+    highestNumber, inferred, judgedTogether, linesOf, lineFamily, missingPart, notOfAnyCode, numberIn, numbersRead,
+    otherFrames, otherPositions, ownRequest, parsedLine, placedFor, quantityOf, readLabel, UnknownCode,
   };
   if (typeof document === "undefined") return;
 
@@ -3536,7 +3537,7 @@
 
   /** Return the words in front of the explanations, which are another cause if noise is one (``hasNoise``). */
   function introduceExplanations(decoded, hasNoise) {
-    if (!decoded.placedLayout?.crc) return `${messageFor("uncertain")}:`;
+    if (!canCrcContradict(decoded)) return `${messageFor("uncertain")}:`;
     return hasNoise ? "If all frames fail, these changes make the CRC match:" : "These changes make the CRC match:";
   }
 
@@ -3545,8 +3546,8 @@
     ({ fault }) => ["crc", "length", "constant"].includes(fault)) && !(crc && crc.received === crc.computed);
 
   /** Return the sentence on readings of a frame without a CRC that fit equally well, in a list, or an empty list. */
-  function describeEqualReadings({ placedLayout }, explanations) {
-    if (placedLayout?.crc || explanations.length < 2) return [];
+  function describeEqualReadings(decoded, explanations) {
+    if (canCrcContradict(decoded) || explanations.length < 2) return [];
     const mostFrames = explanations.map(({ oneIn }) => oneIn).reduce((most, oneIn) => (oneIn > most ? oneIn : most));
     const equalCount = explanations.filter(({ oneIn }) => oneIn === mostFrames).length;
     return equalCount > 1 ? [toSentence(messageFor("equal_readings", `${equalCount}`))] : [];

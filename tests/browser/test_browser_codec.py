@@ -506,14 +506,19 @@ def recorded_texts(frame: str, random_: random.Random) -> Iterator[str]:
 
 
 def expected_explanations(case: Case, text: str) -> list[Any] | None:
-    """Return the explanations of the command, and the missing part, or None if only the command explains the frame."""
+    """Return the explanations of the command, or None if only the command explains the frame.
+
+    They come with the missing part, and with whether a CRC can contradict the frame and whether another frame helps.
+    """
     why = why_of(case, text)
     if why is None:
-        return [[], ""]
+        return [[], "", False, False]
     single_kinds = {mistake.kind for mistake in why.explanations if not mistake.twice}
     if single_kinds & COMMAND_KINDS and single_kinds <= COMMAND_KINDS | {"frame_inside"}:
         return None
-    return [[reason(mistake) for mistake in of_page(why).explanations], why.missing]
+    page_why = of_page(why)
+    reasons = [reason(mistake) for mistake in page_why.explanations]
+    return [reasons, why.missing, bool(reasons) and why.has_crc, page_why.needs_another_frame]
 
 
 def why_of(case: Case, text: str, *, with_pairs: bool = False) -> Diagnosis | None:
