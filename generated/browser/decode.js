@@ -1934,13 +1934,18 @@
   const LEADING_TIME = new RegExp("^\\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"
     + "|[0-9]+[.][0-9]+(?: ?(?:s|ms|us|µs))?|[0-9]+ ?(?:s|ms|us|µs))\\]?[ \\t,;]+(?=[^ \\t])");
 
-  /** Return the frames in a text, one per line, as {number, time, text}. Comments after # and empty lines are skipped. */
+  /**
+   * Return the frames in a text, one per line, as {number, time, text, offset} with the ``offset`` of the text in its
+   * line. Comments after # and empty lines are skipped.
+   */
   function linesOf(input) {
     return input.split(/\r\n|\r|\n/).flatMap((line, lineIndex) => {
-      const lineText = line.split("#")[0].trim();
-      const timeMatch = LEADING_TIME.exec(lineText);
-      const frameText = timeMatch ? lineText.slice(timeMatch[0].length) : lineText;
-      return frameText ? [{ number: lineIndex + 1, time: timeMatch ? timeMatch[1] : "", text: frameText }] : [];
+      const beforeComment = line.split("#")[0].trimEnd();
+      const timeAndFrame = beforeComment.trimStart();
+      const timeMatch = LEADING_TIME.exec(timeAndFrame);
+      const frameText = timeMatch ? timeAndFrame.slice(timeMatch[0].length) : timeAndFrame;
+      const offset = beforeComment.length - frameText.length;
+      return frameText ? [{ number: lineIndex + 1, time: timeMatch?.[1] ?? "", text: frameText, offset }] : [];
     });
   }
 
@@ -4119,9 +4124,8 @@
     /** All about one frame, or the reason why it is not one. */
     function resultOfLine({ line, decoded, error, spellings = [] }) {
       if (error) {
-        return [
-        createPart("div", "bad", createElement("p", {}, toSentence(error))),
-        ...(spellings.length ? [createCodeButtons(spellings, (spelling) => rewriteLine(line, spelling))] : [])];
+        const buttons = createCodeButtons(spellings, (spelling) => rewriteLine(line, spelling));
+        return [createPart("div", "bad", createElement("p", {}, toSentence(error))), buttons];
       }
       if (unansweredQuestions(decoded.placedLayout?.layout).length && decoded.fields.length) {
         return [createPart("div", "warning", createElement("p", {}, UNANSWERED_QUESTION))];
@@ -4134,9 +4138,10 @@
     }
 
     /** Replace the text of a frame in its line by another spelling, and show the result. */
-    function rewriteLine({ number, text }, spelling) {
+    function rewriteLine({ number, text, offset }, spelling) {
       const inputLines = frameInput.value.split(/\r\n|\r|\n/);
-      inputLines[number - 1] = inputLines[number - 1].replace(text, spelling);
+      const line = inputLines[number - 1];
+      inputLines[number - 1] = line.slice(0, offset) + spelling + line.slice(offset + text.length);
       frameInput.value = inputLines.join("\n");
       showResult();
     }

@@ -144,9 +144,8 @@ function box(root) {
   /** All about one frame, or the reason why it is not one. */
   function resultOfLine({ line, decoded, error, spellings = [] }) {
     if (error) {
-      return [
-      createPart("div", "bad", createElement("p", {}, toSentence(error))),
-      ...(spellings.length ? [createCodeButtons(spellings, (spelling) => rewriteLine(line, spelling))] : [])];
+      const buttons = createCodeButtons(spellings, (spelling) => rewriteLine(line, spelling));
+      return [createPart("div", "bad", createElement("p", {}, toSentence(error))), buttons];
     }
     if (unansweredQuestions(decoded.placedLayout?.layout).length && decoded.fields.length) {
       return [createPart("div", "warning", createElement("p", {}, UNANSWERED_QUESTION))];
@@ -159,9 +158,10 @@ function box(root) {
   }
 
   /** Replace the text of a frame in its line by another spelling, and show the result. */
-  function rewriteLine({ number, text }, spelling) {
+  function rewriteLine({ number, text, offset }, spelling) {
     const inputLines = frameInput.value.split(/\r\n|\r|\n/);
-    inputLines[number - 1] = inputLines[number - 1].replace(text, spelling);
+    const line = inputLines[number - 1];
+    inputLines[number - 1] = line.slice(0, offset) + spelling + line.slice(offset + text.length);
     frameInput.value = inputLines.join("\n");
     showResult();
   }

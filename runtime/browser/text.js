@@ -29,13 +29,18 @@ const PASTED_SPELLINGS = [
 const LEADING_TIME = new RegExp("^\\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"
   + "|[0-9]+[.][0-9]+(?: ?(?:s|ms|us|µs))?|[0-9]+ ?(?:s|ms|us|µs))\\]?[ \\t,;]+(?=[^ \\t])");
 
-/** Return the frames in a text, one per line, as {number, time, text}. Comments after # and empty lines are skipped. */
+/**
+ * Return the frames in a text, one per line, as {number, time, text, offset} with the ``offset`` of the text in its
+ * line. Comments after # and empty lines are skipped.
+ */
 function linesOf(input) {
   return input.split(/\r\n|\r|\n/).flatMap((line, lineIndex) => {
-    const lineText = line.split("#")[0].trim();
-    const timeMatch = LEADING_TIME.exec(lineText);
-    const frameText = timeMatch ? lineText.slice(timeMatch[0].length) : lineText;
-    return frameText ? [{ number: lineIndex + 1, time: timeMatch ? timeMatch[1] : "", text: frameText }] : [];
+    const beforeComment = line.split("#")[0].trimEnd();
+    const timeAndFrame = beforeComment.trimStart();
+    const timeMatch = LEADING_TIME.exec(timeAndFrame);
+    const frameText = timeMatch ? timeAndFrame.slice(timeMatch[0].length) : timeAndFrame;
+    const offset = beforeComment.length - frameText.length;
+    return frameText ? [{ number: lineIndex + 1, time: timeMatch?.[1] ?? "", text: frameText, offset }] : [];
   });
 }
 

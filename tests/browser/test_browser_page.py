@@ -123,6 +123,8 @@ STEPS = """
   type(text, "256000979");
   const spellings = [...box.querySelectorAll(".codewheel-decode-codes button")];
   seen.spellings = spellings.map((one) => one.innerText); spellings[0].click(); seen.spelled = [text.value, said(box)];
+  type(text, "# times\\n 0.256000979 256000979 # as printed");
+  box.querySelector(".codewheel-decode-codes button").click(); seen.afterTime = text.value;
   type(text, "0x0"); seen.low = said(box); type(text, "0b" + "1".repeat(45)); seen.high = said(box);
   type(code, "AMM5A23/65KBG1"); type(text, "0x0"); seen.ssi = said(box); type(code, "AMM5A21/65KSC1");
   choose(what, "=preset"); type(text, "00 30 24 f4 00 00 00"); seen.preset = said(box);
@@ -235,6 +237,7 @@ def test_the_meanings_of_digits_are_buttons(steps: dict[str, Any]) -> None:
     assert steps["spellings"] == ["0xF4243D3", "0x256000979"]
     assert steps["spelled"][0] == "0xF4243D3"
     assert "1000003 counts" in steps["spelled"][1]
+    assert steps["afterTime"] == "# times\n 0.256000979 0xF4243D3 # as printed"
 
 
 @pytest.mark.slow
