@@ -2157,11 +2157,10 @@
       ? decodeChannels(orderCode, plainText, registerContents, answers) : null;
     if (wholeFrame) return { ...wholeFrame, interface: interface_ };
     if (!layouts[0].order) {
-      const placedLayout = placedFor(orderCode, layouts[0], registerContents, answers);
-      return {
-        ...decodeBits(placedLayout, numberIn(plainText, placedLayout.bits, orderCode.interface.exact?.includes(sender))),
-        interface: interface_,
-      };
+      const haveLengths = interface_.exact?.includes(sender);
+      const placedLayouts = layouts.map((layout) => placedFor(orderCode, layout, registerContents, answers));
+      const placedLayout = haveLengths ? findLayoutOfLength(placedLayouts, plainText) : placedLayouts[0];
+      return { ...decodeBits(placedLayout, numberIn(plainText, placedLayout.bits, haveLengths)), interface: interface_ };
     }
     const firstLayout = placedFor(orderCode, layouts[0], registerContents, answers);
     const bytes = placedBytes(firstLayout, plainText, interface_.name === "rs485");
@@ -2169,6 +2168,14 @@
     const decoded = layoutOrFailure.layout
       ? decodeBytes(placedFor(orderCode, layoutOrFailure.layout, registerContents, answers), bytes) : layoutOrFailure;
     return { ...decoded, receivedBytes: bytes, interface: interface_, orderCode, sender };
+  }
+
+  /** Return the first layout, unless the text has another length and only one other layout has that length. */
+  function findLayoutOfLength(placedLayouts, text) {
+    const hasLength = ({ bits }) => mayHaveBits(numberIn(text, bits, true), bits);
+    const [firstLayout] = placedLayouts;
+    const fittingLayouts = hasLength(firstLayout) ? [firstLayout] : placedLayouts.filter(hasLength);
+    return fittingLayouts.length === 1 ? fittingLayouts[0] : firstLayout;
   }
 
   /** Return the placed layouts of the other frames that a text can be, if the frame lacks a selector. */
@@ -4127,7 +4134,10 @@
         const buttons = createCodeButtons(spellings, (spelling) => rewriteLine(line, spelling));
         return [createPart("div", "bad", createElement("p", {}, toSentence(error))), buttons];
       }
-      if (unansweredQuestions(decoded.placedLayout?.layout).length && decoded.fields.length) {
+      const layout = decoded.placedLayout?.layout;
+      // Even the length of a word can depend on the answers.
+      const dependsOnAnswers = decoded.fields.length > 0 || !layout?.order;
+      if (dependsOnAnswers && unansweredQuestions(layout).length) {
         return [createPart("div", "warning", createElement("p", {}, UNANSWERED_QUESTION))];
       }
       if (decoded.channels) return createWholeResult(decoded, state.orderCode.interface.measure);
@@ -4287,16 +4297,21 @@
 
   const UNANSWERED_QUESTION = "The manual is ambiguous here. Choose above, because there is no default.";
 
-  /** Create the frames of a sender to choose from: one option, or one for each frame if the frames lack a selector. */
+  /**
+   * Create the frames of a sender to choose from: one option, or one for each frame if the frames lack a selector. If
+   * their length or all channels together identify a frame, an option for all frames comes first.
+   */
   function createFrameChoices(interface_, sender) {
     const layouts = interface_.frames.filter((layout) => layout.sender === sender);
     const isIdentified = interface_.told?.some((selector) => selector.sender === sender);
     if (layouts.length < 2 || isIdentified) return [createOption(sender, `a frame from the ${sender}`)];
     const hasWholeFrame = interface_.channels && sender === "encoder";
-    const wholeFrameChoice = hasWholeFrame ? [createOption(sender, `a whole frame, from the ${sender}`)] : [];
+    const haveLengths = interface_.exact?.includes(sender) && !layouts[0].order;
+    const textForAll = hasWholeFrame ? "a whole frame" : "a frame of any length";
+    const choiceForAll = hasWholeFrame || haveLengths ? [createOption(sender, `${textForAll}, from the ${sender}`)] : [];
     const layoutChoices = layouts.map(
       ({ name }) => createOption(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
-    return [...wholeFrameChoice, ...layoutChoices];
+    return [...choiceForAll, ...layoutChoices];
   }
 
   /** Return the part of an address after #, with the inputs of the box. */

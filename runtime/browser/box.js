@@ -147,7 +147,10 @@ function box(root) {
       const buttons = createCodeButtons(spellings, (spelling) => rewriteLine(line, spelling));
       return [createPart("div", "bad", createElement("p", {}, toSentence(error))), buttons];
     }
-    if (unansweredQuestions(decoded.placedLayout?.layout).length && decoded.fields.length) {
+    const layout = decoded.placedLayout?.layout;
+    // Even the length of a word can depend on the answers.
+    const dependsOnAnswers = decoded.fields.length > 0 || !layout?.order;
+    if (dependsOnAnswers && unansweredQuestions(layout).length) {
       return [createPart("div", "warning", createElement("p", {}, UNANSWERED_QUESTION))];
     }
     if (decoded.channels) return createWholeResult(decoded, state.orderCode.interface.measure);
@@ -307,16 +310,21 @@ function explainUnknownCode(label) {
 
 const UNANSWERED_QUESTION = "The manual is ambiguous here. Choose above, because there is no default.";
 
-/** Create the frames of a sender to choose from: one option, or one for each frame if the frames lack a selector. */
+/**
+ * Create the frames of a sender to choose from: one option, or one for each frame if the frames lack a selector. If
+ * their length or all channels together identify a frame, an option for all frames comes first.
+ */
 function createFrameChoices(interface_, sender) {
   const layouts = interface_.frames.filter((layout) => layout.sender === sender);
   const isIdentified = interface_.told?.some((selector) => selector.sender === sender);
   if (layouts.length < 2 || isIdentified) return [createOption(sender, `a frame from the ${sender}`)];
   const hasWholeFrame = interface_.channels && sender === "encoder";
-  const wholeFrameChoice = hasWholeFrame ? [createOption(sender, `a whole frame, from the ${sender}`)] : [];
+  const haveLengths = interface_.exact?.includes(sender) && !layouts[0].order;
+  const textForAll = hasWholeFrame ? "a whole frame" : "a frame of any length";
+  const choiceForAll = hasWholeFrame || haveLengths ? [createOption(sender, `${textForAll}, from the ${sender}`)] : [];
   const layoutChoices = layouts.map(
     ({ name }) => createOption(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
-  return [...wholeFrameChoice, ...layoutChoices];
+  return [...choiceForAll, ...layoutChoices];
 }
 
 /** Return the part of an address after #, with the inputs of the box. */

@@ -137,6 +137,7 @@ STEPS = """
   const [asPrinted, asTFormat] = box.querySelectorAll("input[type=radio]");
   seen.chosen = asPrinted.checked || asTFormat.checked;
   asTFormat.click(); seen.decided = said(box);
+  type(code, "ASC8520/SC1"); type(text, "0b" + "1".repeat(31)); seen.openLength = said(box);
   type(code, "AM3619/4096-I7"); type(text, "0x0"); seen.delivered = said(box);
   type(box.querySelector("details input"), "12"); seen.held = said(box);
   type(code, "nothing/1"); seen.unknown = said(box);
@@ -264,6 +265,9 @@ def test_what_the_manual_leaves_open_is_asked_for(steps: dict[str, Any]) -> None
     assert "address" not in steps["open"]
     assert steps["chosen"] is False
     assert "address" in steps["decided"]
+    # Whether its zero bit is sent decides the length of this frame.
+    assert "The manual is ambiguous here" in steps["openLength"]
+    assert "length error" not in steps["openLength"]
 
 
 @pytest.mark.slow
@@ -281,6 +285,8 @@ OTHERS = """
   choose(what, "encoder:turns_reply"); seen.turns = said(boxes[0]);
   seen.link = boxes[0].querySelector("p.codewheel-decode-link a").getAttribute("href");
   type(code, "SKM36"); type(text, "40 52 00 00 00 00 12"); seen.instead = said(boxes[0]);
+  type(code, "AMT22-14"); type(text, "61 AB C0 00"); seen.byLength = said(boxes[0]);
+  seen.chosen = what.selectedOptions[0].innerText;
   return seen;
 """
 
@@ -301,6 +307,9 @@ def test_other_frames_that_it_can_be(chromium: str, tmp_path: Path) -> None:
     assert result["link"] == "#code=AMT212B&frame=AB+61&from=encoder%3Aturns_reply"
     assert "This is a valid type label reply. Choose it above." in result["instead"]
     assert "these changes make the CRC match" not in result["instead"].lower()
+    assert result["chosen"] == "a frame of any length, from the encoder"
+    assert "turns" in result["byLength"]
+    assert "length error" not in result["byLength"]
 
 
 COLOURS = r"""
