@@ -3781,9 +3781,10 @@
     });
     const headCells = heads.map((text) => createElement("th",
       { scope: "col", class: text === "Frame" && `${CLASS}-frame` }, text));
-    return createElement("table", { class: `${CLASS}-many` },
+    const table = createElement("table", { class: `${CLASS}-many` },
       createElement("caption", {}, countWithNoun(rows.length, "frame")),
       createElement("thead", {}, createElement("tr", {}, headCells)), createElement("tbody", {}, bodyRows));
+    return createPart("div", "scroll", table);
   }
 
   /** Return the cells of a field by column: its value, and the quantity that a number stands for. */
@@ -4177,7 +4178,12 @@
       frameLink.hidden = !frameInput.value.trim();
       if (!root.hasAttribute("data-link") || !isSetUp) return;
       const isEmpty = !codeInput.value.trim() && !frameInput.value.trim();
-      history.replaceState(null, "", isEmpty ? location.pathname + location.search : frameLink.getAttribute("href"));
+      try {
+        history.replaceState(null, "", isEmpty ? location.pathname + location.search : frameLink.getAttribute("href"));
+      } catch (error) {
+        // Browsers reject many changes in a short time, as someone types. The link has the inputs nevertheless.
+        if (error.name !== "SecurityError") throw error;
+      }
     }
 
     /** Return the elements that help to find the order code: near codes, and the codes that match the first frame. */
@@ -4333,7 +4339,7 @@
         state.answers[alternative.name] = name;
         showResult();
       });
-      return createElement("label", {}, radio, ` ${name}: ${meaning}`);
+      return createElement("label", {}, radio, ` ${name}: ${toSentence(meaning)}`);
     });
     idCounter += 1;
     return createElement("fieldset", {}, createElement("legend", {}, toSentence(alternative.meaning)), answerLabels);
@@ -4463,6 +4469,7 @@
         display: block; width: 100%; font: inherit; padding: .45rem .5rem; color: inherit;
         background: transparent; border: 1px solid var(--codewheel-control); border-radius: 4px;
       }
+      .${CLASS}-item > :is(input:not([type]), select) { min-height: 2.6rem; }
       div.${CLASS} :is(option, optgroup) { background: var(--codewheel-page); color: var(--codewheel-ink); }
       div.${CLASS} :is(textarea, pre, input, input:not([type])) { font-family: ui-monospace, monospace; }
       div.${CLASS} [aria-invalid=true] { border-color: var(--codewheel-not-usable); }
@@ -4549,6 +4556,7 @@
       .${CLASS}-badge-good::before { content: "✓ "; color: var(--codewheel-usable); }
       .${CLASS}-badge-warning::before { content: "▲ "; color: var(--codewheel-warning); }
       .${CLASS}-badge-bad::before { content: "✕ "; color: var(--codewheel-not-usable); }
+      .${CLASS}-scroll { overflow-x: auto; }
       div.${CLASS} table.${CLASS}-many { table-layout: auto; }
       div.${CLASS} table.${CLASS}-many :is(th, td) { width: auto; overflow-wrap: break-word; }
       div.${CLASS} table.${CLASS}-many code { font-family: ui-monospace, monospace; font-size: .9em; }

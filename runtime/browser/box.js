@@ -190,7 +190,12 @@ function box(root) {
     frameLink.hidden = !frameInput.value.trim();
     if (!root.hasAttribute("data-link") || !isSetUp) return;
     const isEmpty = !codeInput.value.trim() && !frameInput.value.trim();
-    history.replaceState(null, "", isEmpty ? location.pathname + location.search : frameLink.getAttribute("href"));
+    try {
+      history.replaceState(null, "", isEmpty ? location.pathname + location.search : frameLink.getAttribute("href"));
+    } catch (error) {
+      // Browsers reject many changes in a short time, as someone types. The link has the inputs nevertheless.
+      if (error.name !== "SecurityError") throw error;
+    }
   }
 
   /** Return the elements that help to find the order code: near codes, and the codes that match the first frame. */
@@ -346,7 +351,7 @@ function createQuestion(state, alternative, showResult) {
       state.answers[alternative.name] = name;
       showResult();
     });
-    return createElement("label", {}, radio, ` ${name}: ${meaning}`);
+    return createElement("label", {}, radio, ` ${name}: ${toSentence(meaning)}`);
   });
   idCounter += 1;
   return createElement("fieldset", {}, createElement("legend", {}, toSentence(alternative.meaning)), answerLabels);
