@@ -1934,13 +1934,18 @@
   const LEADING_TIME = new RegExp("^\\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"
     + "|[0-9]+[.][0-9]+(?: ?(?:s|ms|us|µs))?|[0-9]+ ?(?:s|ms|us|µs))\\]?[ \\t,;]+(?=[^ \\t])");
 
-  /** Return the frames in a text, one per line, as {number, time, text}. Comments after # and empty lines are skipped. */
+  /**
+   * Return the frames in a text, one per line, as {number, time, text, offset} with the ``offset`` of the text in its
+   * line. Comments after # and empty lines are skipped.
+   */
   function linesOf(input) {
     return input.split(/\r\n|\r|\n/).flatMap((line, lineIndex) => {
-      const lineText = line.split("#")[0].trim();
-      const timeMatch = LEADING_TIME.exec(lineText);
-      const frameText = timeMatch ? lineText.slice(timeMatch[0].length) : lineText;
-      return frameText ? [{ number: lineIndex + 1, time: timeMatch ? timeMatch[1] : "", text: frameText }] : [];
+      const beforeComment = line.split("#")[0].trimEnd();
+      const timeAndFrame = beforeComment.trimStart();
+      const timeMatch = LEADING_TIME.exec(timeAndFrame);
+      const frameText = timeMatch ? timeAndFrame.slice(timeMatch[0].length) : timeAndFrame;
+      const offset = beforeComment.length - frameText.length;
+      return frameText ? [{ number: lineIndex + 1, time: timeMatch?.[1] ?? "", text: frameText, offset }] : [];
     });
   }
 
@@ -2152,11 +2157,10 @@
       ? decodeChannels(orderCode, plainText, registerContents, answers) : null;
     if (wholeFrame) return { ...wholeFrame, interface: interface_ };
     if (!layouts[0].order) {
-      const placedLayout = placedFor(orderCode, layouts[0], registerContents, answers);
-      return {
-        ...decodeBits(placedLayout, numberIn(plainText, placedLayout.bits, orderCode.interface.exact?.includes(sender))),
-        interface: interface_,
-      };
+      const haveLengths = interface_.exact?.includes(sender);
+      const placedLayouts = layouts.map((layout) => placedFor(orderCode, layout, registerContents, answers));
+      const placedLayout = haveLengths ? findLayoutOfLength(placedLayouts, plainText) : placedLayouts[0];
+      return { ...decodeBits(placedLayout, numberIn(plainText, placedLayout.bits, haveLengths)), interface: interface_ };
     }
     const firstLayout = placedFor(orderCode, layouts[0], registerContents, answers);
     const bytes = placedBytes(firstLayout, plainText, interface_.name === "rs485");
@@ -2164,6 +2168,14 @@
     const decoded = layoutOrFailure.layout
       ? decodeBytes(placedFor(orderCode, layoutOrFailure.layout, registerContents, answers), bytes) : layoutOrFailure;
     return { ...decoded, receivedBytes: bytes, interface: interface_, orderCode, sender };
+  }
+
+  /** Return the first layout, unless the text has another length and only one other layout has that length. */
+  function findLayoutOfLength(placedLayouts, text) {
+    const hasLength = ({ bits }) => mayHaveBits(numberIn(text, bits, true), bits);
+    const [firstLayout] = placedLayouts;
+    const fittingLayouts = hasLength(firstLayout) ? [firstLayout] : placedLayouts.filter(hasLength);
+    return fittingLayouts.length === 1 ? fittingLayouts[0] : firstLayout;
   }
 
   /** Return the placed layouts of the other frames that a text can be, if the frame lacks a selector. */
@@ -2345,7 +2357,7 @@
   /** Return the explanations of a frame of bytes, {merged, all}. */
   function explainBytes(decoded, isWithPairs) {
     const hypotheses = tryMistakesInBytes(decoded);
-    return hasCrcInBytes(decoded) ? explainWithCrc(hypotheses, [], isWithPairs) : explainWithoutCrc(hypotheses);
+    return canCrcContradict(decoded) ? explainWithCrc(hypotheses, [], isWithPairs) : explainWithoutCrc(hypotheses);
   }
 
   /** Return the explanations of a frame of bits, {merged, all}. */
@@ -2370,9 +2382,10 @@
     return significant.length ? explainWithCrc(significant, [], isWithPairs) : { merged: [], all: [] };
   }
 
-  /** Return whether any frame in bytes from the sender has a CRC. */
-  const hasCrcInBytes = ({ orderCode, interface: interface_, sender }) => !orderCode
-    || interface_.frames.some((layout) => layout.order && layout.sender === sender && layout.crc);
+  /** Return whether a CRC can contradict the frame: its own one or, for bytes, that of any frame from the sender. */
+  const canCrcContradict = ({ placedLayout, receivedBytes, interface: interface_, sender }) => (
+    receivedBytes ? interface_.frames.some((layout) => layout.order && layout.sender === sender && layout.crc)
+      : Boolean(placedLayout?.crc));
 
   /** Return the part that a recording without a complete frame lacks, or "". */
   function missingPart(decoded) {
@@ -3316,9 +3329,9 @@
 
   globalThis.codewheelDecode = {
     table: TABLE, FrameText, Refusal, bytesFor, bytesIn, bytesOfNumber, checked, decodeBits, decodeBytes, decodeFrame,
-    addField, anotherHelps, builtLine, deadLine, decodeRegister, explained, findCode, formOf, highestNumber, inferred,
-    judgedTogether, linesOf, lineFamily, missingPart, notOfAnyCode, numberIn, numbersRead, otherFrames,
-    otherPositions, ownRequest, parsedLine, placedFor, quantityOf, readLabel, UnknownCode,
+    addField, anotherHelps, builtLine, canCrcContradict, deadLine, decodeRegister, explained, findCode, formOf,
+    highestNumber, inferred, judgedTogether, linesOf, lineFamily, missingPart, notOfAnyCode, numberIn, numbersRead,
+    otherFrames, otherPositions, ownRequest, parsedLine, placedFor, quantityOf, readLabel, UnknownCode,
   };
   if (typeof document === "undefined") return;
 
@@ -3536,7 +3549,7 @@
 
   /** Return the words in front of the explanations, which are another cause if noise is one (``hasNoise``). */
   function introduceExplanations(decoded, hasNoise) {
-    if (!decoded.placedLayout?.crc) return `${messageFor("uncertain")}:`;
+    if (!canCrcContradict(decoded)) return `${messageFor("uncertain")}:`;
     return hasNoise ? "If all frames fail, these changes make the CRC match:" : "These changes make the CRC match:";
   }
 
@@ -3545,8 +3558,8 @@
     ({ fault }) => ["crc", "length", "constant"].includes(fault)) && !(crc && crc.received === crc.computed);
 
   /** Return the sentence on readings of a frame without a CRC that fit equally well, in a list, or an empty list. */
-  function describeEqualReadings({ placedLayout }, explanations) {
-    if (placedLayout?.crc || explanations.length < 2) return [];
+  function describeEqualReadings(decoded, explanations) {
+    if (canCrcContradict(decoded) || explanations.length < 2) return [];
     const mostFrames = explanations.map(({ oneIn }) => oneIn).reduce((most, oneIn) => (oneIn > most ? oneIn : most));
     const equalCount = explanations.filter(({ oneIn }) => oneIn === mostFrames).length;
     return equalCount > 1 ? [toSentence(messageFor("equal_readings", `${equalCount}`))] : [];
@@ -3768,9 +3781,10 @@
     });
     const headCells = heads.map((text) => createElement("th",
       { scope: "col", class: text === "Frame" && `${CLASS}-frame` }, text));
-    return createElement("table", { class: `${CLASS}-many` },
+    const table = createElement("table", { class: `${CLASS}-many` },
       createElement("caption", {}, countWithNoun(rows.length, "frame")),
       createElement("thead", {}, createElement("tr", {}, headCells)), createElement("tbody", {}, bodyRows));
+    return createPart("div", "scroll", table);
   }
 
   /** Return the cells of a field by column: its value, and the quantity that a number stands for. */
@@ -4118,11 +4132,13 @@
     /** All about one frame, or the reason why it is not one. */
     function resultOfLine({ line, decoded, error, spellings = [] }) {
       if (error) {
-        return [
-        createPart("div", "bad", createElement("p", {}, toSentence(error))),
-        ...(spellings.length ? [createCodeButtons(spellings, (spelling) => rewriteLine(line, spelling))] : [])];
+        const buttons = createCodeButtons(spellings, (spelling) => rewriteLine(line, spelling));
+        return [createPart("div", "bad", createElement("p", {}, toSentence(error))), buttons];
       }
-      if (unansweredQuestions(decoded.placedLayout?.layout).length && decoded.fields.length) {
+      const layout = decoded.placedLayout?.layout;
+      // Even the length of a word can depend on the answers.
+      const dependsOnAnswers = decoded.fields.length > 0 || !layout?.order;
+      if (dependsOnAnswers && unansweredQuestions(layout).length) {
         return [createPart("div", "warning", createElement("p", {}, UNANSWERED_QUESTION))];
       }
       if (decoded.channels) return createWholeResult(decoded, state.orderCode.interface.measure);
@@ -4133,9 +4149,10 @@
     }
 
     /** Replace the text of a frame in its line by another spelling, and show the result. */
-    function rewriteLine({ number, text }, spelling) {
+    function rewriteLine({ number, text, offset }, spelling) {
       const inputLines = frameInput.value.split(/\r\n|\r|\n/);
-      inputLines[number - 1] = inputLines[number - 1].replace(text, spelling);
+      const line = inputLines[number - 1];
+      inputLines[number - 1] = line.slice(0, offset) + spelling + line.slice(offset + text.length);
       frameInput.value = inputLines.join("\n");
       showResult();
     }
@@ -4161,7 +4178,12 @@
       frameLink.hidden = !frameInput.value.trim();
       if (!root.hasAttribute("data-link") || !isSetUp) return;
       const isEmpty = !codeInput.value.trim() && !frameInput.value.trim();
-      history.replaceState(null, "", isEmpty ? location.pathname + location.search : frameLink.getAttribute("href"));
+      try {
+        history.replaceState(null, "", isEmpty ? location.pathname + location.search : frameLink.getAttribute("href"));
+      } catch (error) {
+        // Browsers reject many changes in a short time, as someone types. The link has the inputs nevertheless.
+        if (error.name !== "SecurityError") throw error;
+      }
     }
 
     /** Return the elements that help to find the order code: near codes, and the codes that match the first frame. */
@@ -4281,16 +4303,21 @@
 
   const UNANSWERED_QUESTION = "The manual is ambiguous here. Choose above, because there is no default.";
 
-  /** Create the frames of a sender to choose from: one option, or one for each frame if the frames lack a selector. */
+  /**
+   * Create the frames of a sender to choose from: one option, or one for each frame if the frames lack a selector. If
+   * their length or all channels together identify a frame, an option for all frames comes first.
+   */
   function createFrameChoices(interface_, sender) {
     const layouts = interface_.frames.filter((layout) => layout.sender === sender);
     const isIdentified = interface_.told?.some((selector) => selector.sender === sender);
     if (layouts.length < 2 || isIdentified) return [createOption(sender, `a frame from the ${sender}`)];
     const hasWholeFrame = interface_.channels && sender === "encoder";
-    const wholeFrameChoice = hasWholeFrame ? [createOption(sender, `a whole frame, from the ${sender}`)] : [];
+    const haveLengths = interface_.exact?.includes(sender) && !layouts[0].order;
+    const textForAll = hasWholeFrame ? "a whole frame" : "a frame of any length";
+    const choiceForAll = hasWholeFrame || haveLengths ? [createOption(sender, `${textForAll}, from the ${sender}`)] : [];
     const layoutChoices = layouts.map(
       ({ name }) => createOption(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
-    return [...wholeFrameChoice, ...layoutChoices];
+    return [...choiceForAll, ...layoutChoices];
   }
 
   /** Return the part of an address after #, with the inputs of the box. */
@@ -4312,7 +4339,7 @@
         state.answers[alternative.name] = name;
         showResult();
       });
-      return createElement("label", {}, radio, ` ${name}: ${meaning}`);
+      return createElement("label", {}, radio, ` ${name}: ${toSentence(meaning)}`);
     });
     idCounter += 1;
     return createElement("fieldset", {}, createElement("legend", {}, toSentence(alternative.meaning)), answerLabels);
@@ -4442,6 +4469,7 @@
         display: block; width: 100%; font: inherit; padding: .45rem .5rem; color: inherit;
         background: transparent; border: 1px solid var(--codewheel-control); border-radius: 4px;
       }
+      .${CLASS}-item > :is(input:not([type]), select) { min-height: 2.6rem; }
       div.${CLASS} :is(option, optgroup) { background: var(--codewheel-page); color: var(--codewheel-ink); }
       div.${CLASS} :is(textarea, pre, input, input:not([type])) { font-family: ui-monospace, monospace; }
       div.${CLASS} [aria-invalid=true] { border-color: var(--codewheel-not-usable); }
@@ -4528,6 +4556,7 @@
       .${CLASS}-badge-good::before { content: "✓ "; color: var(--codewheel-usable); }
       .${CLASS}-badge-warning::before { content: "▲ "; color: var(--codewheel-warning); }
       .${CLASS}-badge-bad::before { content: "✕ "; color: var(--codewheel-not-usable); }
+      .${CLASS}-scroll { overflow-x: auto; }
       div.${CLASS} table.${CLASS}-many { table-layout: auto; }
       div.${CLASS} table.${CLASS}-many :is(th, td) { width: auto; overflow-wrap: break-word; }
       div.${CLASS} table.${CLASS}-many code { font-family: ui-monospace, monospace; font-size: .9em; }

@@ -215,7 +215,7 @@ function describeNoise(decoded) {
 
 /** Return the words in front of the explanations, which are another cause if noise is one (``hasNoise``). */
 function introduceExplanations(decoded, hasNoise) {
-  if (!decoded.placedLayout?.crc) return `${messageFor("uncertain")}:`;
+  if (!canCrcContradict(decoded)) return `${messageFor("uncertain")}:`;
   return hasNoise ? "If all frames fail, these changes make the CRC match:" : "These changes make the CRC match:";
 }
 
@@ -224,8 +224,8 @@ const isCorrupted = ({ problems, crc }) => problems.some(
   ({ fault }) => ["crc", "length", "constant"].includes(fault)) && !(crc && crc.received === crc.computed);
 
 /** Return the sentence on readings of a frame without a CRC that fit equally well, in a list, or an empty list. */
-function describeEqualReadings({ placedLayout }, explanations) {
-  if (placedLayout?.crc || explanations.length < 2) return [];
+function describeEqualReadings(decoded, explanations) {
+  if (canCrcContradict(decoded) || explanations.length < 2) return [];
   const mostFrames = explanations.map(({ oneIn }) => oneIn).reduce((most, oneIn) => (oneIn > most ? oneIn : most));
   const equalCount = explanations.filter(({ oneIn }) => oneIn === mostFrames).length;
   return equalCount > 1 ? [toSentence(messageFor("equal_readings", `${equalCount}`))] : [];

@@ -77,7 +77,7 @@ function findExplanations(decoded, isWithPairs = false) {
 /** Return the explanations of a frame of bytes, {merged, all}. */
 function explainBytes(decoded, isWithPairs) {
   const hypotheses = tryMistakesInBytes(decoded);
-  return hasCrcInBytes(decoded) ? explainWithCrc(hypotheses, [], isWithPairs) : explainWithoutCrc(hypotheses);
+  return canCrcContradict(decoded) ? explainWithCrc(hypotheses, [], isWithPairs) : explainWithoutCrc(hypotheses);
 }
 
 /** Return the explanations of a frame of bits, {merged, all}. */
@@ -102,9 +102,10 @@ function explainBits({ placedLayout, typedFrame, problems }, isWithPairs) {
   return significant.length ? explainWithCrc(significant, [], isWithPairs) : { merged: [], all: [] };
 }
 
-/** Return whether any frame in bytes from the sender has a CRC. */
-const hasCrcInBytes = ({ orderCode, interface: interface_, sender }) => !orderCode
-  || interface_.frames.some((layout) => layout.order && layout.sender === sender && layout.crc);
+/** Return whether a CRC can contradict the frame: its own one or, for bytes, that of any frame from the sender. */
+const canCrcContradict = ({ placedLayout, receivedBytes, interface: interface_, sender }) => (
+  receivedBytes ? interface_.frames.some((layout) => layout.order && layout.sender === sender && layout.crc)
+    : Boolean(placedLayout?.crc));
 
 /** Return the part that a recording without a complete frame lacks, or "". */
 function missingPart(decoded) {

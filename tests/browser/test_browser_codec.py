@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from browser_harness import Asker, Case, cases, frames_with_checksums
-from codewheel.commands.decode.frames import FrameTextError, frame_bytes, frame_number, undecorated
+from codewheel.commands.decode.frames import FrameTextError, decode_text, frame_bytes, frame_number, undecorated
 from codewheel.loading.library import load_library
 from codewheel.model import Choice, Decimal, Device, Flag, FrameExample, RegisterExample, Text, number_to_bytes
 from codewheel.model.registers import bounds, name_with_limits
@@ -95,6 +95,20 @@ def test_bytes_of_a_word_of_another_length_are_refused(ask: Ask) -> None:
     items = [{"code": "AMT22-14", "sender": sender, "text": text, "answers": {}} for sender, text in rows]
     faults = [answer["faults"] for answer in node("values", items)]
     assert faults == [[], ["length"], ["length"], [], ["length"]]
+
+
+@pytest.mark.parametrize(("path", "code"), [("cui/amt22", "AMT22-14"), ("mps/ma600", "MA600")])
+def test_a_word_has_the_layout_of_its_length(path: str, code: str, ask: Ask) -> None:
+    """It has the layout that the command gives it: the words have 16 and 32 bits, those of the MA600 also 17."""
+    library = library_of(f"../specs/{path}")
+    (device,) = library.devices
+    variant = next(variant for variant in device.variants if variant.code == code)
+    texts = [*(f"0b{1:0{bits}b}" for bits in (15, 16, 17, 32)), "61 AB", "61 AB C0", "61 AB C0 00", "0x61AB", "0x161AB"]
+    items = [{"code": code, "sender": "encoder", "text": text, "answers": {}} for text in texts]
+    layouts = [answer["layout"] for answer in ask(library, "node")("values", items)]
+    decoded_frames = [decode_text(device, variant, "encoder", text) for text in texts]
+    assert layouts == [decoded.layout.name for decoded in decoded_frames if decoded.layout is not None]
+    assert len(set(layouts)) > 1
 
 
 def test_the_bits_of_a_long_frame(ask: Ask) -> None:
@@ -506,14 +520,19 @@ def recorded_texts(frame: str, random_: random.Random) -> Iterator[str]:
 
 
 def expected_explanations(case: Case, text: str) -> list[Any] | None:
-    """Return the explanations of the command, and the missing part, or None if only the command explains the frame."""
+    """Return the explanations of the command, or None if only the command explains the frame.
+
+    They come with the missing part, and with whether a CRC can contradict the frame and whether another frame helps.
+    """
     why = why_of(case, text)
     if why is None:
-        return [[], ""]
+        return [[], "", False, False]
     single_kinds = {mistake.kind for mistake in why.explanations if not mistake.twice}
     if single_kinds & COMMAND_KINDS and single_kinds <= COMMAND_KINDS | {"frame_inside"}:
         return None
-    return [[reason(mistake) for mistake in of_page(why).explanations], why.missing]
+    page_why = of_page(why)
+    reasons = [reason(mistake) for mistake in page_why.explanations]
+    return [reasons, why.missing, bool(reasons) and why.has_crc, page_why.needs_another_frame]
 
 
 def why_of(case: Case, text: str, *, with_pairs: bool = False) -> Diagnosis | None:
