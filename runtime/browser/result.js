@@ -188,15 +188,16 @@ function createExplanations(decoded, hasOtherFrames) {
     (explanation) => describeExplanation(explanation.placedLayout ?? decoded.placedLayout, explanation));
   const explanationLines = explanations.length ? [
     createElement("p", {}, introduceExplanations(decoded, noiseText !== "")), createList(describedExplanations)] : [];
-  const isUnexplained = !explanations.length && !missingText && !hasOtherFrames && isCorrupted(decoded);
+  const isIncomplete = missingText && decoded.problems.some(({ fault }) => fault === "length");
+  const isUnexplained = !explanations.length && !isIncomplete && !hasOtherFrames && isCorrupted(decoded);
   const notes = [
     ...(isUnexplained ? [toSentence(messageFor("no_explanation"))] : []),
     ...describeEqualReadings(decoded, explanations),
     ...(explanations.length && hidesShift(explanations[0]) ? [toSentence(messageFor("hidden_shift"))] : []),
-    ...(missingText ? [toSentence(capitalize(missingText))] : []),
     ...(anotherHelps(explanations) ? [messageFor("another_frame")] : []),
   ];
   return [
+    ...(missingText ? [createElement("p", {}, toSentence(capitalize(missingText)))] : []),
     ...(noiseText ? [createElement("p", {}, noiseText)] : []), ...explanationLines,
     ...notes.map((note) => createElement("p", {}, note)),
   ];

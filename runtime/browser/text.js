@@ -119,7 +119,8 @@ function numberIn(text, bitCount, areBytesExact) {
   let compactText = prefixedText.replace(/[\s_]/g, "");
   if (/^0b[01]+$/i.test(compactText)) return makeTypedFrame(compactText, compactText.length - 2, true);
   const pieces = prefixedText.split(/\s+/);
-  if (pieces.length > 1 && pieces.every((piece) => /^(0x)?([0-9a-f]{2})+$/i.test(piece))) {
+  const isPieceOfBytes = (piece) => /^(0x)?([0-9a-f]{2})+$/i.test(piece);
+  if (pieces.length > 1 && pieces.every(isPieceOfBytes)) {
     if (pieces.every((piece) => /^[01]{2}$/.test(piece))) throw new FrameText(messageFor("bits_or_bytes", quoteText(text)));
     compactText = "0x" + pieces.map((piece) => piece.replace(/^0x/i, "")).join("");
     const writtenBits = 4 * (compactText.length - 2);
@@ -129,6 +130,7 @@ function numberIn(text, bitCount, areBytesExact) {
   if (/^0x[0-9a-f]+$/i.test(compactText)) {
     return {
       ...makeTypedFrame(compactText, bitLength(BigInt(compactText)), false), written: 4 * (compactText.length - 2),
+      isBytes: pieces.length > 1 && pieces.every(isPieceOfBytes),
     };
   }
   const meanings = pieces.length === 1 ? listMeanings(compactText, bitCount) : [];
@@ -136,7 +138,7 @@ function numberIn(text, bitCount, areBytesExact) {
   if (meanings.length === 1 && /^[0-9]+$/.test(compactText)) {
     const areBits = meanings[0] === messageFor("if_bits", compactText);
     return areBits ? makeTypedFrame(`0b${compactText}`, compactText.length, true)
-      : makeTypedFrame(compactText, bitLength(BigInt(compactText)), false);
+      : { ...makeTypedFrame(compactText, bitLength(BigInt(compactText)), false), written: 0 };
   }
   const isLongNumber = pieces.length === 1 && /^[1-9][0-9]{0,19}$/.test(compactText);
   const remedies = meanings.length || !isLongNumber ? meanings
@@ -148,10 +150,10 @@ function numberIn(text, bitCount, areBytesExact) {
 
 /**
  * Return a typed frame: its number with its bits. Unless ``exact``, it may have more. ``written`` counts the bits of
- * all digits.
+ * all digits, or is 0 for a decimal number. ``isBytes`` is true for several bytes, which usually have all their zeros.
  */
 const makeTypedFrame = (text, bitCount, isExact) => ({
-  number: BigInt(text), bits: bitCount, exact: isExact, written: bitCount,
+  number: BigInt(text), bits: bitCount, exact: isExact, written: bitCount, isBytes: false,
 });
 
 /**

@@ -107,12 +107,14 @@ const canCrcContradict = ({ placedLayout, receivedBytes, interface: interface_, 
   receivedBytes ? interface_.frames.some((layout) => layout.order && layout.sender === sender && layout.crc)
     : Boolean(placedLayout?.crc));
 
-/** Return the part that a recording without a complete frame lacks, or "". */
+/** Return the part that a recording without a complete frame lacks, or the bytes that a shorter text lacks, or "". */
 function missingPart(decoded) {
-  const { placedLayout, typedFrame, problems } = decoded;
-  if (!typedFrame || !placedLayout || deadLine(decoded)) return "";
-  if (isCutWord(decoded) && !explained(decoded).length) return findMissingPart(
-    placedLayout, typedFrame.number.toString(2).padStart(typedFrame.written, "0"));
+  const { placedLayout, typedFrame, receivedBytes, problems } = decoded;
+  if (!placedLayout || !(typedFrame || receivedBytes) || deadLine(decoded)) return "";
+  if (receivedBytes) return explained(decoded).length ? "" : describeMissingBytes(placedLayout, 8 * receivedBytes.length);
+  if (hasMissingDigits(decoded) && (typedFrame.isBytes || !explained(decoded).length)) {
+    return fillTemplate(TABLE.texts.read_as_zeros, describeMissingBytes(placedLayout, typedFrame.written));
+  }
   const hasWrongLength = problems.some((problem) => problem.fault === "length");
   if (!hasWrongLength || mayHaveBits(typedFrame, placedLayout.bits)) return "";
   const crc = placedLayout.crc && placedLayout.family.crcs[placedLayout.crc];
@@ -123,10 +125,21 @@ function missingPart(decoded) {
   return findMissingPart(placedLayout, writeReceivedBits(placedLayout, typedFrame));
 }
 
-/** Whether a wrong word of SSI or SPI with a CRC has at least a byte fewer hex digits than the frame. */
-const isCutWord = ({ placedLayout, typedFrame, problems }) => !typedFrame.exact && typedFrame.written > 0
-  && typedFrame.written <= placedLayout.bits - 8 && interfaceOf(placedLayout).name !== "biss"
-  && problems.some((problem) => problem.fault === "crc");
+/** Return whether the digits of a frame with a wrong CRC lack whole bytes, so that these were read as 0. */
+const hasMissingDigits = ({ placedLayout, typedFrame, problems }) => !typedFrame.exact && typedFrame.written > 0
+  && countBytes(typedFrame.written) < countBytes(placedLayout.bits)
+  && problems.some(({ fault }) => fault === "crc");
+
+/** Return the number of bytes that bits fill, the last one at least in part. */
+const countBytes = (bitCount) => Math.ceil(bitCount / 8);
+
+/** Return how many bytes of the frame are missing, or "". */
+function describeMissingBytes(placedLayout, receivedBits) {
+  const [receivedCount, frameCount] = [countBytes(receivedBits), countBytes(placedLayout.bits)];
+  if (receivedCount >= frameCount) return "";
+  const missingText = countWithNoun(frameCount - receivedCount, "byte");
+  return fillTemplate(TABLE.texts.bytes_missing, receivedCount, frameCount, missingText);
+}
 
 /** Return the part that these received bits lack, by the patterns of the line. */
 function findMissingPart(placedLayout, receivedText) {

@@ -256,7 +256,8 @@ def test_texts_are_read_as_the_command_reads_them(node: Asker, library: Library)
 
     def number(text: str) -> dict[str, Any]:
         read = frame_number(placed, text)
-        return {"number": str(read.number), "bits": read.bits, "exact": read.exact, "written": read.written}
+        bits = {"bits": read.bits, "exact": read.exact, "written": read.written, "isBytes": read.is_bytes}
+        return {"number": str(read.number), **bits}
 
     for text, answers in zip(TEXTS, node("readings", [{"text": text} for text in TEXTS]), strict=True):
         for read, answer in zip((lambda text: [*frame_bytes(text)], number), answers, strict=True):
@@ -502,6 +503,10 @@ def disturbed_texts(case: Case, random_: random.Random) -> Iterator[str]:
         if bits % 8 == 0 and bits > 16:
             after_command = number & (1 << bits - 16) - 1
             yield f"0x{after_command:0{(bits - 16) // 4}X}"
+        if bits > 24:
+            first_bytes = number >> bits - 16
+            yield f"0x{first_bytes:04X}"
+            yield f"0x{first_bytes >> 8:02X} 0x{first_bytes & 0xFF:02X}"
         yield from recorded_texts(f"{number:0{bits}b}", random_)
 
 

@@ -284,6 +284,7 @@ def _dispatch_data(interface: Interface, dispatch: Dispatch) -> Data:
 #: Error messages, with placeholders for numbers and names: ``{0} is {1}``.
 _MESSAGES = {
     "length": report.length("{0}", "{1}", "{2}"),
+    "length_of_channels": report.length_of_channels("{0}", "{1}", "{2}", "{3}"),
     "crc": report.crc("{0}", "{1}"),
     "constant": report.constant("{0}", "{1}", "{2}"),
     "parity": report.parity("{0}", "{1}", "{2}", "{3}"),
