@@ -152,7 +152,7 @@
     });
   }
 
-  /** Return the mistakes that are listed for a frame. */
+  /** Return the mistakes that are listed for a frame, the part that it lacks, and the bits that may be disturbed. */
   function reasons(item) {
     return item.frames.map((text) => {
       const found = decoded(foundFor(item), item, text);
@@ -160,7 +160,7 @@
         (one.number === undefined ? [] : [one.number, ...one.orNumbers ?? []]).flatMap((number) => (
           wheel.numbersRead(one.placedLayout ?? found.placedLayout, number).map(([name, value]) => `${name} ${value}`))),
         (one.parts ?? []).map((pair) => pair.join(" "))]);
-      return [mistakes, wheel.missingPart(found)];
+      return [mistakes, wheel.missingPart(found), wheel.deadLine(found) ? [] : wheel.findDisturbedBits(found)];
     });
   }
 
