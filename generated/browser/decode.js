@@ -368,13 +368,13 @@
   }
 
   /** Return the message about a wrong number. Its name in the table is that of the check. */
-  function describeProblem({ check, limit, lowest }, checkedNumber, rightValue) {
+  function describeProblem({ check, limit, lowest, coveredPlaces }, checkedNumber, rightValue) {
     const { field, says: messageName } = check;
     switch (messageName) {
       case "constant":
         return messageFor(messageName, field, hex(checkedNumber), hex(rightValue));
       case "parity":
-        return messageFor(messageName, field, checkedNumber, check.of_name, rightValue);
+        return messageFor(messageName, field, checkedNumber, listCoveredFields(check, coveredPlaces), rightValue);
       case "no_value":
         return messageFor(messageName, field, hex(checkedNumber));
       case "of_other_frame":
@@ -389,6 +389,10 @@
         throw new TypeError(`unknown check ${messageName}`);
     }
   }
+
+  /** Return the names of the fields that a parity bit covers, without those of 0 bits, which the order code lacks. */
+  const listCoveredFields = (check, coveredPlaces) => (
+    check.of_name.split(", ").filter((_, index) => coveredPlaces[index].width > 0).join(", "));
 
   /** Add the reports, the verdict and the differences from the manual to the result of a valid frame or register. */
   function judgeFrame(decoded) {
@@ -2335,14 +2339,22 @@
   }
 
   /** Return the bits that make the frame valid if one of them is inverted: the usual cause if only some frames fail. */
-  function findDisturbedBits({ placedLayout, number, problems }) {
-    const hasWrongCrc = problems.some((problem) => problem.fault === "crc");
-    if (!placedLayout?.crc || problems[0]?.fault === "length" || !hasWrongCrc) return [];
+  function findDisturbedBits({ placedLayout, number, problems, receivedBytes }) {
+    if (!placedLayout || problems[0]?.fault === "length") return [];
+    if (!placedLayout.crc) return findDisturbedConstants(placedLayout, number, receivedBytes);
+    if (!problems.some((problem) => problem.fault === "crc")) return [];
     const { low, width } = findCrcField(placedLayout);
     const crc = placedLayout.family.crcs[placedLayout.crc];
     const isValid = (frameNumber) => computeCrc(crc, placedLayout, frameNumber) === extractBits(frameNumber, low, width)
       && hasRightConstants(placedLayout, frameNumber);
     return listNumbersBelow(placedLayout.bits).filter((bit) => isValid(number ^ (ONE << BigInt(bit))));
+  }
+
+  /** Return the bits that make the constants and the parity of a frame of bits right if one of them is inverted. */
+  function findDisturbedConstants(placedLayout, number, receivedBytes) {
+    if (receivedBytes || hasRightConstants(placedLayout, number)) return [];
+    return listNumbersBelow(placedLayout.bits).filter(
+      (bit) => hasRightConstants(placedLayout, number ^ (ONE << BigInt(bit))));
   }
 
   /** Return the numbers from 0 to ``count`` - 1. */
@@ -3356,7 +3368,8 @@
 
   globalThis.codewheelDecode = {
     table: TABLE, FrameText, Refusal, bytesFor, bytesIn, bytesOfNumber, checked, decodeBits, decodeBytes, decodeFrame,
-    addField, anotherHelps, builtLine, canCrcContradict, deadLine, decodeRegister, explained, findCode, formOf,
+    addField, anotherHelps, builtLine, canCrcContradict, deadLine, decodeRegister, explained, findCode,
+    findDisturbedBits, formOf,
     highestNumber, inferred, judgedTogether, linesOf, lineFamily, missingPart, notOfAnyCode, numberIn, numbersRead,
     otherFrames, otherPositions, ownRequest, parsedLine, placedFor, quantityOf, readLabel, UnknownCode,
   };
@@ -3570,8 +3583,9 @@
     if (!disturbedBits.length) return "";
     const bitText = disturbedBits.length === 1
       ? nameBit(decoded.placedLayout, disturbedBits[0]) : `one of ${disturbedBits.length} bits`;
+    const proofText = decoded.placedLayout.crc ? "the CRC matches" : "the frame is valid";
     return "If only some frames fail, one bit may have been disturbed on the line: "
-      + `the CRC matches with ${bitText} inverted. `
+      + `${proofText} with ${bitText} inverted. `
       + "In that case, no change is needed.";
   }
 

@@ -211,7 +211,8 @@ def _problems_with_other_fields(
     if isinstance(kind, Parity):
         correct_bit = parity_bit(placed, kind, frame)
         if sent_value != correct_bit:
-            message = report.parity(name, f"{sent_value}", ", ".join(kind.of), f"{correct_bit}")
+            covered_names = ", ".join(field.name for field in placed.find_fields(kind.of))
+            message = report.parity(name, f"{sent_value}", covered_names, f"{correct_bit}")
             yield Problem(Fault.CONSTANT, name, message)
     elif name == placed.layout.selector and sent_value not in placed.layout.selects:
         yield Problem(Fault.RANGE, name, report.of_other_frame(name, f"{sent_value:X}"))

@@ -209,8 +209,9 @@ function describeNoise(decoded) {
   if (!disturbedBits.length) return "";
   const bitText = disturbedBits.length === 1
     ? nameBit(decoded.placedLayout, disturbedBits[0]) : `one of ${disturbedBits.length} bits`;
+  const proofText = decoded.placedLayout.crc ? "the CRC matches" : "the frame is valid";
   return "If only some frames fail, one bit may have been disturbed on the line: "
-    + `the CRC matches with ${bitText} inverted. `
+    + `${proofText} with ${bitText} inverted. `
     + "In that case, no change is needed.";
 }
 

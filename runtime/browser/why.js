@@ -41,14 +41,22 @@ function deadLine(decoded) {
 }
 
 /** Return the bits that make the frame valid if one of them is inverted: the usual cause if only some frames fail. */
-function findDisturbedBits({ placedLayout, number, problems }) {
-  const hasWrongCrc = problems.some((problem) => problem.fault === "crc");
-  if (!placedLayout?.crc || problems[0]?.fault === "length" || !hasWrongCrc) return [];
+function findDisturbedBits({ placedLayout, number, problems, receivedBytes }) {
+  if (!placedLayout || problems[0]?.fault === "length") return [];
+  if (!placedLayout.crc) return findDisturbedConstants(placedLayout, number, receivedBytes);
+  if (!problems.some((problem) => problem.fault === "crc")) return [];
   const { low, width } = findCrcField(placedLayout);
   const crc = placedLayout.family.crcs[placedLayout.crc];
   const isValid = (frameNumber) => computeCrc(crc, placedLayout, frameNumber) === extractBits(frameNumber, low, width)
     && hasRightConstants(placedLayout, frameNumber);
   return listNumbersBelow(placedLayout.bits).filter((bit) => isValid(number ^ (ONE << BigInt(bit))));
+}
+
+/** Return the bits that make the constants and the parity of a frame of bits right if one of them is inverted. */
+function findDisturbedConstants(placedLayout, number, receivedBytes) {
+  if (receivedBytes || hasRightConstants(placedLayout, number)) return [];
+  return listNumbersBelow(placedLayout.bits).filter(
+    (bit) => hasRightConstants(placedLayout, number ^ (ONE << BigInt(bit))));
 }
 
 /** Return the numbers from 0 to ``count`` - 1. */

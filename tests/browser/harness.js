@@ -152,8 +152,8 @@
     });
   }
 
-  /** Return the mistakes that are listed for a frame, the missing part, whether a CRC can contradict the frame, and
-   * whether another frame helps. */
+  /** Return the mistakes that are listed for a frame, the missing part, whether a CRC can contradict the frame, whether
+   * another frame helps, and the bits that may be disturbed. */
   function reasons(item) {
     return item.frames.map((text) => {
       const found = decoded(foundFor(item), item, text);
@@ -163,7 +163,8 @@
           wheel.numbersRead(one.placedLayout ?? found.placedLayout, number).map(([name, value]) => `${name} ${value}`))),
         (one.parts ?? []).map((pair) => pair.join(" "))]);
       const isWithCrc = mistakes.length > 0 && wheel.canCrcContradict(found);
-      return [mistakes, wheel.missingPart(found), isWithCrc, wheel.anotherHelps(explanations)];
+      const disturbedBits = wheel.deadLine(found) ? [] : wheel.findDisturbedBits(found);
+      return [mistakes, wheel.missingPart(found), isWithCrc, wheel.anotherHelps(explanations), disturbedBits];
     });
   }
 

@@ -51,6 +51,9 @@ MADE_UP += (
 )
 MADE_UP += ("../specs/tamagawa/ts5700",)
 MADE_UP += ("../specs/magntek/mt6835", "../specs/mps/ma732", "../specs/cui/amt22")
+#: Words without a CRC, whose parity bit covers a toggle bit that only some order codes have.
+WITH_PARITY = "../specs/trelectronic/c58"
+MADE_UP += (WITH_PARITY,)
 #: The order code of the made-up encoder of 22 bits.
 BITS_22 = "T22SC"
 #: Frames of each layout. tests/verify/test_browser.py reads a hundred thousand.
@@ -77,11 +80,22 @@ def test_frames_and_registers_in_node(node: Asker, library: Library) -> None:
     assert [difference for differing in node("compared", items) for difference in differing] == []
 
 
-@pytest.mark.parametrize("name", mostly_exhaustive(MADE_UP, "c/specs/shapes", "../specs/mps/ma732"))
+@pytest.mark.parametrize("name", mostly_exhaustive(MADE_UP, "c/specs/shapes", "../specs/mps/ma732", WITH_PARITY))
 def test_what_no_device_has(name: str, ask: Ask) -> None:
     library = library_of(name)
     answers = ask(library, "node")("compared", frames(library, MADE_UP_FRAMES))
     assert [difference for answer in answers for difference in answer] == []
+
+
+def test_a_parity_error_names_only_the_bits_of_the_order_code(ask: Ask) -> None:
+    node = ask(library_of(WITH_PARITY), "node")
+    words = {"C58-25B-E": f"0b{2:026b}", "C58-25B-TE": f"0b{4:027b}"}
+    answers = node("lines", [{"code": code, "text": text} for code, text in words.items()])
+    problems = [line.split("\t")[-1] for ((_, _, text),) in answers for line in text.splitlines() if "problem" in line]
+    assert [problem.partition("parity of ")[2] for problem in problems] == [
+        "multiturn, singleturn",
+        "multiturn, singleturn, toggle",
+    ]
 
 
 def test_bytes_of_a_word_of_another_length_are_refused(ask: Ask) -> None:
@@ -369,7 +383,7 @@ def test_reasons_over_spi(name: str, ask: Ask) -> None:
     compare_reasons(ask(library, "node"), [*compared_cases(library, 4)], 20)
 
 
-@pytest.mark.parametrize("name", mostly_exhaustive(MADE_UP, MADE_UP[0]))
+@pytest.mark.parametrize("name", mostly_exhaustive(MADE_UP, MADE_UP[0], WITH_PARITY))
 def test_reasons_for_what_no_device_has(name: str, ask: Ask) -> None:
     library = library_of(name)
     compare_reasons(ask(library, "node"), [*compared_cases(library, 4)], 0)
@@ -527,17 +541,18 @@ def recorded_texts(frame: str, random_: random.Random) -> Iterator[str]:
 def expected_explanations(case: Case, text: str) -> list[Any] | None:
     """Return the explanations of the command, or None if only the command explains the frame.
 
-    They come with the missing part, and with whether a CRC can contradict the frame and whether another frame helps.
+    They come with the missing part, with whether a CRC can contradict the frame and whether another frame helps, and
+    with the bits that may be disturbed.
     """
     why = why_of(case, text)
     if why is None:
-        return [[], "", False, False]
+        return [[], "", False, False, []]
     single_kinds = {mistake.kind for mistake in why.explanations if not mistake.twice}
     if single_kinds & COMMAND_KINDS and single_kinds <= COMMAND_KINDS | {"frame_inside"}:
         return None
     page_why = of_page(why)
     reasons = [reason(mistake) for mistake in page_why.explanations]
-    return [reasons, why.missing, bool(reasons) and why.has_crc, page_why.needs_another_frame]
+    return [reasons, why.missing, bool(reasons) and why.has_crc, page_why.needs_another_frame, [*why.disturbed]]
 
 
 def why_of(case: Case, text: str, *, with_pairs: bool = False) -> Diagnosis | None:

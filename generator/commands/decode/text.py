@@ -336,9 +336,10 @@ def _disturbed_lines(disturbed: Sequence[int], placed_layout: PlacedLayout | Non
     if not disturbed or placed_layout is None:
         return []
     bits = _bit_name(disturbed[0], placed_layout) if len(disturbed) == 1 else f"one of {len(disturbed)} bits"
+    proof = "the CRC matches" if placed_layout.crc_field else "the frame is valid"
     explanation = (
-        "If only some frames fail, one bit may have been disturbed on the line: the CRC matches with "
-        f"{bits} inverted. In that case, no change is needed. If all frames fail, read on."
+        f"If only some frames fail, one bit may have been disturbed on the line: {proof} with {bits} inverted. "
+        "In that case, no change is needed. If all frames fail, read on."
     )
     return ["", wrapped(explanation, WIDTH, prefix="  ", first="")]
 
@@ -347,9 +348,8 @@ def _bit_name(bit: int, placed_layout: PlacedLayout) -> str:
     """Return ``bit 9`` for a frame of bits, or ``bit 1 of byte 2`` with the first byte as 0. Bit 0 is the last sent."""
     if not placed_layout.layout.in_bytes:
         return f"bit {bit}"
-    last_byte = placed_layout.bits // 8 - 1
-    bytes_from_end = bit // 8  # Bits are counted from the end of the frame, and bytes from its beginning.
-    return f"bit {bit % 8} of byte {last_byte - bytes_from_end}"
+    byte = placed_layout.bits // 8 - 1 - bit // 8  # Bits are counted from the end, and bytes from the beginning.
+    return f"bit {bit % 8} of byte {byte}"
 
 
 def _mistake_lines(diagnosis: Diagnosis) -> list[str]:
