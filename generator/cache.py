@@ -150,7 +150,7 @@ def _package_folders() -> Iterator[Path]:
 
 
 def _files(folder: Path | str) -> Iterator[tuple[str, os.stat_result]]:
-    """Yield the path and the status of each file in a folder and those below, except compiled ones, ordered by name."""
+    """Yield the path and the status of each file in a folder and below it, except compiled files, ordered by name."""
     with os.scandir(folder) as listing:
         paths_by_name = sorted(listing, key=lambda path: path.name)
     for path in paths_by_name:

@@ -45,7 +45,7 @@ class FamilyParts:
     def _part(self, target_name: str, device: Device, render: Callable[[], Any]) -> Any:
         """Return the part of a target for one family, from this run or the cache, or rendered.
 
-        A device without a digest is always rendered. Parts of families in ``only_paths`` are kept apart from others.
+        A device without a digest is always rendered. Parts of families in ``only_paths`` are cached separately.
         """
         digest = self._digest_of(device)
         if not digest:
@@ -69,7 +69,7 @@ class FamilyParts:
     def _digest_of(self, device: Device) -> str:
         """Return the digest of a device, which is computed once for all targets. It is empty if there is none.
 
-        The device is kept next to it, so that its ``id`` cannot become that of another device.
+        The device is kept next to it, so that no other device can get its ``id``.
         """
         if id(device) not in self._digests:
             self._digests[id(device)] = (device, digest_of(device))

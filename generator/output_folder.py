@@ -84,7 +84,7 @@ def read_file(path: str | Path) -> bytes | None:
         raise WriteError(f"cannot read {path}: {error.strerror}") from None
 
 
-#: A run writes for a few seconds. One that takes longer has been suspended or has a very slow disk.
+#: A run writes for a few seconds. A run that takes longer has been suspended or has a very slow disk.
 PATIENCE_S = 60.0
 _PAUSE_S = 0.1
 
@@ -206,8 +206,8 @@ class Stage:
     def fill(self, files: Mapping[str, str], families: Sequence[str], unchanged: set[str]) -> None:
         """Fill the stage with the whole content of the target's folder: our files, their list, and foreign files.
 
-        ``files`` has the text by the path in the output folder, such as ``c/include/x.h``. Files that are named in
-        ``unchanged`` become hard links to the old ones.
+        ``files`` contains the text by the path in the output folder, such as ``c/include/x.h``. Files that are named in
+        ``unchanged`` become hard links to the old files.
         """
         (self.folder / _MARK).write_text(_MARK_TEXT, encoding="utf-8", newline="\n")
         self._make(Path())

@@ -82,7 +82,8 @@ def unused_templates(
 ) -> Iterator[str]:
     """Yield a line for each of the user's templates that had no effect, or if there are none. Call it after rendering.
 
-    A template has an effect if it overrides a shipped one, or if another one includes it. Hidden files do not count.
+    A template has an effect if it overrides a shipped template, or if another template includes it. Hidden files do not
+    count.
 
     Args:
         own_folder: The user's folder, which has a folder for each target.

@@ -165,7 +165,7 @@ def compare_parts(
     section_subject: Subject,
     compare_content: CompareContent | None = None,
 ) -> Iterator[Change]:
-    """Yield the changes of several things: new, gone and renamed ones, and the members of the others.
+    """Yield the changes of several things: the new, removed and renamed ones, and changed members of the rest.
 
     Args:
         family_pair: The two versions of the family.
@@ -187,7 +187,7 @@ def compare_pair(
     pair: Pair[Any],
     compare_content: CompareContent | None = None,
 ) -> Iterator[Change]:
-    """Yield the changes of one thing: new, gone or renamed, and its members and content if both versions have it.
+    """Yield the changes of one thing: new, gone or renamed, or changes of its members and content.
 
     ``subject`` is the thing, and ``compare_content`` is as in ``compare_parts``. A decision with a default, which
     users need not make, has its own rules for its presence, such as "choice-new".
@@ -207,8 +207,8 @@ def compare_section(
 ) -> Iterator[Change]:
     """Yield the changes of all things in a section of the spec, such as ``"register"``, a key of ``_SECTIONS``.
 
-    A thing concerns its interface in the new version. Things that are gone, CRCs and procedures concern that of the old
-    version.
+    A thing concerns its interface in the new version. Removed things, CRCs and procedures concern the interface in the
+    old version.
     """
     section_path, label = _SECTIONS[part_kind]
     for pair in pair_section(family_pair, section_path):
@@ -232,8 +232,8 @@ def _only_interface_of(device: Device, part: Any) -> str:
 def _interfaces_of(device: Device, part: Any) -> set[str]:
     """Return the names of the interfaces that a thing concerns, in which "" stands for all.
 
-    These are those of the parameters of a decision, of the register or frames with the bits of an alarm, of a
-    connector, and those that send a CRC. Any other thing has its own interface.
+    These are the interfaces of a decision's parameters, of an alarm's register and frames, of a connector, or all that
+    send a CRC. Any other thing has its own interface.
     """
     match part:
         case Alternative(name):
@@ -282,8 +282,8 @@ def _named_in_code(family_pair: FamilyPair, pair: Pair[Any], section_subject: Su
 def _names_in_code(device: Device, section: str, part: Any, section_interface: str) -> dict[str, str]:
     """Return the names of a thing of a section in code: ``{"c": "acme_x24_ssi_frame_…", "python": "x24.Frame"}``.
 
-    ``section_interface`` is "" for things without an interface of their own. The name in C is then that of the first
-    interface, or for a CRC the part that all names have.
+    ``section_interface`` is "" for things without an interface of their own. The name in C is then the name for the
+    first interface, or for a CRC the part that all names share.
     """
     interface = section_interface or getattr(part, "interface", "")
     if not interface and device.interfaces:
@@ -294,7 +294,7 @@ def _names_in_code(device: Device, section: str, part: Any, section_interface: s
         "name": part.name,
         "interface": interface,
     }
-    # Macros have the same words in capitals. ``Name`` is that of a Python class.
+    # Macros have the same words in capitals. ``Name`` is the name of a Python class.
     text_by_placeholder |= {
         placeholder.upper(): replacement.upper() for placeholder, replacement in text_by_placeholder.items()
     }

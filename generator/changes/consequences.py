@@ -1,4 +1,4 @@
-"""Changes that follow from another one: a field of a different size moves the fields after it and resizes the frame."""
+"""Changes that follow from other changes: a resized field moves the fields after it and resizes the frame."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class ComparedField:
 class _ResizedField:
     """A field with a different size: its new lowest bit, or the old one if it is gone, and the bits that it gains.
 
-    Both have one value for each point at which expressions are compared.
+    Both contain one value for each point at which expressions are compared.
     """
 
     name: str
@@ -53,8 +53,8 @@ def fold_moves(
 ) -> Iterator[Change]:
     """Yield the changes of the fields of a layout, without those moves that a resized field explains.
 
-    A moved field is instead listed as ``frame.field`` in ``moved_fields`` of the change that resized the other one.
-    ``_cause_of_move`` has the rule.
+    A moved field is instead listed as ``frame.field`` in ``moved_fields`` of the change that resized the other field.
+    ``_cause_of_move`` implements the rule.
     """
     resized_fields = list(_resized_fields(family_pair, interface, compared_fields))
     # Paths of the moved fields by the name of the resized field that moves them.
@@ -85,9 +85,9 @@ def fold_length(
 ) -> Sequence[ComparedField]:
     """Return the fields, of which one has the different length of the frame as a consequence of its resizing.
 
-    This is the resized field with the highest low bit. Its change gets ``{frame: gained bits}``, with 0 if the gain
-    depends on the order code. If the length is the same, or differs by other bits than the resized fields gain, the
-    fields are returned as they are.
+    This is the resized field that begins at the highest bit. Its change gets ``{frame: gained bits}``, with 0 if the
+    gain depends on the order code. If the length is the same, or differs by other bits than the resized fields gain,
+    the fields are returned as they are.
     """
     old_lengths = family_pair.values_at_points(old_length, interface, is_old=True)
     new_lengths = family_pair.values_at_points(new_length, interface, is_old=False)
@@ -213,7 +213,7 @@ def with_consequences(change: Change) -> Change:
 
 
 def fold_defaults(changes: Sequence[Change]) -> Iterator[Change]:
-    """Yield the changes, with a changed default of a field merged into that of its register.
+    """Yield the changes, with a field's changed default merged into the change of its register's default.
 
     The text of the register's change continues with ``(speed 1 → 2)``. A default of a field whose register has no such
     change stays alone.
@@ -269,7 +269,7 @@ def _resized_frames_text(resized_frames: Mapping[str, int]) -> str:
 
 
 def fold_alike(changes: Sequence[Change]) -> Iterator[Change]:
-    """Yield the changes, with alike ones as one change.
+    """Yield the changes, with similar changes merged into one.
 
     Alike are the same pause in several procedures, and the same signal at several contacts, for the same order codes.
     """

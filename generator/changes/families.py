@@ -75,7 +75,7 @@ def _edition_text(manual: Manual) -> str:
 
 
 def compare_order_codes(family_pair: FamilyPair) -> Iterator[Change]:
-    """Yield order codes that are gone, new or renamed, and the changes of the common ones, their parts and notations.
+    """Yield order codes that are gone, new or renamed, and the changes of common codes, their parts and notations.
 
     A renamed order code has a different text, but the same texts of its parts.
     """
@@ -225,8 +225,8 @@ def _compare_part_values(family_pair: FamilyPair, subject: Subject, old: CodePar
 def _compare_spellings(family_pair: FamilyPair) -> Iterator[Change]:
     """Yield changes of the additional notations for labels.
 
-    An old and a new notation are compared if they have the same place of use (``where``). Of the remaining ones, those
-    with the same texts are one notation whose place of use was renamed.
+    An old and a new notation are compared if they have the same place of use (``where``). Of the remaining notations,
+    an old and a new one with the same texts are one notation whose place of use was renamed.
     """
 
     def texts_of(spelling: Spelling) -> Hashable:
@@ -262,7 +262,7 @@ def compare_supply(
     supply_label = f"{subject.label} supply".strip()  # The family itself has no label.
     supply_subject = subject.inside("supply", supply_label)
     if old is not None and new is not None:
-        # Each change is created again for ``codes``, since those of members affect all order codes.
+        # Each change is created again for ``codes``, since changes of members affect all order codes.
         for change in compare_members(family_pair, supply_subject, old, new):
             yield family_pair.change(
                 change.rule.name,
@@ -343,7 +343,7 @@ def _set_of_order_codes(device: Device) -> frozenset[str]:
 
 
 def _section_changes(family_pair: FamilyPair) -> Iterator[Change]:
-    """Return the changes of each section of the specs in turn, before repeated and alike ones are merged."""
+    """Return the changes of each section of the specs in turn, before repeated and similar changes are merged."""
     old, new = family_pair.old, family_pair.new
     return chain(
         compare_family_itself(family_pair),

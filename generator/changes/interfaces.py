@@ -223,7 +223,7 @@ def _compare_interface(family_pair: FamilyPair, subject: Subject, old: Interface
 def _compare_frame(family_pair: FamilyPair, subject: Subject, old: Layout, new: Layout) -> Iterator[Change]:
     """Yield changes of the fields and the position range of a frame, and decisions that it needs only in one version.
 
-    A decision is needed if the layout depends on an alternative. Old ones are compared by their new names.
+    A decision is needed if the layout depends on an alternative. Old decisions are compared by their new names.
     """
     unnamed = subject.unnamed
     yield from compare_layout(family_pair, unnamed, old, new)
@@ -244,9 +244,9 @@ def _compare_frame(family_pair: FamilyPair, subject: Subject, old: Layout, new: 
 def _compare_position_range(
     family_pair: FamilyPair, subject: Subject, old: LayoutRange | None, new: LayoutRange | None
 ) -> Iterator[Change]:
-    """Yield changes of the range of a position in one frame, or that only one version has its own.
+    """Yield changes of the range of a position in one frame, or that only one version has a separate range.
 
-    Without its own range, a frame has that of the interface.
+    Without its own range, a frame has the range of the interface.
     """
     range_subject = subject.inside("position_range", f"{subject.label}: position range")
     if old is not None and new is not None:
@@ -258,7 +258,7 @@ def _compare_position_range(
 def _compare_channels(
     family_pair: FamilyPair, subject: Subject, old: DataChannels | None, new: DataChannels | None
 ) -> Iterator[Change]:
-    """Yield changes of the data channels that one frame carries, or that only one version has such a frame."""
+    """Yield changes of the data channels in one frame, or that only one version has such a frame."""
     channels_subject = subject.inside("channels", f"{subject.label}: frame with several data channels")
     if old is not None and new is not None:
         yield from compare_members(family_pair, channels_subject, old, new)

@@ -52,7 +52,7 @@ def compare_layout(family_pair: FamilyPair, subject: Subject, old: Layout, new: 
 def _compare_fields(family_pair: FamilyPair, subject: Subject, old: Layout, new: Layout) -> Iterator[Change]:
     """Yield changes of the fields of a layout. Moves and lengths that a resized field explains are part of its change.
 
-    Fields that pad another one are not compared, since they follow from its container.
+    Fields that pad another field are not compared, since they follow from its container.
     """
     compared_fields: list[ComparedField] = []
     for pair in pair_fields(family_pair, old, new, subject.interface):
@@ -75,7 +75,7 @@ def _compare_fields(family_pair: FamilyPair, subject: Subject, old: Layout, new:
 
 
 def _is_padding(field: Field, layout: Layout) -> bool:
-    """Return whether the field is the padding of another one: ``position_padding`` of ``position``."""
+    """Return whether the field is the padding of another field: ``position_padding`` of ``position``."""
     padded_name, suffix, _ = field.name.rpartition("_padding")
     padded_field = layout.find_field(padded_name) if suffix else None
     return padded_field is not None and padded_field.container > 0
@@ -179,7 +179,7 @@ def _smallest_integer_type(bits: int, *, is_signed: bool) -> str:
 
 
 def _has_data_ids(device: Device, field: Field) -> bool:
-    """Return whether the names of a field's values are those of an interface's data IDs, which are compared as such."""
+    """Return whether a field's values are named after data IDs of an interface, which are compared as data IDs."""
     value_names = {value.name for value in field.values}
     for interface in device.interfaces:
         if isinstance(interface, Rs485) and value_names == {data_id.name for data_id in interface.data_ids}:

@@ -45,10 +45,10 @@ def name_changes(
 ) -> tuple[NameChange, ...]:
     """Return the C macros, Python names and files of families that are gone, or have a different value.
 
-    The texts are those of the generated files by path. Files that do not begin with the name of a family are left out.
+    The arguments contain the generated files by path. Files that do not begin with the name of a family are left out.
     """
     changes: list[NameChange] = []
-    # A family can begin with the name of another one, so the longest name that fits is the family of a file.
+    # A family can begin with the name of another family, so the longest name that fits is the family of a file.
     longest_first = sorted(families, key=len, reverse=True)
     for path, old_text in old_text_by_path.items():
         new_text = new_text_by_path.get(path)

@@ -20,7 +20,7 @@ _name_of: Callable[[Any], str] = attrgetter("name")
 
 @dataclass(frozen=True, slots=True)
 class Pair(Generic[_Item]):
-    """An old item and its new counterpart. ``old`` is None for a new one, ``new`` for one that is gone."""
+    """An old item and its new counterpart. ``old`` is None for a new item, ``new`` for an item that is gone."""
 
     old: _Item | None
     new: _Item | None
@@ -57,8 +57,8 @@ def pair_by_name(
 ) -> list[Pair[_Item]]:
     """Return every item with its counterpart: first the new items in their order, then those that are gone.
 
-    Items with the same name are a pair. Of the others, an old and a new one are a pair if they have the same identity,
-    and no other item without a counterpart by name on their side has it.
+    Items with the same name are a pair. An old and a new item without a namesake are a pair if they have the same
+    identity, and no other such item on their side has it.
 
     Args:
         old_items: The old items.

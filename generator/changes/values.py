@@ -21,9 +21,9 @@ Parameters = Mapping[str, int]
 class ComparisonPoint:
     """A common order code, and its parameters under one setting of registers and answers.
 
-    ``compared_parameters`` are those for expressions of the old family. They have the new values where the old family
-    has the parameter too, so that a changed parameter is reported only once. A renamed one has its old value, which is
-    the same by definition.
+    ``compared_parameters`` are the parameters for expressions of the old family. They take the new values where the old
+    family has the parameter too, so that a changed parameter is reported only once. A renamed parameter has its old
+    value, which is the same by definition.
     """
 
     code: str
@@ -47,8 +47,8 @@ class NumberDifferences:
 def settings_of(device: Device) -> Iterator[Parameters]:
     """Yield settings of registers and answers, each with the parameters that it changes: ``{"resolution": 24}``.
 
-    The first one is empty and stands for the defaults. In each other one, one parameter is at an end of its range, or
-    one question has one of its answers.
+    The first setting is empty and stands for the defaults. In each other setting, one parameter is at an end of its
+    range, or one question has one of its answers.
     """
     yield {}
     for parameter in device.run_time_parameters:
@@ -307,7 +307,7 @@ def without_texts(value: Any) -> Any:
 
 
 def differing_items(old: Any, new: Any) -> tuple[Any, Any]:
-    """Return both values, reduced to the items that the other one lacks if both are tuples of parts.
+    """Return both values, reduced to the items that the other value lacks if both are tuples of parts.
 
     Items are compared without their texts. If only their order or their texts differ, both values stay whole.
     """

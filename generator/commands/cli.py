@@ -92,7 +92,7 @@ def _possible_commands(arguments: Sequence[str]) -> Sequence[str]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit code. ``arguments`` default to those of the process.
+    """Run one command and return its exit code. ``arguments`` default to the arguments of the process.
 
     The exit code is 1 if the output cannot be written. An end by the reader of the output or by the user has the code
     of shells: 141 or 130.
@@ -123,7 +123,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run_command(arguments: Sequence[str] | None) -> int:
-    """Parse the arguments, run the command, and return its exit code, or that of ``Stop``, whose message is printed."""
+    """Parse the arguments, run the command, and return its exit code.
+
+    If it raises ``Stop``, print the message and return the exit code of ``Stop``.
+    """
     try:
         words = sys.argv[1:] if arguments is None else arguments
         parsed = parse(parser_for(words), words)

@@ -94,7 +94,7 @@ def _add_record_options(parser: Parser) -> None:
 class _Side:
     """One side of the comparison: the families that were read, and the names of those that could not be.
 
-    ``file_names`` has the original names of files from a git revision, by the names of the files that were read.
+    ``file_names`` contains the original names of files from a git revision, by the names of the files that were read.
     """
 
     families: tuple[Family, ...]
@@ -342,7 +342,7 @@ def _read_side(text: str, cache: Cache, old_side: _Side | None) -> tuple[Sequenc
             path = written_files.place
             file_names = written_files.names
         if old_side is None:
-            # The empty sequence keeps the content of each family, for the comparison with those of the new side.
+            # The empty sequence keeps the content of each family, for the comparison with the new side.
             no_shared_families: tuple[Family, ...] = ()
             families, report = load_families([path], cache, migrate, no_shared_families)
         else:

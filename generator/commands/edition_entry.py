@@ -122,7 +122,8 @@ def _edition_changes(
     first_option_source = ""
     removed_options: list[tuple[str, Any]] = []
     for place, removed_node in _removed_nodes(old_data, new_data, place=""):
-        # The place of a list item is that of its list, so it has the name itself. A value of a map has it in its place.
+        # The place of a list item is the place of its list, so the name comes from the item itself. A value of a map
+        # has it in its place.
         _, _, last_step = place.rpartition(".")
         name = label_of(removed_node) or last_step
         if name in renamed_names:
@@ -173,7 +174,7 @@ def _source_of_removed(data: Any, place: str, removed_node: Any) -> str:
             node = {label_of(child): child for child in node}
         node = node.get(step, {}) if isinstance(node, dict) else {}
         nodes_on_path.append(node)
-    # A node without a source has that of the nearest node around it.
+    # A node without a source has the source of the nearest node around it.
     source = ""
     for enclosing_node in (*nodes_on_path, removed_node):
         if isinstance(enclosing_node, dict):
@@ -183,9 +184,9 @@ def _source_of_removed(data: Any, place: str, removed_node: Any) -> str:
 
 
 def _new_labels(place: str, removed_option: Any, old_data: Any, new_data: Any) -> Iterator[str]:
-    """Yield the place of the first option that only the new edition has and that selects the same as a removed one.
+    """Yield the place of the first option that only the new edition has and that selects the same as a removed option.
 
-    Such an option is the removed one with another label. Nothing is yielded if there is none.
+    Such an option is the removed option with another label. Nothing is yielded if there is none.
     """
     options_place, _, _ = place.rpartition(".")
     old_options = value_at(old_data, resolve(old_data, options_place))
@@ -252,8 +253,8 @@ def _removed_nodes(old_node: Any, new_node: Any, place: str) -> Iterator[tuple[s
     """Yield the items of a spec that the new one lacks, each with the place to add it to.
 
     For a named item of a list, the place is its list: ``registers``. For a key of a map whose keys are names, it is the
-    key: ``parameters.bits``. Other keys may be left out freely, so a missing one does not count. ``place`` is that of
-    both nodes, which is empty for the whole specs.
+    key: ``parameters.bits``. Other keys may be left out freely, so a missing key does not count. ``place`` is the place
+    of both nodes, and is empty for the whole specs.
     """
     if isinstance(old_node, dict) and isinstance(new_node, dict):
         _, _, key_of_map = place.rpartition(".")

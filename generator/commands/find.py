@@ -133,8 +133,8 @@ class _Frame(NamedTuple):
 def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
     """Return the frame in a text: ``0b`` with every bit, ``0x`` with hex digits or, also for RS-485, hex bytes.
 
-    ``bits`` is the length that the user gave, or None. It does not apply to ``0b``, and cuts the zeros in front of
-    others.
+    ``bits`` is the length that the user gave, or None. ``bits`` does not apply to ``0b``. Leading zeros of other
+    numbers are cut to this length.
 
     Raises:
         Stop: The text is not a frame. The exit code is 2.
@@ -169,7 +169,7 @@ def _with_stated_length(frame: _Frame, bits: int | None, text: str) -> _Frame:
     """Return a frame with the length ``bits`` that the user gives, or as written if that is None.
 
     Raises:
-        Stop: The frame has ones above this length. The exit code is 2.
+        Stop: The frame has 1 bits above this length. The exit code is 2.
     """
     if bits is None:
         return frame
@@ -182,7 +182,7 @@ def _read_positions(text: str, count: int) -> tuple[float, ...]:
     """Return the positions in a text such as ``0,45,90``. There must be ``count`` of them, one for each frame.
 
     Raises:
-        Stop: It has other text, or another number of positions. The exit code is 2.
+        Stop: The text contains something else, or another number of positions. The exit code is 2.
     """
     from math import isfinite
 
@@ -217,7 +217,7 @@ def _proposal_data(proposal: Answer) -> dict[str, Any]:
 
 
 def _text_lines(recording: Recording, proposals: Sequence[Answer], first_frame: str) -> Iterator[str]:
-    """Yield the proposals as lines of text, and the commands to go on with the first one."""
+    """Yield the proposals as lines of text, and the commands to continue with the first proposal."""
     yield f"{counted(len(recording.frames), 'frame')} of {counted(recording.bits, 'bit')}, most likely layout first"
     for rank, proposal in enumerate(proposals, 1):
         yield ""

@@ -59,8 +59,8 @@ def open_questions(
 ) -> str:
     """Return a message with the questions of a layout that ``answers`` does not answer, or "" if there are none.
 
-    ``answers`` has the names of the answered questions. ``predicate`` follows the name of the layout in the message:
-    ``'position' cannot be decoded until you decide. …``
+    ``answers`` contains the names of the answered questions. ``predicate`` follows the name of the layout in the
+    message: ``'position' cannot be decoded until you decide. …``
     """
     unanswered = [alternative for alternative in device.alternatives_of(layout) if alternative.name not in answers]
     if not unanswered:

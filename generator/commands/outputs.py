@@ -25,7 +25,7 @@ _MOST_FAMILIES = 8
 
 
 def accepted_devices(target: str, devices: Sequence[Device], filters: FamilyFilters) -> tuple[Device, ...]:
-    """Return the devices that a target writes: those that its filter in the settings accepts, or all without one.
+    """Return the devices that a target writes: the devices that its filter accepts, or all without a filter.
 
     The filter looks at the family and its grade of evidence. An edition is written if its family is.
     """
@@ -60,7 +60,7 @@ _WIDTH = 79
 
 
 def targets_named(names: Iterable[str] | None = None, default_names: Iterable[str] = BUILT_IN) -> list[Target]:
-    """Return the named targets, each once. Without names, return the default ones that do not lack their packages.
+    """Return the named targets, each once. Without names, return the default targets that do not lack their packages.
 
     Raises:
         Stop: There is no such target (exit code 2), or it cannot be loaded (exit code 1).
@@ -81,9 +81,11 @@ def targets_named(names: Iterable[str] | None = None, default_names: Iterable[st
 
 
 def are_built_in(targets: Iterable[Target], names: Iterable[str] | None) -> bool:
-    """Return whether all wanted targets are built in and were loaded. Without ``names``, all built-in ones are wanted.
+    """Return whether all wanted targets are built in and were loaded.
 
-    ``targets`` are the loaded ones, in the order of the names.
+    Without ``names``, all built-in targets are wanted.
+
+    ``targets`` are the loaded targets, in the order of the names.
     """
     wanted_names = list(dict.fromkeys(names or BUILT_IN))
     all_are_loaded = [target.name for target in targets] == wanted_names

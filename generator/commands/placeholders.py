@@ -1,4 +1,4 @@
-"""Values of specs that are still those of the template of ``codewheel new``: they have the word TODO."""
+"""Find values in specs that still come from the template of ``codewheel new``: they contain the word TODO."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True)
 class Placeholder:
-    """A value that is still the template's. ``name`` is that of the fact in its spec."""
+    """A value that is still the template's. ``name`` is the name of the fact in its spec."""
 
     file: str
     line: int

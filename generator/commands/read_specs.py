@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from ..language.problems import Report
 
 
-#: Text that a pyproject.toml with the section must contain. Others are not parsed.
+#: Text that a pyproject.toml with the section must contain. Other files are not parsed.
 _NEEDED = b"tool.codewheel"
 
 
@@ -64,7 +64,7 @@ def configuration_above() -> Configuration | None:
 
 
 def _folders_above() -> Iterator[Path]:
-    """Yield the current folder and those above it, as relative paths for messages: ``.``, ``..``, ``../..``."""
+    """Yield the current folder and its parents, as relative paths for messages: ``.``, ``..``, ``../..``."""
     try:
         number_above = len(Path.cwd().parents)
     except OSError:  # The current folder has been removed.
@@ -102,7 +102,7 @@ _MOST_SHOWN = 8
 
 @dataclass(frozen=True, slots=True)
 class Specs:
-    """The specs of the user, and the packaged ones that a command that only reads also knows.
+    """The specs of the user, and the packaged specs that a read-only command also knows.
 
     Attributes:
         paths: Files and folders of the user. Empty if there are none.
@@ -120,16 +120,17 @@ class Specs:
 
     @property
     def groups(self) -> list[tuple[Path, ...]]:
-        """The specs of the user, and then the packaged ones. Groups without specs are omitted."""
+        """The specs of the user, and then the packaged specs. Groups without specs are omitted."""
         return [group for group in (self.paths, self.packaged) if group]
 
 
 def find_specs(named: Sequence[Path]) -> Specs:
     """Return the specs that a command reads.
 
-    These are the ones named on the command line. Without any, they are those that the settings of the project list, or
-    all in the folder of the settings and below it. Without settings, they are those in the current folder and below it.
-    Unless specs were named, the result also has the packaged ones, which only commands that write or judge discard.
+    These are the specs named on the command line. Without any, they are those that the settings of the project list, or
+    all in the folder of the settings and below it. Without settings, they are the specs in the current folder and below
+    it. Unless specs were named, the result also contains the packaged specs, which only commands that write or judge
+    discard.
 
     Raises:
         Stop: A named path does not exist (exit code 2), or there are errors in the settings (exit code 1).
@@ -167,9 +168,9 @@ _COMMANDS_WITH_OPTION = ("reread OLD NEW", "facts FAMILY", "cloze FAMILY")
 
 
 def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
-    """Return the specs for a command that writes or judges. It never uses the packaged ones instead.
+    """Return the specs for a command that writes or judges. It never uses the packaged specs instead.
 
-    ``command`` has the words of the command for messages, such as ``generate`` or ``facts FAMILY``.
+    ``command`` contains the words of the command for messages, such as ``generate`` or ``facts FAMILY``.
 
     Raises:
         Stop: There are no specs, or more than the search can find (exit code 2), or as for ``find_specs``.
@@ -209,7 +210,7 @@ def _output_with_specs(specs: Specs) -> str:
 
 
 def _example_of_packaged_family() -> str:
-    """Return the name of the first packaged family, which is that of its file."""
+    """Return the name of the first packaged family, which is also the name of its file."""
     for folder in packaged_families():
         for spec in find_files(folder).specs:
             if describes_encoders(spec):
@@ -225,8 +226,8 @@ def _real_folder(path: Path) -> str:
 def _report_not_entered(specs: Specs, folder: Path) -> None:
     """Report the folders that may contain specs but are not searched, so that a user does not take them for checked.
 
-    ``folder`` is the one that was searched if no folders are among the specs. A link to a folder inside a searched
-    one is not reported, and neither is a folder that cannot be read below a folder among the specs.
+    ``folder`` is the folder that was searched if no folders are among the specs. A link to a folder inside a searched
+    folder is not reported, and neither is a folder that cannot be read below a folder among the specs.
     """
     folders = [path for path in specs.paths if is_folder(path)]
     searched_folders = tuple(_real_folder(path) for path in folders or [folder])
@@ -395,7 +396,7 @@ _MOST_FILES = 8
 def specs_to_judge(named: Sequence[Path], command: str) -> Specs:
     """Return the specs for a command that writes or judges, after a check of the targets in the settings.
 
-    ``command`` has the words of the command for messages.
+    ``command`` contains the words of the command for messages.
 
     Raises:
         Stop: As for ``find_specs_to_judge``, or there is no such target.

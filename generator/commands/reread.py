@@ -90,7 +90,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _family_of_manual(specs: Sequence[Path], name: str | None, old: Manual) -> Family:
-    """Return the family of this name, or else the one that the manual names on its first page.
+    """Return the family of this name, or else the family that the manual names on its first page.
 
     Raises:
         Stop: There are problems in the specs (exit code 1), or the family is not known (exit code 2).
@@ -138,8 +138,8 @@ def _passage_with_facts(
 ) -> _ChangedPassage:
     """Return a changed passage with the facts of its section that it concerns, and the number of all of them.
 
-    Facts may cite the section by its number, by that of a following one without a heading in the text, or by the title
-    of an unnumbered section on its page.
+    Facts may cite the section by its number, by the number of a following section without a heading in the text, or by
+    the title of an unnumbered section on its page.
     """
     section = passage.section
     section_names = {section.number} | old.without_heading_after(section.number)
@@ -179,7 +179,7 @@ def _text_lines(
 def _passage_lines(changed_passage: _ChangedPassage) -> Iterator[str]:
     """Yield the old and the new text of a passage, and the facts that cite the place.
 
-    Equal facts are one line with the lines of the others. The rest of the section's facts are only counted.
+    Equal facts are printed once, with all their lines. The rest of the section's facts are only counted.
     """
     yield ""
     old_text, new_text = changed_passage.passage.shown

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..model import Device
 
 
-#: Keys of files that can change a family, and those of descriptions of masters, which cannot.
+#: Keys of files that can change a family, and keys of descriptions of masters, which cannot.
 _OTHER_KINDS = frozenset((b"overlay", b"changes"))
 _MASTER_KEYS = frozenset((b"master", b"takes"))
 _KEY = re.compile(rb"\n([a-z_]+)[ \t]*:(?=[ \t\r\n]|$)")
@@ -113,7 +113,7 @@ def _device_files(paths: Sequence[Path]) -> list[_SpecFile]:
 
     Raises:
         OSError: A file cannot be read.
-        _NotSelectable: There is any other file except manufacturers' files. It may affect a family.
+        _NotSelectable: There is any other file except manufacturers' files. Any such file may affect a family.
     """
     device_files = []
 
@@ -140,7 +140,7 @@ def _read_spec_file(path: Path) -> _SpecFile:
     """
     if not path.is_file():
         raise OSError
-    # The expressions begin with the end of a line, so that they only match at the beginning of one.
+    # The expressions begin with the end of a line, so that they only match at the beginning of a line.
     spec_text = b"\n" + path.read_bytes()
     keys = set(_KEY.findall(spec_text))
     device_names = _NAME.findall(spec_text)

@@ -273,7 +273,7 @@ class _Dump:
 
         ``high`` is its highest bit.
         """
-        # A plain number has no members that would get in the way of those of the real kind.
+        # A plain number has no members that conflict with members of the real kind.
         field_data: Item = self.plain(replace(field, kind=Number()), inherited)
         field_data["high"] = self._number_or_text(high)
         if isinstance(field.equals, str):
@@ -337,7 +337,7 @@ class _Dump:
         return fill_members({"from": "encoder"} | self.plain(example, ()), "example")
 
     def _timings_data(self) -> list[Item]:
-        """Return the times of the device, whose ``interface`` is empty, and those of each interface."""
+        """Return the times of the device, whose ``interface`` is empty, and the times of each interface."""
         timings = [self.plain(timing, ()) | {"interface": ""} for timing in self.device.timings]
         for interface in self.device.interfaces:
             for timing in interface.timings:

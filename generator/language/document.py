@@ -44,7 +44,7 @@ class Document:
     already reported. Their values are only stand-ins. ``doubtful`` lists places where something was omitted, such as a
     duplicate key. ``kept_indices`` is filled by the schema check: for a list that lost items, it contains the original
     index of each remaining item, so that paths into the pruned data still find their lines. ``other_files`` contains
-    the lines of other files from which changes came. ``family`` is the name of a family derived from the one in the
+    the lines of other files from which changes came. ``family`` is the name of a family derived from the family in the
     file, such as an older edition. It is empty for the family in the file.
     """
 
@@ -65,7 +65,7 @@ class Document:
         return f"{self.file}\0{self.family}" if self.family else self.file
 
     def line(self, line_number: int, file: str = "") -> str:
-        """Return a line, counted from 1, of the document's file or of one of the others. Empty after the last line."""
+        """Return a line, counted from 1, of the document's file or of ``file``. Empty after the last line."""
         lines = self.other_files.get(file, ()) if file else self.lines
         return lines[line_number - 1] if 0 < line_number <= len(lines) else ""
 
@@ -77,8 +77,8 @@ class Document:
     def position(self, path: Path, at_key: bool = False) -> tuple[int, int]:
         """Return line and column, both from 1, of the value at ``path``, or of its nearest ancestor if there is none.
 
-        A str instead of a list index selects the item of that name. With ``at_key``, the position is that of the key.
-        The position of an ancestor is always that of its key, where a reader would look for a missing value.
+        A str instead of a list index selects the item of that name. With ``at_key``, the position is the position of
+        the key. For an ancestor, it is always the position of the key, where a reader would look for a missing value.
         """
         marks = [mark for _, mark in self._walk_path(path)]  # Fewer than the path has steps if the value is missing.
         if not path:
@@ -86,7 +86,7 @@ class Document:
         if not marks:
             return 1, 1
         mark = marks[-1]
-        if at_key or len(marks) < len(path):  # With fewer marks than steps, the last one is that of an ancestor.
+        if at_key or len(marks) < len(path):  # With fewer marks than steps, the last mark belongs to an ancestor.
             return mark.key_line, mark.key_column
         return mark.line, mark.column
 
@@ -129,7 +129,7 @@ class Document:
         return text.removeprefix(".")
 
     def _walk_path(self, path: Path) -> Iterator[tuple[str | int, Mark]]:
-        """Yield each step of the path in the data as read, with its mark, up to the first one that is missing."""
+        """Yield each step of the path in the data as read, with its mark, up to the first missing step."""
         mark = self.marks
         for step in self.original(path):
             child = mark.children.get(step)
@@ -206,7 +206,7 @@ _Edit = Callable[[Any, Mark], tuple[Any, Mark]]
 
 
 class MissingPath(LookupError):
-    """No value at a path. ``step`` is the missing step, ``known_steps`` are the possible ones."""
+    """No value at a path. ``step`` is the missing step, ``known_steps`` are the possible steps."""
 
     def __init__(self, step: str, known_steps: list[str], existing_path: Path) -> None:
         super().__init__(step)

@@ -209,7 +209,7 @@ def _suggest_key(error: Any, unknown_key: str) -> str:
 def _missing_keys(error: Any, path: Path, file_kind: str) -> Iterator[Finding]:
     """Yield one finding for all missing keys, except those that an unknown key misspells.
 
-    It is ``at_key`` unless the map is an item of a list, and ``alone`` if only prose is missing.
+    The finding is ``at_key`` unless the map is an item of a list, and ``alone`` if only prose is missing.
     """
     required_keys = error.validator_value
     misspelt_keys = [key for key in required_keys if _is_misspelt(error, key)]
@@ -231,7 +231,7 @@ def _is_misspelt(error: Any, required_key: str) -> bool:
 
 
 def _is_meant_as(required_key: str, unknown_key: str, instance: Any, known_keys: Any) -> bool:
-    """Return True if an unknown key is a typo of the required one, or the hint about it names the required one."""
+    """Return True if an unknown key is a typo of the required one, or the hint about it names the required key."""
     if nearest_choice(unknown_key, list(known_keys)) == required_key:
         return True
     value = instance[unknown_key]
@@ -315,7 +315,7 @@ def _text_hint(error: Any) -> str:
 
 
 def _explain_enum(error: Any, subject: str) -> _RuleMessage:
-    """Return rule and message for a value that is not one of the allowed ones, with the likely or all allowed ones."""
+    """Return rule and message for a value that is not allowed, with the likely or all allowed values."""
     hint = word_hint(str(error.absolute_path[-1]), error.instance) or unsupported_hint(error.instance)
     if not hint and not isinstance(error.instance, (dict, list)):
         hint = suggestion(str(error.instance), map(str, error.validator_value), "use one of")
@@ -327,7 +327,7 @@ def _explain_enum(error: Any, subject: str) -> _RuleMessage:
 
 
 def _explain_const(error: Any, subject: str) -> _RuleMessage:
-    """Return rule and message for a value that must be another one, such as the version of the language."""
+    """Return rule and message for a value that must be different, such as the version of the language."""
     value, required_value = error.instance, error.validator_value
     # The key 'codewheel' has the version of the language.
     is_later_version = type(value) is int and subject == "'codewheel'" and value > required_value

@@ -240,7 +240,7 @@ class LayeredSpec:
             self._put_value(layer, change_path, path, f"no {_shorten_path(path_text)}")
 
     def _set_or_remove(self, layer: Layer, change_path: Path, path_text: str, change_kind: str) -> None:
-        """Replace the value at an existing place by that of a change, or remove it if it is wrong or unknown."""
+        """Replace the value at an existing place by the value of a change, or remove it if it is wrong or unknown."""
         try:
             path = resolve(self._data, path_text)
         except MissingPath as missing_path:
@@ -254,7 +254,7 @@ class LayeredSpec:
             self._remove_value(layer, change_path, path_text, path, is_known=change_kind != "unknown")
 
     def _replace_value(self, layer: Layer, change_path: Path, path_text: str, path: Path) -> None:
-        """Replace the value at ``path`` by that of a change. Report a change to the same value."""
+        """Replace the value at ``path`` by the value of a change. Report a change to the same value."""
         current_value = value_at(self._data, path)
         current_text = _value_text(current_value, self._text_from(path))
         if _is_equal(layer.changes[place_number(change_path)]["to"], current_value):

@@ -80,7 +80,7 @@ class Problem:
 class Report:
     """The problems of all documents of a run.
 
-    ``files`` lists the files that were read, ``passed_over`` those in folders that are not specs.
+    ``files`` lists the files that were read, ``passed_over`` lists files in folders that are not specs.
     """
 
     def __init__(self) -> None:
@@ -144,7 +144,7 @@ class Report:
         self._faults.setdefault(document.key, set()).update(faulty_paths)
 
     def faults(self, document: Document) -> frozenset[Path]:
-        """Return the faulty places of a document so far, as paths into the data as read, without those in prose."""
+        """Return the faulty places of a document so far, as paths into the data as read, without faulty prose."""
         return frozenset(self._faults.get(document.key, ()))
 
     def for_document(self, document: Document) -> DocumentReport:
@@ -158,7 +158,7 @@ class Report:
 
     @property
     def by_cause(self) -> tuple[Problem, ...]:
-        """All problems, with those of one file that have the same rule and cause combined into the first of them."""
+        """All problems, with the problems of one file that have the same rule and cause combined into the first one."""
         problems_by_cause: dict[object, list[Problem]] = {}
         for problem in self.problems:
             key = (problem.file, problem.rule, problem.cause) if problem.cause else problem
@@ -338,13 +338,14 @@ def is_typo(word: str, known_word: str) -> bool:
     """Return True for one extra, missing or wrong letter, or two swapped neighbours, unless the word is likely another.
 
     Differences in first letters, digits and units are rarely typos: reset is not preset, biss_4 not biss_6, min_khz
-    not min_hz. The shorter word needs 5 letters for a wrong one, 4 for the others, and 3 for only an s at the end.
+    not min_hz. The shorter word needs 5 letters for a wrong letter, 3 for an extra s at the end, and 4 for any other
+    typo.
     """
     if abs(len(word) - len(known_word)) > 1 or not _has_same_meaning(word, known_word):
         return False
     # What remains between the common beginning and the common end are the differing letters.
     prefix_length = _common_prefix_length(word, known_word)
-    # The end is that of the rests after the beginning, so that no letter counts for both.
+    # The common end is searched after the beginning, so that no letter counts for both.
     suffix_length = _common_prefix_length(word[prefix_length:][::-1], known_word[prefix_length:][::-1])
     differing = word[prefix_length : len(word) - suffix_length]
     known_differing = known_word[prefix_length : len(known_word) - suffix_length]
@@ -352,7 +353,7 @@ def is_typo(word: str, known_word: str) -> bool:
     if len(differing) == 2 and len(known_differing) == 2:
         are_swapped = differing == known_differing[::-1]
         return are_swapped and shorter_length >= 4
-    # Now at most one letter may differ. One of the two is empty for an extra or missing letter.
+    # Now at most one letter may differ. The differing part of one word is empty for an extra or missing letter.
     if prefix_length == 0 or len(differing) > 1 or len(known_differing) > 1:
         return False
     is_plural = suffix_length == 0 and "s" in (differing, known_differing)

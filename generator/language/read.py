@@ -59,7 +59,7 @@ _TAGGED_TYPES: dict[str, tuple[type, ...]] = {
 class Unreadable(Exception):
     """Something that cannot be read.
 
-    ``rule`` and ``message`` are those of a problem. The path is given if the rest of the file can be read.
+    ``rule`` and ``message`` describe the problem. The path is given if the rest of the file can be read.
     """
 
     def __init__(self, line: int, column: int, rule: str, message: str, path: Path = ()) -> None:
@@ -241,7 +241,7 @@ class _Parser:
         """Return a scalar as its tag, quotes or the core schema says, or None, noted as a stand-in, if not valid."""
         text, tag = event.value, event.tag
         is_quoted = bool(event.style)
-        # The text of the file was searched before. Only an escape in double quotes can still produce one.
+        # The text of the file was searched before. Only an escape in double quotes can still produce such a character.
         forbidden = FORBIDDEN.search(text) if event.style == '"' else None
         if forbidden is not None:
             message = f"the character U+{ord(forbidden[0]):04X} is not allowed in text; remove its escape"

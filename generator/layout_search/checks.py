@@ -48,7 +48,7 @@ class FoundCrc:
 
 
 def crcs_of(recording: Recording) -> list[FoundCrc]:
-    """Return the CRCs that all frames satisfy: all known ones with enough evidence, or else that of another polynomial.
+    """Return the CRCs that all frames satisfy: all known ones with enough evidence, or else one of another polynomial.
 
     The list is empty if there is none.
     """
@@ -172,7 +172,7 @@ class FoundParity:
 
 
 def parities_of(recording: Recording, body_bits: int) -> list[FoundParity]:
-    """Return the parity bits that all frames satisfy: the first bit, or the last one before the CRC, if it changes."""
+    """Return the parity bits that all frames satisfy: the first bit, or the last bit before the CRC, if it changes."""
     crc_bits = recording.bits - body_bits
     parities = {(frame >> crc_bits).bit_count() % 2 for frame in recording.frames}
     if len(parities) > 1 or recording.interface == "rs485":

@@ -32,13 +32,14 @@ def smooth_cost(values: Sequence[int], width: int) -> float:
 def _spread_cost(numbers: Sequence[float], width: int) -> float:
     """Return the bits that describe numbers around zero with a common scale, from 0.5 to ``width`` each."""
     mean = sum(map(abs, numbers)) / len(numbers)
-    # The entropy of a Laplace distribution with this mean deviation. The 0.25 keeps that of equal numbers finite.
+    # The entropy of a Laplace distribution with this mean deviation. The 0.25 keeps the entropy of equal numbers
+    # finite.
     bits_each = min(log2(2 * e * (mean + 0.25)), float(width))
     return len(numbers) * max(bits_each, 0.5) + _SCALE_BITS
 
 
 def signed(number: int, width: int) -> int:
-    """Return a number modulo 2^width as one from -2^(width-1) to 2^(width-1) - 1: -1 for 7 with 3 bits."""
+    """Return a number modulo 2^width as a number from -2^(width-1) to 2^(width-1) - 1: -1 for 7 with 3 bits."""
     half = 1 << (width - 1)
     mask = (1 << width) - 1
     return ((number + half) & mask) - half

@@ -15,7 +15,7 @@ from ..language.rules.parts import has_erratum_at
 from ..language.rules.walk import items, mapping
 
 _PORT_KEYS = ("baud", "data_bits", "parity", "stop_bits", "flow_control")
-#: A supply or ground line, such as ``0vdc`` or ``+5vdc ±5%``, but not that of a battery, ``+vb``.
+#: A supply or ground line, such as ``0vdc`` or ``+5vdc ±5%``, but not a battery line, ``+vb``.
 _SUPPLY = re.compile(r"(?P<ground>0\s?v(?:dc)?)|\+\s?[\d.,]*\s?v(?!b).*")
 _SHIELDS = frozenset(("shield", "screen"))
 #: Any voltage, such as ``+vb``.
@@ -23,7 +23,7 @@ _VOLTAGE = re.compile(r"[+-]?\s?[\d.,]*\s?v\w*")
 
 
 def compare_ports(interface_names: Sequence[str], documents: Sequence[Document], report: Report) -> None:
-    """Report each serial port with a setting that differs from that of the first device with the same interface."""
+    """Report each serial port with a setting that differs from the first device with the same interface."""
     for name in interface_names:
         path: Path = ("interfaces", name, "port")
         documents_with_port = [document for document in documents if mapping(document.data, *map(str, path))]
@@ -33,7 +33,7 @@ def compare_ports(interface_names: Sequence[str], documents: Sequence[Document],
 
 
 def _compare_setting(first: Document, document: Document, path: Path, report: Report) -> None:
-    """Report a setting of a port that differs from that of the first device, unless an erratum affects it."""
+    """Report a setting of a port that differs from the first device, unless an erratum affects it."""
     place = [str(step) for step in path]
     *path_of_port, key = place
     first_setting = mapping(first.data, *path_of_port).get(key)
@@ -116,7 +116,7 @@ def _compare_wires(cables: Sequence[_Cable], report: Report) -> None:
         return
     first_cable, *other_cables = cables
     for cable in other_cables:
-        different_wires = sorted(cable.wires ^ first_cable.wires)  # Those that only one of the two has.
+        different_wires = sorted(cable.wires ^ first_cable.wires)  # Wires that only one of the two has.
         if different_wires and not _has_erratum(first_cable) and not _has_erratum(cable):
             line_number, _ = first_cable.document.position(first_cable.path)
             message = (

@@ -36,7 +36,7 @@ def compare_facts(places: Sequence[str], documents: Sequence[Document], report: 
         counts = Counter(frozenset(facts.items()) for facts in facts_by_file.values())
         if len(counts) < 2:
             continue  # All devices have the same facts, or there are none.
-        # Of several devices with the highest count, one without an erratum is compared with the others.
+        # If several devices have the most frequent facts, a device without an erratum is compared with the others.
         frequencies = {
             document.file: (
                 counts[frozenset(facts_by_file[document.file].items())],

@@ -46,7 +46,7 @@ def check_crc(layout: Layout, field: Field, crc_value: CrcValue, site: Site) -> 
     """Check the width of a CRC, that it ends the frame, and the fields that it covers.
 
     Only other CRCs may follow it, because each order code has at most one. A frame of bits in bytes may have zeros
-    before it, and its CRC may not be whole bytes. It must then be one that these zeros do not change, with bits in
+    before it, and its CRC may not be whole bytes. Such a CRC must not change with these zeros, and its bits must be in
     sending order.
     """
     crc = site.context.crcs.get(crc_value.crc)
@@ -108,7 +108,7 @@ def _is_plain(crc: Crc) -> bool:
 def _yield_fields_left_out(layout: Layout, crc: Field, crc_value: CrcValue) -> Iterator[str]:
     """Yield at most one problem: fields that a CRC with ``crc_of`` does not list, unless a note names them.
 
-    Constants and unused bits need no mention. The note can be that of the layout or of the CRC.
+    Constants and unused bits need no mention. The note can belong to the layout or to the CRC.
     """
     if not crc_value.of:
         return

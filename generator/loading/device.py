@@ -174,7 +174,7 @@ def _build_device_without_procedures(
 
 
 def _derived_expressions(raw_spec: Raw) -> Mapping[str, Expression]:
-    """Return the expressions of the parameters that follow from others, by name, without invalid ones."""
+    """Return the expressions of parameters derived from other parameters, by name, without invalid ones."""
     definitions = {}
     for name, parameter in raw_spec["parameters"].items():
         if "equals" not in parameter:
@@ -240,7 +240,7 @@ def _list_variants(
 ) -> tuple[Variant, ...]:
     """Return every listed order code with its parameters.
 
-    ``default_values`` are those of the parameters that order codes may leave to a register or an alternative.
+    ``default_values`` are the values of the parameters that order codes may leave to a register or an alternative.
     """
     if not order_code.parts:
         return ()

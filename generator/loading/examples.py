@@ -169,7 +169,7 @@ def _check_measure(device: Device, example: MeasureExample) -> Iterator[Wrong]:
 
 
 def _check_register(device: Device, example: RegisterExample) -> Iterator[Wrong]:
-    """Yield an error for a wrong length, otherwise those of the decoded values, otherwise those of the identity."""
+    """Yield an error for a wrong length, or else the errors of the decoded values, or else those of the identity."""
     register = device.register(example.register)
     variant = example_variant(device, example)
     if len(example.bytes) != register.length:
@@ -213,7 +213,7 @@ def _check_frame(device: Device, example: FrameExample) -> Iterator[Wrong]:
 
 
 def _check_decoded(device: Device, decoded: Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
-    """Yield errors of the decoder, otherwise differences from printed values, otherwise from the re-encoded ones."""
+    """Yield errors of the decoder, otherwise differences from printed values, otherwise from re-encoded values."""
     problems = decoded.problems
     # Errors after a wrong length or CRC may only follow from it.
     if problems and problems[0].fault in (Fault.LENGTH, Fault.CRC):
@@ -231,8 +231,8 @@ def _check_decoded(device: Device, decoded: Decoded, example: FrameExample | Reg
 def _suggest_start(device: Device, crc_name: str) -> str:
     """Return the text about a better start value, such as ``; with 'init: 0xff' in the CRC 'crc', it matches``.
 
-    It is empty unless all examples of the CRC need the same start value, and the spec has another one. A single example
-    always fits some start value, so with one example only all bits 0 and all bits 1 are suggested.
+    It is empty unless all examples of the CRC need the same start value, and the spec has another start value. A single
+    example always fits some start value, so with one example only all bits 0 and all bits 1 are suggested.
     """
     crc = device.crc(crc_name)
     start_values: list[int] = []
@@ -275,7 +275,7 @@ def _data_path(example: Example) -> Path:
 
 
 def decode_example(device: Device, example: FrameExample, variant: Variant) -> Decoded:
-    """Decode the frame of an example with the layout that its bytes select, or else with the one that it names."""
+    """Decode the frame of an example with the layout that its bytes select, or else with the example's layout."""
     if example.bits:
         placed = device.layout(example.layout).place(variant.parameters)
         return decode_bits(device, placed, int(example.bits, 2), len(example.bits))
@@ -352,7 +352,7 @@ def _yield_samples(device: Device, interface: Interface) -> Iterator[Sample]:
 def _most_used_order_code(device: Device, interface: str) -> Variant | None:
     """Return the order code that most examples use, without CRCs and corrected examples, or None if there is none.
 
-    Among several, the one with the largest sum of parameters is used, which usually has the finest resolution.
+    Among several, the code with the largest sum of parameters is used, which usually has the finest resolution.
     """
     example_counts: Counter[str] = Counter()
     for example in device.examples:
@@ -430,7 +430,7 @@ def _made_up_number(bits: int) -> int:
 def _encoded_sample(
     device: Device, placed: PlacedLayout, variant: Variant, values: Values, source: Sources = ()
 ) -> Sample:
-    """Return a frame with these values, and the same one with a flag that decoders must refuse, if there is one."""
+    """Return a frame with these values, and the same frame with a flag that decoders must refuse, if there is one."""
     frame = encode(device, placed, values)
     plain_frame = from_gray(placed, frame)
     decoded_values = {field.name: values[field.name] for field in placed.fields if field.name in values}

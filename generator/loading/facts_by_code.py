@@ -18,11 +18,11 @@ from .from_mapping import Raw
 
 @dataclass(frozen=True, slots=True)
 class ExclusiveFacts:
-    """Facts of which an order code has one, each with its path in the spec.
+    """Facts of which an order code has only one, each with its path in the spec.
 
-    ``noun`` names the fact with an article, such as ``a clock``. ``codes`` are those of the interface, whose name in
-    sentences is empty for facts of the device. If the fact ``is_needed``, each order code must have one. Of facts that
-    have ``other_rules``, these report two for all order codes.
+    ``noun`` names the fact with an article, such as ``a clock``. ``codes`` are the codes of the interface, whose name
+    in sentences is empty for facts of the device. If the fact ``is_needed``, each order code must have a fact. Of facts
+    that have ``other_rules``, these report two for all order codes.
     """
 
     noun: str
@@ -133,7 +133,7 @@ def _is_reported(path: Path, report: DocumentReport) -> bool:
 
 
 def _check_overlaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:
-    """Report a fact for an order code that already has one."""
+    """Report a fact for an order code that already has a fact."""
     for (first_path, first), (path, fact) in combinations(exclusive_facts.facts, 2):
         common_codes = [code for code in exclusive_facts.codes if fits(first.only, code) and fits(fact.only, code)]
         if common_codes:

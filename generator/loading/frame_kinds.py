@@ -128,8 +128,8 @@ def _is_affected(field: Field, layout_path: str, erratum: Erratum) -> bool:
 def _verdicts_of_field(field: Field) -> Iterator[Verdict]:
     """Yield the verdicts while a flag or unused bit is active.
 
-    A flag has its verdict, also that of another answer of an alternative, and that of other order codes if only some of
-    them explain it.
+    A flag has its verdict, the verdict of another answer of an alternative, and the verdict for other order codes if
+    only some of them explain it.
     """
     kind = field.kind
     if isinstance(kind, (Flag, Unused)) and kind.makes_position is not None:

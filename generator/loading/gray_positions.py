@@ -25,7 +25,7 @@ def is_power_of_two(number: int) -> bool:
 
 
 def check_gray_positions(device: Device, report: DocumentReport) -> None:
-    """Report a position in Gray code without the excess that its counts per turn need, or with one it cannot have."""
+    """Report a position in Gray code that lacks the excess for its counts per turn, or has an impossible excess."""
     names_at_run_time = run_time_names(device)
     for interface in device.interfaces:
         measurement = device.measurement_of(interface.name)

@@ -159,7 +159,9 @@ def _obstacle_to_join(kind: Kind) -> str:
 
 
 def _check_gray(layout: Layout, site: Site) -> None:
-    """Check that a number in Gray code has several bits, contiguous while it is in this code. They can include a flag.
+    """Check that a number in Gray code has several bits, contiguous while it is in this code.
+
+    The bits of the number can include a flag.
 
     Also check that the parameter that turns Gray code on is 0 or 1 for all order codes.
     """
@@ -191,7 +193,7 @@ def _check_gray(layout: Layout, site: Site) -> None:
 
 
 def _are_adjacent(above: Field, below: Field, parameter_sets: Iterable[Mapping[str, int]]) -> bool:
-    """Return True if the field above begins where the one below ends, with each set of parameters."""
+    """Return True if the field above begins where the field below ends, with each set of parameters."""
     end_below = below.low + below.width
     return all(end_below.value(parameters) == above.low.value(parameters) for parameters in parameter_sets)
 

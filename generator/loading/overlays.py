@@ -35,8 +35,8 @@ Build = Callable[[Document, Report], Device | None]
 class Family:
     """A device with its spec, and the names of all files that it comes from, including its manufacturer's.
 
-    ``plain`` is the same family without its overlays. ``content`` is that of all files on which the device depends,
-    for the key of a result. It is empty for a family with overlays, and if a file changed while it was read.
+    ``plain`` is the same family without its overlays. ``content`` is the content of all files on which the device
+    depends, for the key of a result. It is empty for a family with overlays, and if a file changed while it was read.
     """
 
     device: Device
@@ -137,7 +137,7 @@ def _special_families(
 
 
 def _refuse_same_names(overlays: Sequence[Document], report: Report) -> None:
-    """Report each overlay with the name of an earlier one."""
+    """Report each overlay with the name of an earlier overlay."""
     first_overlays: dict[str, Document] = {}
     for overlay in overlays:
         name = overlay.data["overlay"]
@@ -157,7 +157,7 @@ def _apply_overlays(
     """Return the family that results from applying overlays to another, or None if it cannot be built.
 
     ``special`` is the special model, such as ``S123``, or empty if the overlays replace the family itself. The errata
-    of the result are those of the spec and of its editions, and those of the applied changes.
+    of the result are the errata of the spec, of its editions, and of the applied changes.
     """
     layered_spec = LayeredSpec(family.document, report)
     problems_before = len(report)
@@ -247,14 +247,14 @@ def _reported_together(change: AppliedChange) -> tuple[str, str, object]:
 
 
 def without_examples(names: Sequence[str]) -> Sequence[str]:
-    """Return the names except those of examples, or all names if there are only examples."""
+    """Return the names except names of examples, or all names if there are only examples."""
     return [name for name in names if not name.startswith("examples.")] or names
 
 
 def join_shortened(names: Sequence[str]) -> str:
     """Return the names as text, each once, such as ``a, b`` for two names.
 
-    Of more than nine names, only the first eight are listed, followed by the number of the others: ``and 3 more``.
+    Of more than nine names, only the first eight are listed, followed by the number of remaining names: ``and 3 more``.
     """
     unique_names = list(dict.fromkeys(names))
     omitted = len(unique_names) - _MOST_NAMED

@@ -1,4 +1,4 @@
-"""Parameters: those in registers at run time, the sets that order codes combine, and checks of expressions."""
+"""Parameters: parameters in registers at run time, the sets that order codes combine, and checks of expressions."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def _describe_difference(device: Device, parameter: Parameter, interface: Interf
 
 
 def check_reach(raw_spec: Raw, context: Context, variants: Sequence[Variant]) -> bool:
-    """Return True if every expression has a value. Report the others.
+    """Return True if every expression has a value. Report expressions without a value.
 
     An expression needs a value for each order code of the interface that uses it. A parameter with ``equals`` needs one
     for at least one order code.
@@ -234,7 +234,7 @@ def set_by_codes(raw_spec: Raw) -> frozenset[str]:
 
 
 def _check_set_values(name: str, raw_spec: Raw, codes: Sequence[CodedValue], report: DocumentReport) -> None:
-    """Check that order codes set values that the register can hold, which are those with a code.
+    """Check that order codes set only values that the register can hold, which are the values with a code.
 
     Without codes, nothing is checked.
     """
@@ -340,7 +340,7 @@ def parameter_sets(
         if len(known_sets) > MOST_SETS:
             break
     # An interface that no order code selects has been reported. Its layouts are checked with the parameters of the
-    # others.
+    # other interfaces.
     all_sets = [parameters for sets in sets_by_interface.values() for parameters in sets]
     return MappingProxyType({kind: sets or all_sets for kind, sets in sets_by_interface.items()})
 
@@ -348,9 +348,9 @@ def parameter_sets(
 def _without_definitions(
     definitions: Mapping[str, Expression], variants: Sequence[Variant]
 ) -> Iterator[tuple[str, Mapping[str, int]]]:
-    """Yield the interface and the parameters of each order code, without parameters that follow from others.
+    """Yield the interface and the parameters of each order code, without derived parameters.
 
-    Order codes with the same interface and values are one.
+    Order codes with the same interface and values count once.
     """
     base_by_values: dict[tuple[str, tuple[int, ...]], Mapping[str, int]] = {}
     for variant in variants:

@@ -17,7 +17,7 @@ from .gray_positions import KeyProblem, check_gray_positions, is_power_of_two
 _SEVERAL = 15
 #: Keys of a measurement that are not numbers of counts. They give the length of a count.
 _STEPS = ("step_um", "step_nm", "per_counts")
-#: Highest number in a step, like that of every number in a spec. C has to compute with it in 64 bits.
+#: Highest number in a step, as for every number in a spec. C has to compute with it in 64 bits.
 _MOST = 2**53 - 1
 #: Nanometres in the units of a field whose counts are lengths.
 _NANOMETRES = {"nm": 1, "um": 1000, "µm": 1000, "μm": 1000, "mm": 1_000_000}
@@ -40,7 +40,7 @@ class _Case:
 
 def check_measurements(device: Device, report: DocumentReport) -> None:
     """Check scales and Gray code of positions, and report the first contradiction of each measurement."""
-    # Interfaces without a measurement of their own share that of the device, which is reported once.
+    # Interfaces without a measurement of their own share the measurement of the device, which is reported once.
     reported_paths: set[Path] = set()
     _check_scales(device, report)
     check_gray_positions(device, report)
@@ -169,7 +169,7 @@ def _unit_problem(case: _Case, values: Mapping[str, int]) -> KeyProblem | None:
     unit = case.layout.field(position_name).unit
     if unit not in _NANOMETRES:
         return None
-    # The step is the length of 'per_counts' counts, and the unit of the field that of one count.
+    # The step is the length of 'per_counts' counts, and the unit of the field is the length of one count.
     length_by_unit_nm = _NANOMETRES[unit] * values.get("per_counts", 1)
     if step_nm == length_by_unit_nm:
         return None

@@ -29,7 +29,7 @@ _MOST_BYTES = 16 * MAX_BYTES
 _MOST_LISTED = 16 * 2**20
 #: Longest time that git may take.
 _PATIENCE_S = 60
-#: Modes of regular files in a tree. Links and submodules have others.
+#: Modes of regular files in a tree. Links and submodules have other modes.
 _FILE, _EXECUTABLE = "100644", "100755"
 #: File of the manufacturer, in the folder of its specs.
 _BESIDE = "manufacturer.yaml"
@@ -108,7 +108,7 @@ def write_revision(revision_path: RevisionPath, folder: Path) -> RevisionFiles:
         # A file given by name is a spec, whatever its suffix.
         if name.endswith(SUFFIXES) or name == path:
             blobs_of_specs[name] = blob
-    _refuse_bad_names(revision_path.revision, blobs_of_specs)  # Also those of hidden files.
+    _refuse_bad_names(revision_path.revision, blobs_of_specs)  # Also the names of hidden files.
     if not is_single_file:
         for name in list(blobs_of_specs):
             if _is_hidden(name.removeprefix(path)):
@@ -328,6 +328,6 @@ def _run_command(
 
 
 def _stop_command(running: subprocess.Popen[bytes], timed_out: Event) -> None:
-    """Stop a command that takes too long, and set ``timed_out`` to tell that from its own end."""
+    """Stop a command that takes too long, and set ``timed_out`` to distinguish this from a normal end."""
     timed_out.set()
     running.kill()

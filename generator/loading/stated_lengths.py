@@ -24,7 +24,7 @@ _NUMBER = re.compile(r"\d+")
 def check_stated_lengths(device: Device, report: DocumentReport) -> None:
     """Report a layout whose note, or an erratum about it, states a length that no frame has.
 
-    A list of lengths, such as ``21, 23 or 26``, must have those of all order codes.
+    A list of lengths, such as ``21, 23 or 26``, must contain the lengths of all order codes.
     """
     if report.document.family or report.document.other_files:
         return

@@ -162,7 +162,7 @@ def _expected_role(field: PlacedField, stage: str) -> str:
 
 
 def _is_parity_of_frame(field: PlacedField, placed_layout: PlacedLayout) -> bool:
-    """Return whether a field is the last one, and a parity bit over all other bits that are not always 0."""
+    """Return whether a field is the last field, and a parity bit over all other bits that are not always 0."""
     kind = field.field.kind
     # ``over`` limits the parity to some bits of the fields. The last field has its lowest bit at 0.
     if not isinstance(kind, Parity) or kind.over or field.low:
@@ -201,7 +201,7 @@ def turn_bits_of_fields(placed_layout: PlacedLayout, measurement: Measurement, v
 
 
 def _turn_bits(measurement: Measurement, position_bits: int, variant: Variant) -> int:
-    """Return the number of the highest bits of the position that count revolutions: those above one revolution.
+    """Return the number of the highest bits of the position that count revolutions.
 
     There are none for a length, and without the counts per revolution.
 
@@ -272,8 +272,8 @@ def _bits_of_role(frame_parts: Sequence[Part], role: str) -> int:
 def bit_counts(frame_parts: Sequence[Part]) -> dict[str, int | None]:
     """Return the numbers of bits of a frame by the names of the items for rules: ``{"crc_bits": 6, ...}``.
 
-    ``left`` in a name means the bits sent before the position, and ``right`` those after it. ``frame_bits`` leaves out
-    the parity bit.
+    ``left`` in a name means bits sent before the position, and ``right`` means bits sent after it. ``frame_bits``
+    leaves out the parity bit.
     """
     roles = ("multiturn", "singleturn", "padding", "status", "crc", "other", "parity")
     bits = {role: _bits_of_role(frame_parts, role) for role in roles}
@@ -330,7 +330,10 @@ _BISS_CLOCKS = (
 
 @dataclass(frozen=True, slots=True)
 class CableRow:
-    """A row of a table. With ``is_below``, cable and clock must be below ``metres`` and ``hz``, else at most these."""
+    """A row of a table.
+
+    With ``is_below``, cable and clock must be below ``metres`` and ``hz``, else at most equal to them.
+    """
 
     metres: int
     hz: int
@@ -386,15 +389,15 @@ class CableTable:
 
 
 def _printed_rows(interface: Ssi, code: str) -> list[CableRow]:
-    """Return the rows of the table in the manual that apply to an order code, or all of them without one."""
+    """Return the rows of the table in the manual that apply to an order code, or all rows without an order code."""
     lengths = facts_for_code(interface.cable_lengths, code) if code else interface.cable_lengths
     return [CableRow(metres=length.shorter_than_m, hz=length.below_hz, is_below=True) for length in lengths]
 
 
 def cable_table(device: Device, interface: Ssi | Biss, code: str = "") -> CableTable:
-    """Return the table for an interface: a public one for BiSS, that of the manual for SSI, which may have no rows.
+    """Return the table for an interface: a public table for BiSS, the manual's table for SSI, which may have no rows.
 
-    The rows and errata of a manual's table are those that apply to the order code, or all of them without one.
+    The rows and errata of a manual's table are the rows and errata for the order code, or all without an order code.
     """
     match interface:
         case Ssi():

@@ -64,7 +64,7 @@ def split_notes(
 ) -> Iterator[str]:
     """Yield a sentence about the revolutions in a position of several fields if no field ends with them.
 
-    There is another one if the spec does not say how many bits they have.
+    There is another sentence if the spec does not say how many bits they have.
     """
     position_fields = placed_layout.find_fields(placed_layout.layout.names_in(measurement.of))
     if len(position_fields) == 1:

@@ -71,7 +71,7 @@ class Place:
 
 
 def devices_of(master_data: Raw) -> tuple[MasterDevice, ...]:
-    """Return the devices of a description, or the master itself as the only one."""
+    """Return the devices of a description, or the master itself as the only device."""
     device_descriptions = master_data.get("devices", ({"name": master_data["title"]},))
     devices: list[MasterDevice] = []
     for description in device_descriptions:
@@ -353,7 +353,10 @@ def _known_names(rule: Raw, key: str, names: Collection[str]) -> tuple[str, ...]
 def _write_condition(
     rule: Raw, settings: tuple[str, ...], after: tuple[str, ...], devices: Sequence[MasterDevice], standing: str
 ) -> WriteCondition:
-    """Return a condition with its words. ``settings`` and ``after`` are those of its names that the sheet has."""
+    """Return a condition with its words.
+
+    ``settings`` and ``after`` are the names in the condition that the sheet has.
+    """
     needs = _writes_of_rule(rule, "needs", devices, standing)
     then = _writes_of_rule(rule, "then", devices, standing)
     effect = Effect(**rule["takes_effect"]) if "takes_effect" in rule else None
@@ -424,7 +427,10 @@ def _condition_text(
     then: tuple[Write, ...],
     effect: Effect | None,
 ) -> str:
-    """Return a condition as one sentence. It has values before or after the settings, an order, or an effect."""
+    """Return a condition as one sentence.
+
+    The condition has values before or after the settings, an order, or an effect.
+    """
     if needs:
         values_text = listed(f"{write.title} must be {write.text}" for write in needs)
         return f"Before writing {listed(settings) or 'any setting'}, {values_text}."

@@ -211,7 +211,7 @@ def _listed_clock(rule: Raw, record: Record) -> ValueOfSetting:
 def best_listed_clock(rule: Raw, record: Record) -> Raw:
     """Return the fastest of the master's clocks that the encoder supports: ``{"hz": 5000000, "set": 3}``.
 
-    If the highest clock of the encoder is not known, return the fastest of those in use.
+    If the highest clock of the encoder is not known, return the fastest clock in use.
     """
     used_clocks = [clock for clock in rule["clocks"] if clock["hz"] in record.used_hz]
     if used_clocks:
@@ -299,7 +299,7 @@ def _filled_if_known(text: str, record: Record) -> str:
 
 
 def fill_template(text: str, record: Record) -> str:
-    """Return the text with the items in braces filled in, with ``unknown`` for those without a value."""
+    """Return the text with the items in braces filled in, and with ``unknown`` for items without a value."""
     if "{" not in text:
         return text
     if record.step is not None:
@@ -310,7 +310,7 @@ def fill_template(text: str, record: Record) -> str:
 
 
 def _field_texts(rule: Raw, setting_name: str, record: Record) -> Iterator[str]:
-    """Yield the text at the start, and then that of each part of the frame, from the rule for its kind.
+    """Yield the text at the start, and then the text of each part of the frame, from the rule for its kind.
 
     The kind of a part is its role, or for a status bit ``status_active_low`` or ``status_active_high``.
 
@@ -341,7 +341,7 @@ def _field_texts(rule: Raw, setting_name: str, record: Record) -> Iterator[str]:
 
 
 def _with_whole_position(record: Record) -> Sequence[Part]:
-    """Return the parts of the frame with those of the position merged into one."""
+    """Return the parts of the frame with all parts of the position merged into one."""
     roles = ["position" if part.role in ("multiturn", "singleturn") else part.role for part in record.parts]
     parts = [replace(part, role=role) for part, role in zip(record.parts, roles, strict=True)]
     return _with_neighbours_merged(parts, ("position",))

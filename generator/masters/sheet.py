@@ -115,7 +115,7 @@ class Sheet:
     gaps: tuple[Refusal, ...] = ()
 
     def devices_with(self, file: Raw) -> list[str]:
-        """Return the names of the usable devices to which a file of the master applies: those in ``on``, or all."""
+        """Return the names of the usable devices to which a file of the master applies: ``on``, or all."""
         names = [device.name for device in self.master.devices if device.name not in self.unusable_devices]
         return [name for name in names if name in file.get("on", names)]
 
@@ -130,7 +130,9 @@ class Sheet:
 
 
 def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Report]:
-    """Return the shipped masters and those at ``paths``, by title. One with the same name replaces a shipped one.
+    """Return the shipped masters and the masters at ``paths``, by title.
+
+    A master with the same name replaces a shipped one.
 
     Returns:
         The masters, valid only if the report is empty, and the report.
@@ -277,7 +279,7 @@ def _refusals_of_values(settings: Sequence[Setting]) -> Iterator[Refusal]:
 
 
 def _refusals_of_crc(master: Master, record: Record) -> Iterator[Refusal]:
-    """Yield a refusal if no master can check the CRC, and this one does, since its rules depend on the CRC.
+    """Yield a refusal if no master can check the CRC, and ``master`` does, since its rules depend on the CRC.
 
     ``crc_obstacle`` is the reason why none can, or an empty string.
     """

@@ -239,7 +239,7 @@ class Field:
 
     @property
     def fills_gap(self) -> bool:
-        """True if the field consists of zeros that the spec does not list, between two fields or next to one."""
+        """True if the field consists of zeros that the spec does not list, between two fields or next to a field."""
         return isinstance(self.kind, Constant) and self.kind.fills_gap
 
     @property

@@ -196,7 +196,7 @@ class KeyType(NamedTuple):
 
 
 def name_of_part(class_name: str) -> str:
-    """Return the name of a part by that of its class. ``WrittenField`` is a field as it is written in a spec."""
+    """Return the name of a part by the name of its class. ``WrittenField`` is a field as it is written in a spec."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", class_name.removeprefix("Written")).lower()
 
 

@@ -30,8 +30,8 @@ class Layout:
     It is transmitted either ``in_bytes``, with the ``byte_order`` ``low_byte_first`` or ``high_byte_first``, or as
     bits, most significant first. ``fields`` are in transmission order for frames, and start at the most significant bit
     for registers. ``channel`` is the BiSS data channel if the encoder has several. ``position_range`` is the range of
-    its position, if it differs from that of the interface. ``gray_excess`` is the number that is sent in Gray code for
-    position 0, if it is not 0.
+    its position, if it differs from the range of the interface. ``gray_excess`` is the number that is sent in Gray code
+    for position 0, if it is not 0.
     """
 
     name: str
@@ -158,10 +158,10 @@ class Layout:
 
     @cached_property
     def judging_bits(self) -> Expression:
-        """Expression that is 0 for order codes whose frames have no judging field, and positive for all others.
+        """Expression that is 0 for order codes whose frames have no judging field, and positive for all other codes.
 
-        It is 1 if a judging field has a constant width. Otherwise it is the sum of their widths, each width counted
-        once.
+        It is 1 if a judging field always has the same width. Otherwise it is the sum of their widths, each width
+        counted once.
         """
         # Each width once. A dict keeps their order, which a set does not.
         widths = {field.width: None for field in self.judging_fields}
@@ -403,7 +403,7 @@ def _sign_of_combination(layout: Layout, combination: Combination) -> Sign:
 def _flag_of_sign(
     sign_name: str, flag: Flag, printed_name: str, note: str = "", remedy: str = "", source: Sources = ()
 ) -> Field:
-    """Return the flag of a sign. It has no bits in the frame."""
+    """Return the flag of a sign. The flag has no bits in the frame."""
     nowhere = Expression(0)
     return Field(
         sign_name, flag, nowhere, nowhere, 0, printed_name=printed_name, note=note, remedy=remedy, source=source

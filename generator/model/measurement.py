@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     needs_a_key=True,
 )
 class LayoutRange:
-    """Range of the position in one layout, if it differs from that of the interface.
+    """Range of the position in one layout, if it differs from the range of the interface.
 
     A position that never ``wraps`` can be any number that fits its field.
     """

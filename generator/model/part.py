@@ -25,7 +25,7 @@ else:
 
 T = TypeVar("T")
 
-#: A name in the spec, such as that of a field.
+#: A name in the spec, such as the name of a field.
 Name = str
 #: Running text, of several sentences if needed. It is an element in XML.
 Prose = str
@@ -162,8 +162,8 @@ class About(NamedTuple):
         writing: Further sentences for the author of a spec.
         data: Description for users of the data, if it is not ``about``.
         identity: Members by which a part is recognised under another name, separated by spaces.
-        is_sourced: True if the part has sources in the data: its own, or those of its parent.
-        needs_a_key: True if no key is required, but one must be given.
+        is_sourced: True if the part has sources in the data: its own sources, or its parent's. needs_a_key: True if no
+        key is required, but one must be given.
     """
 
     about: str
@@ -181,7 +181,7 @@ def key(about: str, **options: Any) -> Any: ...
 def key(about: str, *, default: Any = MISSING, **options: Any) -> Any:
     """Describe a key of the spec language. Without a ``default``, specs must have it.
 
-    The options are those of ``Key`` and of ``Member``.
+    The options are the options of ``Key`` and of ``Member``.
     """
     own_options = {name: options.pop(name) for name in list(options) if name in Key._fields}
     metadata = {_KEY: Key(about, member=options, **own_options)}
@@ -195,7 +195,7 @@ def fact(about: str, *, default: T, **options: Any) -> T: ...
 @overload
 def fact(about: str, **options: Any) -> Any: ...
 def fact(about: str, *, default: Any = MISSING, **options: Any) -> Any:
-    """Describe a member that only the data have, because it follows from others."""
+    """Describe a member that only the data have, because it is derived from other members."""
     return key(about, default=default, is_written=False, **options)
 
 
@@ -262,7 +262,7 @@ def source_key(**options: Any) -> Any:
     ),
 )
 def part(about: str, *, kw_only: bool = True, **options: Any) -> Callable[[type[T]], type[T]]:
-    """Return the decorator of a part of the language. The options are those of ``About`` and of data classes."""
+    """Return the decorator of a part of the language. The options are the options of ``About`` and of data classes."""
 
     def decorate(part_class: type[T]) -> type[T]:
         described: Any = dataclass(frozen=True, slots=True, kw_only=kw_only)(part_class)

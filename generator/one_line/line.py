@@ -39,7 +39,7 @@ class Number:
 
 @dataclass(frozen=True, slots=True)
 class Flag:
-    """A bit with an active level. ``verdict`` is that on the position while the flag is active."""
+    """A bit with an active level. ``verdict`` is the verdict on the position while the flag is active."""
 
     name: str
     column: int

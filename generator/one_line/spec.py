@@ -259,7 +259,7 @@ def _write_joins(line: Line) -> Iterator[str]:
 
 
 def _write_erratum(line: Line) -> Iterator[str]:
-    """Yield an erratum for a frame that differs from those of BiSS, so that ``check`` accepts it."""
+    """Yield an erratum for a frame that differs from BiSS frames, so that ``check`` accepts it."""
     places = list(_places_unlike_biss(line)) if line.interface == "biss" else []
     if not places:
         return
@@ -304,7 +304,7 @@ def _places_unlike_biss(line: Line) -> Iterator[str]:
 def _write_field(field: LineField, name: str, line: Line, parity_fields: Sequence[str]) -> Iterator[str]:
     """Yield the keys of a field in the spec, ``name: zero_bits, bits: 2, constant: 0``, or those of each split byte.
 
-    Effects on the position are left out of a frame without one.
+    Effects on the position are left out of a frame without a position.
     """
     byte_names = _byte_names(field, line)
     if byte_names:

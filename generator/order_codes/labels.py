@@ -66,7 +66,7 @@ AFTER = r"(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?"
 class UnknownOrderCode(ValueError):
     """The order code does not exist. The message names the wrong part and its valid values.
 
-    ``close`` is true if this message is the one to show: either all but one part of the text matches the family, or the
+    ``close`` is true if this message should be shown: either all but one part of the text matches the family, or the
     text cannot belong to any family.
     """
 
@@ -142,7 +142,7 @@ def find_code(device: Device, text: str) -> Match:
         label_match = re.fullmatch(expression_of_code(device.order_code, spelling) + AFTER, label, re.IGNORECASE)
         if label_match is None:
             continue
-        # A spelling may have texts of its own for the values of a part. Others are as listed.
+        # A spelling may have texts of its own for the values of a part. Other values are as listed.
         value_by_spelling = {(value.part, value.text.upper()): value.value for value in spelling.values}
         value_by_part: dict[str, str] = {}
         for part in device.order_code.parts:
@@ -173,7 +173,7 @@ def values_by_spelling(part: CodePart, spelling: Spelling) -> Mapping[str, str]:
 def beginnings(code: OrderCode) -> tuple[str, ...]:
     """Return the possible prefixes of the family's labels, uppercase and without spaces. "" matches any label.
 
-    Prefixes that begin with another one are omitted.
+    Prefixes that begin with another prefix are omitted.
     """
     prefixes: set[str] = set()
     for spelling in (as_listed(code), *code.also_written):
@@ -212,7 +212,7 @@ def _variant_with_parts(
 ) -> tuple[Variant, tuple[str, ...]]:
     """Return the order code with these parts, and the names of parts with unlisted values.
 
-    An unlisted value remains in the code. Interface and parameters are those of the first listed code that fits.
+    An unlisted value remains in the code. Interface and parameters come from the first listed code that fits.
 
     Raises:
         UnknownOrderCode: The parts cannot be combined.
@@ -260,7 +260,7 @@ def _fitting_variant(device: Device, listed_values: Mapping[str, str | None]) ->
 def _can_be_open(part: CodePart, listed_values: Mapping[str, str | None]) -> bool:
     """Return whether a part can have an unlisted value next to these values of the other parts.
 
-    ``open_only_with`` lists, for some other parts, the values next to which it can. Unlisted ones are always allowed.
+    ``open_only_with`` lists, for some other parts, the values next to which it can. Unlisted values are always allowed.
     """
     for name, allowed_values in part.open_only_with.items():
         if listed_values[name] is not None and listed_values[name] not in allowed_values:
@@ -296,7 +296,7 @@ def expression_of_code(order_code: OrderCode, spelling: Spelling, anything: str 
 
 
 def _value_pattern(part: CodePart) -> str:
-    """Return a regular expression for the listed values of a part, and for unlisted ones if it can have any.
+    """Return a regular expression for the listed values of a part, and for unlisted values if it can have any.
 
     ``part.open`` is the expression for unlisted values.
     """
@@ -331,7 +331,7 @@ def _fits_if_changed(device: Device, part: CodePart, listed_values: Mapping[str,
 
 
 class _WrongPart(NamedTuple):
-    """A part that may be the wrong one.
+    """A part that may be wrong.
 
     The least one is the likeliest: it has the fewest unlisted other parts and, if several have as few, no text itself.
     """
@@ -433,7 +433,7 @@ def edition_before(device: Device, revision: str) -> str:
 
 
 def edition_by_label(device: Device, match: Match) -> str:
-    """Return the revision whose labels are written like this one, or an empty string if the label does not show it."""
+    """Return the revision whose labels are written like this label, or an empty string if none is certain."""
     spellings = device.order_code.also_written
     patterns = {spelling.pattern for spelling in spellings if spelling.where == match.written_as_in}
     for edition in device.editions:

@@ -1,4 +1,4 @@
-"""Reduce a device to some of its interfaces or order codes, or to one with numbers in place of quantities."""
+"""Reduce a device to some of its interfaces or order codes, or replace its quantities by numbers."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ def _applies_only_to_others(part: Any, codes: Collection[str]) -> bool:
 
 
 def for_codes(device: Device, codes: Collection[str]) -> Device:
-    """Return the device with only these listed order codes, without interfaces and examples of the others."""
+    """Return the device with only these listed order codes, without interfaces and examples of other codes."""
     variants = tuple(variant for variant in device.variants if variant.code in codes)
     interface_names = {variant.interface for variant in variants}
     # The variants have the names of interfaces, such as "biss".
@@ -152,18 +152,18 @@ def _names_of_parameters(device: Device, kinds: Collection[str]) -> set[str]:
 
 
 def _with_used_values(part: CodePart, variants: Collection[Variant]) -> CodePart:
-    """Return the part of the order code with only those of its values that some of the variants have."""
+    """Return the part of the order code with only the values that some of the variants have."""
     used_texts = {variant.parts[part.name] for variant in variants}
     return replace(part, values=tuple(value for value in part.values if value.text in used_texts))
 
 
 def for_interface(device: Device, interface_name: str) -> Device:
-    """Return the device with only one of its interfaces, and without parts that belong to the others."""
+    """Return the device with only one of its interfaces, and without parts that belong to other interfaces."""
     return for_interfaces(device, {interface_name})
 
 
 def for_interfaces(device: Device, kinds: Collection[str]) -> Device:
-    """Return the device with only the interfaces named ``kinds``, and without parts that belong only to the others.
+    """Return the device with only the interfaces named ``kinds``, and without parts of other interfaces only.
 
     Examples and errata remain if they are about a remaining part.
     """
@@ -219,7 +219,7 @@ def sent_crcs(interfaces: Collection[Interface]) -> set[str]:
 def _with_used_parts(device: Device, all_sent_crcs: Collection[str]) -> Device:
     """Return the device with only the CRCs, groups, alarms and alternatives that its frames and registers use.
 
-    ``all_sent_crcs`` are those in frames of any interface of the family. Any other CRC, such as that of a memory,
+    ``all_sent_crcs`` are the CRCs in frames of any interface of the family. Any other CRC, such as a memory's CRC,
     belongs to all interfaces.
     """
     removed_crcs = set(all_sent_crcs) - sent_crcs(device.interfaces)
@@ -418,7 +418,7 @@ def _without_empty_fields(layout: Layout) -> Layout:
 def _with_parity_of_others(field: Field, removed_names: set[str]) -> Field:
     """Return a parity bit without the removed fields, and any other field unchanged.
 
-    If it covers no others, it is a constant: 0 for even parity, 1 for odd.
+    If it covers no other field, it is a constant: 0 for even parity, 1 for odd.
     """
     parity = field.kind
     if not isinstance(parity, Parity) or removed_names.isdisjoint(parity.of):

@@ -240,7 +240,7 @@ def _computed_parities(codec: Codec) -> Iterator[Check]:
 
 
 def _constant_ones(codec: Codec) -> Iterator[tuple[Place, int]]:
-    """Yield the constants that are not all 0. An encoder of frames starts from 0, so it need not set the others."""
+    """Yield the constants that are not all 0. An encoder of frames starts from 0, so it need not set constants of 0."""
     for term in codec.terms:
         if isinstance(term.value, Fixed) and term.value.number:
             yield Place(term.field.low, term.field.width), term.value.number
@@ -319,7 +319,7 @@ def _list_places(fields: tuple[Field, ...]) -> tuple[Place, ...]:
 
 
 def _describe_verdict_causes(judgement: verdicts.Judgement) -> Iterator[DescribedVerdictCause]:
-    """Yield the causes of the verdict as data, those of the worst verdict first."""
+    """Yield the causes of the verdict as data, with the causes of the worst verdict first."""
     for verdict, verdict_causes in judgement.worst_first:
         for verdict_cause in verdict_causes:
             cause = verdict_cause.by

@@ -80,7 +80,7 @@ def _dispatch_of(sender: str, layouts: Sequence[Layout]) -> Dispatch:
             fallback = layout
             break
         branches.append(Branch(layout, layout.selects))
-    # The selector has the same position in all frames, so that of the first one applies.
+    # The selector has the same position in all frames, so the position in the first frame applies.
     selector = layouts[0].field(layouts[0].selector)
     last_byte = max((piece.byte for piece in selector.pieces), default=0)
     return Dispatch(
@@ -95,7 +95,7 @@ def _dispatch_of(sender: str, layouts: Sequence[Layout]) -> Dispatch:
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """A reply. ``length`` is in bytes. ``is_xor`` is true if its last byte is the XOR of all others."""
+    """A reply. ``length`` is in bytes. ``is_xor`` is true if its last byte is the XOR of all other bytes."""
 
     length: int
     is_xor: bool
@@ -221,7 +221,7 @@ class FrameSize:
     """Size of a frame for one order code: its length in bits, and the bytes of a buffer for it and the bits around it.
 
     ``answers`` are the user's decisions on which the length depends. ``depends_on_registers`` is true if registers
-    change the length at run time. The number of bits is then that of the factory default, and the buffer is large
+    change the length at run time. The number of bits then applies to the factory default, and the buffer is large
     enough for any register value.
     """
 
@@ -288,7 +288,7 @@ def _bits_around(interface: Interface) -> int | None:
 
 @dataclass(frozen=True, slots=True)
 class IdentityRegister:
-    """A register, and those of its fields that have a documented value."""
+    """A register, and its fields with a documented value."""
 
     register: Register
     fields: tuple[Field, ...]

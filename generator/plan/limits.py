@@ -134,7 +134,7 @@ def limited_member(register: Register) -> str:
 
 @dataclass(frozen=True, slots=True)
 class NotOneOf:
-    """The value is not one of these."""
+    """The value is not listed."""
 
     field: Field
     values: tuple[int, ...]

@@ -174,7 +174,7 @@ class FrameCrc:
 
     @property
     def is_optional(self) -> bool:
-        """True if only some order codes have it: those for which the width of the field is not 0."""
+        """True if only some order codes have the CRC: codes for which the width of the field is not 0."""
         return not self.field.width.is_constant
 
     @property

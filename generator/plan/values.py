@@ -135,7 +135,7 @@ def parameters_in_measurement(device: Device) -> frozenset[str]:
 def _equals_quantity(device: Device, parameter: Parameter) -> bool:
     """Return whether a parameter equals the counts per revolution or the number of counts for every order code.
 
-    It must equal the same of these two for all of them. Order codes without the parameter, or without a number of
+    The same one of these two must apply to all order codes. Order codes without the parameter, or without a number of
     counts, are ignored.
     """
     # Quantities that equal the parameter for all order codes so far. None before the first of them.

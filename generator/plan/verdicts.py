@@ -21,9 +21,9 @@ from .operations import Part, Reserved
 
 @dataclass(frozen=True, slots=True)
 class Only:
-    """Order codes selected by a parameter: those with a value other than 0 if ``holds`` is true, else those with 0.
+    """Order codes selected by a parameter: its value is not 0 if ``holds`` is true, otherwise it is 0.
 
-    ``codes`` is the text in the spec for those with a value other than 0.
+    ``codes`` is the text in the spec for the codes with a value other than 0.
     """
 
     parameter: str
@@ -68,7 +68,7 @@ class VerdictCause:
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """Verdict on the position of a frame: that of the worst active cause, or ``otherwise`` if none is active.
+    """Verdict on the position of a frame: the verdict of the worst active cause, or ``otherwise`` if none is active.
 
     If ``otherwise`` is UNKNOWN, warnings have no effect, since UNKNOWN is worse than a warning. ``judging_bits`` is the
     number of bits that say whether the position is usable. For order codes where it is 0, UNKNOWN is also a verdict.
@@ -81,7 +81,7 @@ class Judgement:
 
     @property
     def may_be_unknown(self) -> bool:
-        """True if the frames of some order codes have no bits that judge the position, and those of others have."""
+        """True if only the frames of some order codes have bits that judge the position."""
         return not self.judging_bits.is_constant
 
     def for_parameters(self, parameters: Mapping[str, int]) -> Judgement:
@@ -214,7 +214,7 @@ def _always_leads_to(part: Part, verdict: Verdict, parts: Mapping[str, Part]) ->
 def verdict_of(field: Field) -> Verdict | None:
     """Return the verdict on the position while a flag is active or unused bits differ from the manual.
 
-    Return None for all other fields, and for those in a frame without the position.
+    Return None for all other fields, and for fields in a frame without the position.
     """
     return field.kind.makes_position
 
@@ -234,8 +234,8 @@ def verdict_causes(codec: Codec) -> Iterator[Cause]:
 def by_order_code(field: Field) -> Iterator[tuple[Field, Only | None]]:
     """Yield the field with the order codes for which it applies, or with None for all of them.
 
-    If the manual explains a flag only for some order codes, yield it with these, and then the unexplained flag with the
-    others: ``overheat`` and ``overheat_unexplained``.
+    If the manual explains a flag only for some order codes, yield it with these codes, and then the unexplained flag
+    with the other codes: ``overheat`` and ``overheat_unexplained``.
     """
     match field.kind:
         case Flag(only_while=parameter, only=codes) if parameter:
@@ -303,7 +303,7 @@ class Reporting:
 def reports_of(device: Device) -> tuple[Report, ...]:
     """Return all reports in the frames of a family, in the same order as in the spec.
 
-    Fields with the same name are one report if they also have the same kind, group and meaning. Otherwise the interface
+    Fields with the same name share a report if they also have the same kind, group and meaning. Otherwise the interface
     or the frame precedes the name.
     """
     return tuple(dict.fromkeys(_index_reports(device).values()))
@@ -392,7 +392,7 @@ def _index_reports(device: Device) -> Mapping[tuple[str, str], Report]:
     it, or if that is still ambiguous, the name of the frame.
     """
     reported_fields = _reported_fields(device)
-    # By both candidates for a report name: that of the field, and that with the interface.
+    # By both candidates for a report name: the name of the field, and the name with the interface.
     meanings_by_name: dict[str, set[object]] = {}
     for reported in reported_fields:
         for candidate_name in (reported.field.name, reported.name_with_interface):
@@ -411,7 +411,7 @@ def _index_reports(device: Device) -> Mapping[tuple[str, str], Report]:
 def _report_name(reported: _ReportedField, meanings_by_name: Mapping[str, set[object]]) -> str:
     """Return the first of these names with a single meaning: ``overheat``, ``biss_overheat``, ``status_overheat``.
 
-    They are the name of the field alone, with that of the interface, and with that of the frame.
+    The names are: the name of the field alone, with the interface's name, and with the frame's name.
     """
     for candidate_name in (reported.field.name, reported.name_with_interface):
         if len(meanings_by_name[candidate_name]) == 1:

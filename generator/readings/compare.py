@@ -24,7 +24,7 @@ _TEXT_SORTS = frozenset((Sort.TEXT, Sort.SECTION))
 
 
 def compare(spec: Facts, second: Facts) -> Comparison:
-    """Return the comparison of the facts of a spec with those of its second reading.
+    """Return the comparison of the facts in a spec and in its second reading.
 
     Facts are compared by their keys, and frames and registers bit by bit. Facts that the second reading gives only by a
     path or that no manual prints are counted as such at the end.
@@ -60,9 +60,9 @@ def _has_two_byte_orders(word_key: Key, spec: Facts, second: Facts) -> bool:
 def _nearest_place(comparison: Comparison, spec: Facts, second: Facts, second_fact: Fact) -> Path | None:
     """Return the place where the spec would state a fact of the second reading, or None if the spec may lack it.
 
-    For a fact that depends on another one, such as the register of a default, this is the place of that one, or None if
-    the spec lacks it, since only that is then reported. Otherwise it is the only item of the same kind that the second
-    reading lacks, or else the list or map of such items.
+    For a fact that depends on another fact, such as the register of a default, this is the place of the other fact, or
+    None if the spec lacks it, since only the other fact is then reported. Otherwise it is the only item of the same
+    kind that the second reading lacks, or else the list or map of such items.
     """
     if second_fact.key[0] == "code":
         return None  # Missing order codes are reported together.
@@ -154,7 +154,7 @@ def _is_decided(sort: Sort, path: str, decided: Sequence[str]) -> bool:
 def _compare_order_codes(spec: Facts, second: Facts) -> Iterator[Disagreement]:
     """Yield one disagreement for all order codes that only the spec has, and one for those that it lacks.
 
-    Each has the text of the first code and counts the others. If a reading has no order code at all, nothing is
+    Each has the text of the first code and the number of other codes. If a reading has no order code at all, nothing is
     yielded.
     """
     spec_codes, second_codes = _order_codes_of(spec), _order_codes_of(second)

@@ -14,7 +14,8 @@ from .comparison import Comparison, Disagreement, Read
 from .frame_bits import continues_item, describe_bits
 from .reading import FACTORY_DEFAULTS, Bit, Case, Fact, Sort, Word, WordCase
 
-#: Identity of a disagreement in all cases: its places, its class, and its number among those of a case with these.
+#: Identity of a disagreement in all cases: its places, its class, and its number among the disagreements of a case with
+#: the same places and class.
 _DisagreementKey = tuple[Path, Path, Sort, int]
 
 

@@ -41,7 +41,7 @@ def group_by_cause(disagreements: Sequence[Disagreement]) -> list[Related]:
     """Return the disagreements in groups with the same cause. Names come first in a group.
 
     A known cause is looked up first, then the disagreement's own cause (``_own_cause``) is used. One without a cause is
-    alone. In a frame with another length, all bits after the difference are others, so only its length is reported.
+    alone. In a frame with another length, all bits after the difference differ, so only the length is reported.
     """
     resized_frames = [disagreement.resized_frame for disagreement in disagreements if disagreement.resized_frame]
     reported_disagreements = [
@@ -86,7 +86,7 @@ def _is_in_frame(disagreement: Disagreement, frames: Sequence[str]) -> bool:
     any_frame = re.compile(rf"(?:{'|'.join(map(re.escape, frames))})(?![\w.])")
     if any_frame.search(disagreement.description):
         return True
-    # The values may be lists, such as those of the bits of an alarm in several frames.
+    # The values may be lists, such as the bits of an alarm in several frames.
     spec_items, second_items = disagreement.spec_value.split(", "), disagreement.second_value.split(", ")
     spec_items_elsewhere = [bits_text for bits_text in spec_items if not any_frame.search(bits_text)]
     second_items_elsewhere = [bits_text for bits_text in second_items if not any_frame.search(bits_text)]
@@ -110,7 +110,7 @@ def _own_cause(disagreement: Disagreement) -> object:
     if disagreement.sort is Sort.HISTORY:
         edition = _EDITION.search(disagreement.description)
         return edition[0] if edition is not None else None
-    # The place of a whole table is ("tables", name), and that of a row is longer.
+    # The place of a whole table is ("tables", name), and the place of a row is longer.
     is_whole_table = len(disagreement.spec_place) == 2
     if disagreement.sort is Sort.TABLE and (is_whole_table or disagreement.spec_value == NOTHING):
         _, table_name, *_ = disagreement.second_place

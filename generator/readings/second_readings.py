@@ -25,7 +25,7 @@ from .related import Related, group_by_cause
 
 
 def facts_of(reading: Reading) -> Facts:
-    """Return all facts of a reading that can be compared with those of another reader.
+    """Return all facts of a reading that can be compared with another reading.
 
     ``decided`` lists facts that no manual prints, and is only in a second reading.
     """
@@ -123,7 +123,7 @@ class SecondReading:
     facts: Facts | None
 
 
-#: Function that reads the second reading of a family, if there is one, and adds its problems to the report.
+#: Function that reads the second reading of a family, if it has one, and adds its problems to the report.
 Reader = Callable[[Family, Report], SecondReading | None]
 
 
@@ -163,9 +163,9 @@ def compare_readings(
 ) -> list[Coverage]:
     """Compare each family with its second reading, report the differences, and return the coverage.
 
-    ``sound`` are the files of specs without problems. Left out are derived families, families without a second reading,
-    and those in which one of the two files has problems. A second reading is checked even if its spec has some.
-    ``read`` returns the second reading of a family.
+    ``sound`` are the files of specs without problems. Derived families are left out, and so are families without a
+    second reading and families with problems in one of the two files. A second reading is checked even if its spec has
+    some. ``read`` returns the second reading of a family.
     """
     coverages = []
     for loaded_family in families:
@@ -183,7 +183,7 @@ def compare_readings(
 
 
 def explain(spec: Document, second: Document, outcome: Comparison, report: Report) -> None:
-    """Count the disagreements explained by errata of the spec, and report the others, each once.
+    """Count the disagreements explained by errata of the spec, and report the remaining disagreements, each once.
 
     An erratum explains a disagreement with exactly its two values at a place that it affects. An erratum that explains
     nothing is also reported.
@@ -208,7 +208,10 @@ def explain(spec: Document, second: Document, outcome: Comparison, report: Repor
 
 @dataclass(frozen=True)
 class _Explanation:
-    """Two values of a fact that an erratum explains. ``place`` is that of the pair, ``printed`` the erratum's text."""
+    """Two values of a fact that an erratum explains.
+
+    ``place`` is the place of the pair, ``printed`` the erratum's text.
+    """
 
     place: Path
     printed: str
@@ -240,7 +243,7 @@ def _explained_differences(spec: Document) -> Iterator[_Explanation]:
 
 
 def _report_disagreements(disagreements: Related, spec: Document, second: Document, report: Report) -> None:
-    """Report disagreements with one cause once: the first one, with the lines of the others.
+    """Report disagreements with one cause once: the first one, with the lines of the other ones.
 
     The report is about the spec, or about the second reading if only that has the fact.
     """
@@ -339,7 +342,7 @@ _KEYS_LEFT_OUT_OF_PATHS = frozenset(
 
 
 def touches(affected_path: str, place: Path) -> bool:
-    """Return whether an erratum that affects a path touches a place: the same one, a parent or a child.
+    """Return whether an erratum that affects a path touches a place: the same place, a parent or a child.
 
     ``registers.mode`` touches ``("registers", "mode", "fields", "speed")``. Indices and some keys are not in paths.
     """

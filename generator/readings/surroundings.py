@@ -79,7 +79,7 @@ def _contact_facts(reading: Reading, connector: Connector, interface: str, conne
 def _alarm_bits_texts(reading: Reading, alarm: Alarm) -> Iterator[str]:
     """Yield the places of an alarm: ``register 0x49 bit 3``, a whole register, and its bit in each frame.
 
-    A bit in a frame is that of the alarm's field in a field group, with the interface: ``bit 3 of … over SSI``.
+    A bit in a frame is the bit of the alarm's field in a field group, with the interface: ``bit 3 of … over SSI``.
     """
     register = reading.register(alarm.register) if alarm.register else None
     if register is not None and alarm.field:

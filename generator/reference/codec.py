@@ -273,7 +273,7 @@ def _decode_join(placed: PlacedLayout, join: Join, frame: int, binary_frame: int
 
 
 def _computed_field(name: str, raw: int, value: int, meaning: str) -> DecodedField:
-    """Return a field that is computed from several others.
+    """Return a field that is computed from several other fields.
 
     It has no bit positions of its own, so ``high`` and ``low`` are -1.
     """
@@ -314,8 +314,8 @@ def _problems_of_value(field: Field, raw: int) -> Iterator[Problem]:
 def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
     """Encode these values.
 
-    Constants, parity and CRC are filled in. The value of a join can replace those of its fields. Unused bits are as in
-    the manual, except for those that the value ``unused`` inverts.
+    Constants, parity and CRC are filled in. The value of a join can replace the values of its fields. Unused bits are
+    as in the manual, except for those that the value ``unused`` inverts.
 
     Raises:
         EncodeError: A value is missing, unknown, or does not fit.
@@ -375,7 +375,7 @@ def _check_names(placed: PlacedLayout, values: Values) -> None:
         if name not in known_names:
             raise EncodeError(f"there is no field '{name}' in {placed.name}")
     for field in placed.layout.fields:
-        # The layout is that of all order codes. ``placed`` has the fields of this one.
+        # The layout applies to all order codes. ``placed`` contains the fields of this order code.
         if values.get(field.name) and placed.find_field(field.name) is None:
             raise EncodeError(f"{field.name} {values[field.name]} does not fit: this order code has no such field")
 
@@ -391,7 +391,8 @@ def _encode_unused(placed: PlacedLayout, inverted_bits: int) -> int:
     """
     frame_bits = 0
     bits_of_no_field = inverted_bits
-    # ``low_in_unused`` is the field's lowest bit in ``inverted_bits``, and ``placed_field.low`` that in the frame.
+    # ``low_in_unused`` is the field's lowest bit in ``inverted_bits``, and ``placed_field.low`` its lowest bit in the
+    # frame.
     for placed_field, low_in_unused in placed.unused:
         inverted_in_field = (inverted_bits >> low_in_unused) & placed_field.mask
         frame_bits |= (documented_bits(placed_field) ^ inverted_in_field) << placed_field.low
@@ -428,7 +429,8 @@ def _split_join(placed: PlacedLayout, join: Join, joined_value: int, values: Val
 def _encode_field(placed: PlacedLayout, placed_field: PlacedField, values: Values) -> int:
     """Return the bits of one field, shifted down to bit 0. A selector with a single value needs none from the caller.
 
-    Return 0 for CRC and parity, which are computed later from the others, and for unused bits, which are added later.
+    Return 0 for CRC and parity, which are computed later from the other fields, and for unused bits, which are added
+    later.
     """
     name = placed_field.name
     kind = placed_field.field.kind

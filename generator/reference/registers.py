@@ -162,7 +162,7 @@ def _check_argument(register: Register, field_name: str, argument: int, placed: 
     """Check that an argument is a value of the field ``field_name``, and within the limits if they apply to this field.
 
     Raises:
-        EncodeError: It is not.
+        EncodeError: The argument is not valid.
     """
     fields = (field for field in register.layout.fields if field.name == field_name)
     allowed_values = [choice.value for field in fields for choice in field.values]

@@ -108,7 +108,7 @@ def _number_of_name(field_name: str, named_values: Sequence[Value], name: str) -
 
 
 def encode_digits(decimal: Decimal, values: Values) -> int:
-    """Return the number that consists of all runs of digits, of which a missing one is 0."""
+    """Return the number that consists of all runs of digits. A missing run is 0."""
     number = 0
     for run in decimal.runs:
         value = checked_number(values.get(run.name, 0))

@@ -119,7 +119,7 @@ class Citing:
         return not self.sections.isdisjoint(sections) or self._is_option_named_in(passage)
 
     def _is_above_new_row_of_history(self, passage: Passage) -> bool:
-        """Return whether a passage adds a row with another revision below the row of this one."""
+        """Return whether a passage adds a row with another revision below the row of this fact."""
         begins_with_revision = bool(passage.new) and _REVISION.fullmatch(passage.new[0]) is not None
         is_new_row = not passage.old and begins_with_revision
         return is_new_row and self.path != "manual.date" and not self.words.isdisjoint(passage.close)
@@ -128,13 +128,13 @@ class Citing:
         """Return whether the fact is about an option of the order code whose label is in the passage.
 
         The label is one of the old words, or is the last two digits of an order code among them. For a passage that
-        adds an order code, the words around it count instead of the old ones.
+        adds an order code, the words around it count instead of the old words.
         """
         option_match = _OPTION.fullmatch(self.path)
         if option_match is None:
             return False
         label = option_match[1].casefold()
-        # A row with a new order code is next to rows of others.
+        # A row with a new order code is next to rows of other order codes.
         adds_order_code = not passage.old and bool(_last_digits(word.casefold() for word in passage.new))
         words_of_passage = passage.close if adds_order_code else passage.old
         folded_words = {word.casefold() for word in words_of_passage}
@@ -239,7 +239,7 @@ class _Surroundings:
 
 
 def facts_with_citations(document: Document) -> list[Citing]:
-    """Return the facts of a spec with what they cite. A fact without a source has that of the item around it."""
+    """Return the facts of a spec with what they cite. A fact without a source has the source of the item around it."""
     return list(_facts_in(document, document.data, path=(), around=_Surroundings()))
 
 
@@ -275,7 +275,7 @@ def _facts_in(document: Document, node: Any, path: Path, around: _Surroundings) 
 
 
 def _source_of_member(item: Mapping[str, Any], path: Path, member_name: str, in_map: _Surroundings) -> Sources:
-    """Return what a member of a map cites: its own source, ``<key>_source``, or else that of the map.
+    """Return the citations of a map's member: its own source, ``<key>_source``, or else the source of the map.
 
     Contents without a source cite their section, which is the step after ``manual.contents`` in the path of the member.
     """
@@ -296,7 +296,7 @@ def _surroundings_in(item: Mapping[str, Any], path: Path, around: _Surroundings)
     is_item = bool(path) and (isinstance(path[-1], int) or "source" in item or is_in_map_of_items)
     own_source = item.get("source")
     references = frozenset(_references_in(item))
-    # An item with its own references has only these.
+    # An item with its own references has only its own.
     if not is_item or not references:
         references |= around.refers_to
     return _Surroundings(

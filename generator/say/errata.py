@@ -170,7 +170,7 @@ def errata(
 
 
 def _is_within(path: str, parts: Collection[str]) -> bool:
-    """Return whether a path is that of one of the parts, or of something inside it."""
+    """Return whether a path names one of the parts, or something inside it."""
     return path in parts or path.startswith(tuple(f"{part}." for part in parts))
 
 
@@ -178,8 +178,8 @@ def erratum(correction: Erratum, *, whole: bool = False) -> Statement:
     """Return an erratum in three labelled parts: the printed text, the value used, and the reason.
 
     The reason is omitted if it is longer than ``_SHORT``, unless ``whole`` is set or wrong bytes could be sent. A
-    change by an overlay or another edition always has its reason. ``brief`` is the form in one line. It has the first
-    sentence on what is used, and all of them if wrong bytes could be sent and the erratum is open.
+    change by an overlay or another edition always has its reason. ``brief`` is the form in one line. It contains the
+    first sentence on the value used, and all sentences if wrong bytes could be sent and the erratum is open.
     """
     if correction.overlay or correction.edition:
         return _change_statement(correction)
@@ -204,7 +204,7 @@ def erratum(correction: Erratum, *, whole: bool = False) -> Statement:
     )
 
 
-#: The end of a sentence that another one follows. Numbers of sections and abbreviations do not end one.
+#: The end of a sentence that another one follows. Numbers of sections and abbreviations do not end a sentence.
 _SENTENCE_END = re.compile(r"(?<=[a-z0-9)°%][.]) (?=[A-Z0-9])")
 
 

@@ -62,7 +62,7 @@ def titled_in_lists(device: Device) -> str:
 
 
 def placeholders(device: Device) -> str:
-    """Return a sentence with the values that are still those of the template, or an empty string if there are none."""
+    """Return a sentence with the values that still come from the template, or an empty string if there are none."""
     names = device.evidence.placeholders
     if not names:
         return ""

@@ -48,7 +48,7 @@ def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[Part
     length_text = counted(layout.widest // 8, "byte")
     if layout.widest > 8:
         length_text += f", {layout.byte_order.replace('_', ' ')}"
-    # The bits on the line may be fewer than those of the bytes.
+    # The line may carry fewer bits than the bytes.
     if layout.sent_bits != layout.bits:
         return layout.sent_bits, f" bits in {length_text}"
     return (length_text,)

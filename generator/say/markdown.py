@@ -83,7 +83,7 @@ def _with_section_sign(source: Source) -> Source:
     return replace(source, section=f"§{source.section}") if has_section_number else source
 
 
-#: The number of a section, in contrast to that of a register, such as 0x07.
+#: The number of a section, unlike the number of a register, such as 0x07.
 _SECTION_NUMBER = re.compile(r"\d+(?![\dx])")
 
 

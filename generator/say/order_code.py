@@ -167,7 +167,7 @@ def initial(device: Device) -> str:
     They are ``factory defaults``, or ``values of the order code`` if no such register has a known default.
     """
     register_names = {run_time_parameter.register for run_time_parameter in device.run_time_parameters}
-    # A device of one interface lacks the registers of the others.
+    # A device of one interface lacks the registers of other interfaces.
     defaults = [register.default for register in device.registers if register.name in register_names]
     has_only_unknown_defaults = bool(defaults) and all(default is None for default in defaults)
     return "values of the order code" if has_only_unknown_defaults else "factory defaults"

@@ -123,7 +123,7 @@ def with_unit(value: int | str, unit: str) -> str:
 
 
 def first_of(items: Sequence[str], count: int = 3, between: str = ", ") -> str:
-    """Join the first items, and count the others: ``a, b, c and 5 more``."""
+    """Join the first items, and count the rest: ``a, b, c and 5 more``."""
     first_items = between.join(items[:count])
     omitted = len(items) - count
     return f"{first_items} and {omitted} more" if omitted > 0 else first_items

@@ -78,9 +78,9 @@ def states(field: Field) -> tuple[str, str]:
 def meaning(field: Field, alarm: Alarm | None) -> str:
     """Return the meaning of an active flag, or of unused bits that differ from the manual.
 
-    For a flag, it is that of its active level, followed by that of the field. If there is neither, it is that of the
-    alarm or, at last, ``active``. An active flag that is not implemented contradicts the manual, unless the manual
-    gives its active level a meaning.
+    For a flag, it is the meaning of its active level, followed by the meaning of the field. If there is neither, it is
+    the meaning of the alarm, or ``active``. An active flag that is not implemented contradicts the manual, unless the
+    manual gives its active level a meaning.
     """
     if isinstance(field.kind, Unused):
         difference = f"unused bits differ from the documented value {short(field.kind.value)}"

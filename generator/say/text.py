@@ -218,7 +218,8 @@ class Style:
     def sentence(self, statement: Statement) -> str:
         """Return the statement as a sentence: ``Clock: 100 kHz to 4 MHz [5.3].``
 
-        The full stop is at the very end. It is left out if the text in front of the source already ends with one.
+        The full stop is at the very end. It is left out if the text in front of the source already ends with a full
+        stop.
         """
         if statement.below:
             return " ".join(self.lines(statement))

@@ -43,7 +43,7 @@ class Library:
     only_paths: frozenset[str] = frozenset()
 
     def part(self, family: PartOf, device: Device, options: Options) -> Any:
-        """Return the result of ``family``, which is that of the target, for one device."""
+        """Return the result of ``family``, the target's function, for one device."""
         return self.stored_part(device, lambda: family(device, self, options))
 
     def files_of(self, family: FilesOf, device: Device, options: Options) -> dict[str, str]:
@@ -124,7 +124,7 @@ class Option:
         name: Lowercase letters, digits, hyphens and underscores.
         summary: One line for ``--help``.
         default: Value if the user gives none.
-        values: All valid values. If empty, any text is valid, and ``files`` raises ``OptionError`` for a wrong one.
+        values: All valid values. If empty, any text is valid, and ``files`` raises ``OptionError`` for a wrong text.
 
     Raises:
         ValueError: The default is not one of the values.

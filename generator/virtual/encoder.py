@@ -42,8 +42,8 @@ class VirtualEncoder:
         faults: Faults by name, each with a rate per reply, such as ``flip:1e-3``.
         seed: Seed of the random faults.
         clock: Function that returns the time in seconds. By default, the time since the encoder was created.
-        edition: Revision of the manual. By default, that of the spec.
-        specs: Specs to use. By default, those shipped with codewheel.
+        edition: Revision of the manual. By default, the revision of the spec. Specs to use. By default, those shipped
+        with codewheel.
 
     Attributes:
         device: The family.
@@ -156,8 +156,8 @@ class VirtualEncoder:
     def parts_now(self, layout: Layout | None = None) -> dict[str, int]:
         """Return the bits of each field of the current position: ``{"multiturn": 3, "singleturn": 1024}``.
 
-        They are those in frames with ``layout`` if it has the position, and else in the first frame with one. They are
-        0 while the encoder is not ready.
+        They are the bits in frames with ``layout`` if it has the position, and else in the first frame with one. They
+        are 0 while the encoder is not ready.
         """
         if layout is None or not self._carries_position(layout):
             layout = self._position_layout
@@ -286,7 +286,7 @@ class VirtualEncoder:
     def is_active(self, field: Field) -> bool:
         """Return whether a flag is active.
 
-        It is if it is set, if a flag that it sums up is set, or if it reports that the encoder is busy.
+        A flag is active if it is set, if a flag that it sums up is set, or if it reports that the encoder is busy.
         """
         assert isinstance(field.kind, Flag)
         if field.name in self.flags or any(name in self.flags for name in field.kind.sums_up):
@@ -299,13 +299,13 @@ class VirtualEncoder:
         return field.name == error_flag and has_error_in_register
 
     def _read_clock(self) -> float:
-        """Return the time. It does not advance while a frame is built, so that its fields are consistent."""
+        """Return the time. The time does not advance while a frame is built, so that its fields are consistent."""
         return self.clock() if self._instant is None else self._instant
 
     def _collect_values(
         self, layout: Layout, request_values: Mapping[str, int | str | bool]
     ) -> dict[str, int | str | bool]:
-        """Return the value of each field that carries data, from the first source that has one.
+        """Return the value of each field that carries data, from the first source that has a value.
 
         The sources are the request, the position, the active flags, and the documented value.
         """
@@ -332,7 +332,7 @@ class VirtualEncoder:
     def _compared_parts(self, layout: Layout) -> dict[str, int]:
         """Return the bits of the field that a master compares with the position in another data channel, by its name.
 
-        The map is empty for a layout without such a field, and for the one with the position itself.
+        The map is empty for a layout without such a field, and for the layout with the position itself.
         """
         frame = channel_frame(self.device.interface(self.variant.interface))
         position_layout = self._position_layout

@@ -25,7 +25,7 @@ def _load_families(specs: tuple[Path, ...]) -> tuple[Family, ...]:
 
 
 def _has_special_code(device: Device, text: str) -> bool:
-    """Return whether the text of an order code contains that of a special model of the family."""
+    """Return whether the text of an order code contains the code of a special model of the family."""
     return any(overlay.special and overlay.special in text for overlay in device.overlays)
 
 
@@ -36,7 +36,8 @@ def find_order_code(text: str, specs: tuple[Path, ...], edition: str) -> tuple[D
     order codes of that family.
 
     Raises:
-        ValueError: There is no such order code or edition. The message is the last one that is ``close``, or the first.
+        ValueError: There is no such order code or edition. The message is the last message that is ``close``, or the
+        first.
     """
     if is_line(text):
         if edition:

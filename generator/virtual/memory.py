@@ -1,6 +1,6 @@
 """Registers of a virtual encoder: access rules, self-clearing commands with their effects, waits, and the EEPROM.
 
-The model states the access rules, defaults, waits, and the values that steps of procedures poll for. It does not
+The model states the access rules, defaults, waits, and the values that steps of procedures poll for. The model does not
 describe the effect of a command, so the effect is inferred from words in the name of its value: ``save``, ``activate``,
 ``restore``, ``reset``, ``simulate`` and ``clear``.
 """
@@ -120,7 +120,7 @@ class Memory:
         return byte
 
     def read_whole(self, address: int) -> int | None:
-        """Return the number in the register at an address that has no others, or None if it cannot be read."""
+        """Return the number in the only register at an address, or None if it cannot be read."""
         register = self._readable_register_at(address)
         if register is None:
             return None
@@ -129,7 +129,7 @@ class Memory:
         return self.value(register.name)
 
     def write_whole(self, address: int, value: int) -> bool:
-        """Write the register at an address that has no others, and return whether the encoder accepts it."""
+        """Write the only register at an address, and return whether the encoder accepts it."""
         register = self._writable_register_at(address)
         if register is None or not self._is_open(register):
             return False
@@ -150,7 +150,7 @@ class Memory:
         return True
 
     def restart(self) -> None:
-        """Discard values that were not saved: those of volatile registers.
+        """Discard values that were not saved: the values of volatile registers.
 
         ``volatile`` means that a value is lost without a command that saves it. Other registers save each write.
         """
@@ -195,7 +195,7 @@ class Memory:
             if placed_field.field.carries_data:
                 value_by_field[placed_field.name] = self._default_value(placed_field.field)
         content = 0
-        # One field at a time, so that one that cannot be encoded does not prevent the others.
+        # One field at a time, so that a field that cannot be encoded does not block the others.
         for name, value in value_by_field.items():
             only_this_value = {**dict.fromkeys(value_by_field, 0), name: value}
             try:
@@ -214,9 +214,9 @@ class Memory:
         return field.default or 0
 
     def _is_open(self, register: Register) -> bool:
-        """Return whether the register that protects this one has the value that allows writing, if there is any.
+        """Return whether the register that protects ``register``, if any, has the value that allows writing.
 
-        The value is that of the field ``opened_by_field``, or of the first field if the spec names none.
+        The value is in the field ``opened_by_field``, or in the first field if the spec names none.
         """
         if not register.opened_by:
             return True
@@ -320,7 +320,7 @@ class Memory:
     def _activate_argument(self, register: Register) -> None:
         """Preset the position to the number in a register, or use it as an offset if the register means that now.
 
-        The number is that of the field or join ``limits_of``, or of the whole register if it has no such field.
+        The number is in the field or join ``limits_of``, or is the whole register if it has no such field.
         """
         placed_layout = self._encoder.place(register.layout)
         content = self.value(register.name)
@@ -365,7 +365,7 @@ class Memory:
             self._store_number(register, _with_bits_of_field(self.value(register.name), placed_field, value))
 
     def _refresh_register(self, register: Register) -> None:
-        """Update the bits of a register that are those of alarms or of the position to their present values.
+        """Update the bits of a register that show alarms or the position to their present values.
 
         A register that the master can write is left as it is.
         """

@@ -36,7 +36,7 @@ _TOLERANCE_S, _LATE_BY_S = 1e-9, (0.005, 0.04)
 
 
 class _RequestFormat(NamedTuple):
-    """The layout of a request, its data ID if the encoder has these, and the layout of the reply if there is one."""
+    """The layout of a request, its data ID if the encoder has data IDs, and the layout of the reply if there is one."""
 
     layout: Layout
     data_id: DataId | None
@@ -74,7 +74,7 @@ class Rs485Line:
         #: The fault "low" or "high" of the line, and its end.
         self._outage = ""
         self._outage_until = 0.0
-        #: Replies with the times at which they arrive, in order, and that of the last one without extra replies.
+        #: Replies with the times at which they arrive, in order, and the time of the last reply without extra replies.
         self._arrivals: list[tuple[float, bytes]] = []
         self._last_due = 0.0
         #: The control byte of the reset requests that came last, their number, and the time of the last one.
@@ -146,7 +146,7 @@ class Rs485Line:
     def _is_for_this_encoder(layout: Layout, values: Mapping[str, int | str | bool]) -> bool:
         """Return whether a request has this encoder's values, such as its address.
 
-        These are the factory defaults in the layout. A field without a default can have any value.
+        Its values are the factory defaults in the layout. A field without a default can have any value.
         """
         return all(field.default in (None, values.get(field.name)) for field in layout.fields)
 
@@ -205,7 +205,10 @@ class Rs485Line:
             encoder.restart()
 
     def _put_bytes(self, due: float, data: bytes) -> None:
-        """Add bytes that reach the master at the given time. If it does not read, the first ones are lost."""
+        """Add bytes that reach the master at the given time.
+
+        If the master does not read, the first replies are lost.
+        """
         insort(self._arrivals, (due, data), key=itemgetter(0))  # by time
         del self._arrivals[:-_MOST_REPLIES]
 
@@ -217,9 +220,9 @@ class Rs485Line:
         *,
         is_second: bool,
     ) -> tuple[bytes, bytes]:
-        """Carry out a request. Return the reply of the encoder, and that of a second one.
+        """Carry out a request. Return the reply of the encoder, and the reply of a second encoder.
 
-        Both are empty if there is no reply. They are the same unless ``is_second`` is true.
+        Both are empty if there is no reply. Both replies are equal unless ``is_second`` is true.
         """
         if layout is None or self.encoder.needs_answer(layout):
             return b"", b""
@@ -430,7 +433,7 @@ class SpiLine:
         return None
 
     def _error_reply(self, length: int) -> int:
-        """Return the reply to an invalid request of this length: that of its last exchange, with all flags active."""
+        """Return the reply to an invalid request of this length: the last exchange's reply, with all flags active."""
         parameters = self.encoder.variant.parameters
         exchanges_of_length: list[Exchange] = []
         for exchange in self.interface.exchanges:

@@ -236,7 +236,7 @@ def _expected_bits(
 ) -> int:
     """Return the number of bits in a valid frame that have the value to expect.
 
-    These are the CRC, the constants, and the fields that have one of their usual values. A field that may have one of 4
+    These bits are the CRC, the constants, and fields with one of their usual values. A field that may have one of 4
     values has 2 free bits, which do not count.
     """
     crc = device.crc_of(placed_layout)
@@ -246,7 +246,7 @@ def _expected_bits(
         values = usual_values.get(placed_field.name, ())
         raw_value = (frame >> placed_field.low) & placed_field.mask
         if raw_value in values:
-            # The bits that are needed to number the usual values: 2 for 3 or 4 values, 0 for a single one.
+            # The bits that are needed to number the usual values: 2 for 3 or 4 values, 0 for a single value.
             free_bits = (len(values) - 1).bit_length()
             usual_bits += placed_field.width - free_bits
     crc_bits = crc.width if crc is not None else 0

@@ -182,7 +182,7 @@ def check_constant_bits(placed_layout: PlacedLayout, frame: int) -> tuple[int, b
             are_right = are_right and raw_value == expected_value
         elif placed_field.name == placed_layout.layout.selector:
             selector_values = placed_layout.layout.selects
-            # The bits that are needed to number the possible values: 2 for 3 or 4 values, 0 for a single one.
+            # The bits that are needed to number the possible values: 2 for 3 or 4 values, 0 for a single value.
             free_bits = (len(selector_values) - 1).bit_length()
             constant_bits += placed_field.width - free_bits
             are_right = are_right and raw_value in selector_values

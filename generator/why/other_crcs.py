@@ -1,4 +1,4 @@
-"""Frames whose CRC was computed with other parameters, or over other bits than those in the frame."""
+"""Frames whose CRC was computed with other parameters, or over bits other than the frame's."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def other_crcs_over_bits(crc: Crc) -> Iterator[OtherCrc]:
 
 
 def _other_start_values(crc: Crc) -> list[int]:
-    """Return all zeros, all ones, and the start values of known CRCs with the polynomial, except that of ``crc``."""
+    """Return all zeros, all ones, and the start values of other known CRCs with the polynomial."""
     known_starts = {known.init for known in KNOWN_CRCS if known.polynomial == crc.poly_with_top_bit}
     return sorted({0, crc.mask, *known_starts} - {crc.init})
 
@@ -199,7 +199,7 @@ def _position_code_hypotheses(
 def _place_of_position(placed_layout: PlacedLayout) -> tuple[int, int]:
     """Return low bit and width of the number that a master would convert from Gray code to binary.
 
-    This is the number in Gray code, a joined number, or else the widest one. The width is 0 if there is no number.
+    This is the number in Gray code, a joined number, or else the widest number. The width is 0 if there is no number.
     """
     joins = placed_layout.layout.joins
     if placed_layout.layout.gray_of:
@@ -268,7 +268,7 @@ def _polynomial_hypothesis(
 ) -> Hypothesis:
     """Return the hypothesis that the ``length`` bits of ``number`` are the frame's data with the CRC ``other_crc``.
 
-    The data have the length of those in the expected frame. Behind them is the CRC, or its first bits, then zeros.
+    The data have the same length as in the expected frame. Behind them is the CRC, or its first bits, then zeros.
     """
     data_bits = placed_layout.bits - crc.width
     bits_after_data = length - data_bits

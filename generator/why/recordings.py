@@ -70,7 +70,7 @@ class Incomplete:
 class Line:
     """Mistakes with the bits around a frame on one kind of line, in the order in which they are tried.
 
-    ``slips`` are those by one or two bits.
+    ``slips`` are the offsets by one or two bits.
     """
 
     slips: tuple[FrameOffset, ...]
@@ -195,7 +195,7 @@ _TOO_SHORT = Incomplete("it is too short: it has {0} of the {1} bits. Clocks sti
 
 
 def _one_clock_offsets(cause: str) -> tuple[FrameOffset, ...]:
-    """Return the offsets by one clock, in which the number of received bits is that of the frame.
+    """Return the offsets by one clock, in which the number of received bits equals the number in the frame.
 
     ``cause`` continues the text after "one clock late" or "one clock early". A missing first bit is tried as 0 and 1.
     """

@@ -87,7 +87,10 @@ def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache =
 
 
 def _read_second_of(files_to_check: Sequence[str], family: Family, report: Report) -> SecondReading | None:
-    """Return the second reading of a family that must be checked, or None. For others, only list its file as read."""
+    """Return the second reading of a family that must be checked, or None.
+
+    For other families, only list its file as read.
+    """
     if family.document.file in files_to_check:
         return read_beside(family, report)
     second_path = second_reading_path(Path(family.document.file))
@@ -97,7 +100,10 @@ def _read_second_of(files_to_check: Sequence[str], family: Family, report: Repor
 
 
 def _read_sheet_of(files_to_check: Sequence[str], family: Family, report: Report) -> Document | None:
-    """Return the word sheet of a family that must be checked, or None. For others, only list its file as read."""
+    """Return the word sheet of a family that must be checked, or None.
+
+    For other families, only list its file as read.
+    """
     if family.document.file in files_to_check:
         return read_sheet(family, report)
     sheet_path = word_sheet_path(Path(family.document.file))
@@ -154,7 +160,7 @@ def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache = 
     Args:
         families: Families whose specs have no other problems.
         participle: Participle of the refused action, such as ``written``.
-        cache: Cache of families without such problems. They are not checked again until a file changes.
+        cache: Cache of families without such problems. These families are not checked again until a file changes.
 
     Raises:
         Stop: There are problems. The exit code is 1.

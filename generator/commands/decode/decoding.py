@@ -63,7 +63,7 @@ class Request:
 
 
 def argument_lines(arguments: Sequence[str]) -> Iterator[Line]:
-    """Yield the frames in the arguments, or for ``-`` those on standard input, one per line.
+    """Yield the frames in the arguments, or for ``-`` the frames on standard input, one per line.
 
     The arguments form one text, in which each line is a frame. A single frame has no line number. Arguments without
     a frame yield their text as it is, which the decoder then rejects.

@@ -20,10 +20,10 @@ _PREFIXED_BITS = re.compile(r"0?[bB][01]+")
 
 
 def with_prefix(text: str, bits: int) -> str:
-    """Return the text of a number of ``bits`` bits with the prefix ``0b`` or ``0x`` if its digits have one meaning.
+    """Return the text of a number of ``bits`` bits with the prefix ``0b`` or ``0x`` if its base is certain.
 
-    These are digits with a letter or a leading zero, all bits of the frame, bits in groups, and bytes or words in hex
-    or binary, also without their leading zeros. Other text is returned as it is.
+    The base is certain for digits with a letter or a leading zero, all bits of the frame, bits in groups, and bytes or
+    words in hex or binary, also without their leading zeros. Other text is returned as it is.
     """
     pieces = text.replace("_", "").split()
     are_digits = all(_DIGITS.fullmatch(piece) for piece in pieces)
@@ -43,15 +43,15 @@ def with_prefix(text: str, bits: int) -> str:
 def _binary_digits(pieces: Sequence[str], bits: int) -> str:
     """Return the bits of a number in pieces of zeros and ones, or "" if these may also be hex or decimal.
 
-    They are bits if they are as many as the frame has, or in groups of one or of more than two. Groups of different
-    lengths are bytes without their leading zeros, unless such a zero is written.
+    The digits are bits if there are as many as the frame has, or if they are in groups of one or of more than two.
+    Groups of different lengths are bytes without their leading zeros, unless such a zero is written.
     """
     digits = "".join(pieces)
     byte_count = (bits + 7) // 8
     if len(digits) == bits:
         return digits
     longest = max(map(len, pieces))
-    # Bytes without leading zeros can have one digit, too, but there are no more of them than the frame has.
+    # Bytes without leading zeros can have one digit, too, but not more bytes than the frame has.
     are_single_bits = longest == 1 and len(pieces) > byte_count
     if are_single_bits:
         return digits

@@ -37,7 +37,7 @@ def field_table(decoded: codec.Decoded) -> list[str]:
     # Each unused field has a line of its own, so the one for all of them, which has no place, is omitted.
     fields = [field for field in decoded.fields if field.name != codec.UNUSED or field.high >= 0]
     rows = [_field_row(decoded.layout, field) for field in fields]
-    # From the cells of each row to those of each column.
+    # Turn the cells of each row into the cells of each column.
     columns = zip(*(row.cells for row in rows), strict=True)
     column_widths = [max(map(len, column)) for column in columns]
     lines = []

@@ -190,7 +190,7 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
     if meanings == [say_report.if_bits(without_gaps)]:
         bits = len(without_gaps)
         return TypedFrame(int(without_gaps, 2), bits, exact=True, written=bits)
-    # Hex digits with one meaning have a prefix already, unless they may be a misspelt one.
+    # Hex digits with one meaning already have a prefix, unless it is misspelt.
     if len(meanings) == 1 and without_gaps.isdecimal():
         number = int(without_gaps)
         return TypedFrame(number, number.bit_length(), exact=False, written=number.bit_length())
@@ -205,7 +205,7 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
 def _refuse_bits_in_pairs(pieces: Sequence[str], frame_text: str) -> None:
     """Raise FrameTextError if the pieces, such as ``10 01 11``, could be either bits or bytes.
 
-    They may if all of them are two digits without a prefix, and all digits are 0 or 1.
+    This is possible if all pieces are two digits without a prefix, and all digits are 0 or 1.
     """
     have_no_prefix = all(len(piece) == 2 for piece in pieces)
     are_zeros_and_ones = set("".join(pieces)) <= {"0", "1"}
@@ -225,8 +225,8 @@ def decode_text(device: Device, variant: Variant, sender: str, text: str, layout
         sender: ``encoder`` or ``master``.
         text: Hex bytes for a line that carries bytes. For a line that carries bits, one number: ``0b`` with every
             digit, or ``0x``.
-        layout: The layout's name. By default, the one that the frame identifies by its selector or its length, or else
-            the sender's first.
+        layout: The layout's name. By default, the layout that the frame identifies by its selector or its length, or
+        else the sender's first.
 
     Raises:
         FrameTextError: The text cannot be read as a frame, or there is no such layout.
@@ -247,7 +247,7 @@ def text_decoder(device: Device, variant: Variant, sender: str, layout: str | No
     is_exact = have_lengths(layouts, sender)
 
     def decode(text: str) -> codec.Decoded:
-        """Return the frame decoded with the named layout or, without a name, with the one that it identifies."""
+        """Return the frame decoded with the named layout or, without a name, with the layout that it identifies."""
         frame_text = undecorated(text)
         if first_placed is None:
             raise FrameTextError(_no_layout_message(device, variant, sender, layout))
@@ -296,7 +296,7 @@ def decode_register_text(device: Device, variant: Variant, name: str, frame_text
 def _layout_of_length(
     frame_text: str, first: PlacedLayout, layouts: Sequence[Layout], variant: Variant
 ) -> PlacedLayout:
-    """Return the layout that has the length of the text: ``first`` if it has it, else the only other one that has it.
+    """Return the layout that has the length of the text: ``first`` or else the only other one.
 
     If no other layout or several have this length, it is also ``first``. The decoder then reports the wrong length.
     """
@@ -343,7 +343,7 @@ def why_text(
 ) -> Diagnosis | None:
     """Return explanations of a frame whose CRC, length or constant is wrong, or None if nothing explains it.
 
-    A frame in bytes whose layout is not known is also explained. ``_why_bits`` has the rule for frames of bits.
+    A frame in bytes whose layout is not known is also explained. ``_why_bits`` implements the rule for frames of bits.
     ``decoded`` is the result of ``decode_text`` for the text. ``with_pairs`` also lists pairs of mistakes if a single
     one matches.
     """
@@ -376,8 +376,8 @@ def _why_bits(
     """Return explanations of a frame of bits, or None if it needs none or nothing explains it.
 
     ``explain_bits`` gets frames with a wrong CRC or length, and those whose bits are all equal, as on a dead line.
-    It also gets valid frames without a CRC, but explains them only if all their bits are equal. ``explain_constant``
-    gets the other frames with a wrong constant. Other faults are not explained.
+    It also gets valid frames without a CRC, but explains only those whose bits are all equal. ``explain_constant`` gets
+    the other frames with a wrong constant. Other faults are not explained.
     """
     faults = {problem.fault for problem in decoded.problems}
     is_valid_without_crc = not faults and decoded.crc is None

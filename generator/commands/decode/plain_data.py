@@ -57,7 +57,7 @@ def decoded_data(
 def channel_data(device: Device, variant: Variant, sender: str, result: ChannelResult, line: Line) -> dict[str, Any]:
     """Return a frame with several data channels as plain data. The members of one frame are empty, except the verdict.
 
-    Each channel has those of its frame. ``agree`` is null if nothing is compared.
+    Each channel has the members of its frame. ``agree`` is null if nothing is compared.
     """
     whole_frame = codec.Decoded(layout=None, number=0, fields=(), crc=None, problems=result.problems)
     findings_of_frame = Findings(verdict=result.findings.verdict)

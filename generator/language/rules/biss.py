@@ -70,9 +70,9 @@ def check_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 def check_taken_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no other register is at a place fixed by BiSS, unless an erratum explains it.
 
-    A read-only register inside that place is accepted as a part of it under another name. So is any register inside it
-    whose name begins with the fixed one, such as ``profile_id_low``. Manuals use 40h and 41h for other purposes if
-    there are no banks.
+    A read-only register inside that place is accepted as a part of it under another name. The same applies to any
+    register inside it whose name begins with the fixed name, such as ``profile_id_low``. Manuals use 40h and 41h for
+    other purposes if there are no banks.
     """
     for register in spec.registers:
         name = register.name
@@ -133,7 +133,7 @@ def check_biss_frame(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
 
     A frame without either is not checked. An erratum explains what the manual prints differently.
     """
-    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
+    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
     crcs = by_part_name(as_read.crcs)
     for frame in layouts(spec):
         layout = frame.layout
@@ -255,7 +255,7 @@ def check_biss_control(spec: WrittenSpec, as_read: WrittenSpec, report: Document
 
     Every master relies on them, so a spec has these numbers even if an erratum records others that the manual prints.
     """
-    crcs = by_part_name(as_read.crcs)  # Also invalid ones, which ``spec`` lacks.
+    crcs = by_part_name(as_read.crcs)  # Including invalid parts, which ``spec`` lacks.
     interface = spec.interfaces.biss
     control_data = interface.control_data if interface is not None else None
     for field in control_data.fields if control_data is not None else ():

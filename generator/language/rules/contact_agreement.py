@@ -23,7 +23,7 @@ _SHIELD = re.compile(r"shield|screen|braid|drain", re.IGNORECASE)
 _LINES = {"biss": frozenset(("ma+", "ma-", "slo+", "slo-")), "rs485": frozenset(("rs-485",))}
 #: A connector and a cable for the same interface.
 _Connection = tuple[Located[Connector], Located[Connector]]
-#: Connectors and cables that are compared, and those with the same titles.
+#: Connectors and cables that are compared, and all with the same titles.
 _MOST_CONNECTORS, _MOST_CONNECTIONS = 100, 10
 #: The statement of a note that explains the order of a pair.
 _STATEMENT = re.compile(r"(?P<first>[\w/ ]+?(?: ?[+-])?) is on a lower contact than (?P<second>[\w/ ]+(?: ?[+-])?)")
@@ -55,7 +55,7 @@ class _Pair(NamedTuple):
 
 
 def check_kinds_of_contacts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that wires with colours are those of a cable, and that a contact named after a shield carries no signal."""
+    """Check that only wires of a cable have colours, and that a contact named after a shield carries no signal."""
     for connector in spec.connectors:
         for index, contact in enumerate(connector.part.contacts):
             path = (*connector.path, "contacts", index)
@@ -101,7 +101,7 @@ def check_interfaces_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: D
 
 
 def check_wires_of_contacts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a contact and a wire with the same line have the same one over every interface.
+    """Check that a contact and a wire with the same line have the same line over every interface.
 
     A signal that a connector and a cable both have once belongs to a contact and a wire of one line. If another
     connector and cable of the spec have the same titles, these two must have the same signal there too.
@@ -171,10 +171,10 @@ def _compare_signals(
 
 
 def check_order_of_pairs(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the two lines of each pair are next to each other, and in the same order as those of the first pair.
+    """Check that the two lines of each pair are next to each other, and in the same order as in the first pair.
 
-    If all of three or more pairs are apart, or the only one is, they are compared by their order alone.
-    A note such as "MA - is on a lower contact than MA +" explains another order. It must be true.
+    If all of three or more pairs are apart, or the only pair is, they are compared by their order alone. A note such as
+    "MA - is on a lower contact than MA +" explains another order. The note must be true.
     """
     if is_second(report.document.file):  # It has no notes.
         return
@@ -195,7 +195,7 @@ def check_order_of_pairs(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
 def _wrong_order(pair: _Pair, pairs: Sequence[_Pair]) -> str:
     """Return why the order of a pair is unusual, or an empty string.
 
-    Its lines are apart unlike those of another pair, or are not in the order of the first pair.
+    Its lines are not adjacent although another pair's lines are, or are not in the order of the first pair.
     """
     first_pair = pairs[0]
     # If both of two pairs are apart, that is unusual as well.

@@ -56,7 +56,7 @@ def _gives_level(flag: WrittenField) -> bool:
 def check_repeated_flags(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that flags with the same name in groups or in layouts of an interface have the same level and verdict.
 
-    Flags of groups are compared with those of other groups. Verdicts are compared if both flags have one.
+    Flags of groups are compared with flags of other groups. Verdicts are compared if both flags have a verdict.
     """
     first_flags: dict[tuple[str, str], WrittenField] = {}
     for field_list in field_lists(spec):
@@ -161,7 +161,7 @@ def _report_unsummed(
 ) -> None:
     """Report the only flag of a group that no flag of a list combines, if the group has at least four flags.
 
-    ``summed_by`` has the name of the combining flag for each one. A meaning with the word "combine" explains the
+    ``summed_by`` contains the name of the combining flag for each one. A meaning with the word "combine" explains the
     omission.
     """
     flags = [field for field in group.fields if field.active]
@@ -186,7 +186,7 @@ _SEVERITIES = ("usable", "usable_with_warning", "not_usable")
 
 
 def check_summed_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the verdict of a flag that combines others is not milder than theirs, if all of them have one."""
+    """Check that the verdict of a flag that combines others is not milder than theirs, if all have a verdict."""
     flags: dict[str, WrittenField] = {}
     for field_list in field_lists(spec):
         flags |= {field.name: field for field in field_list.fields if field.active and not field.sums_up}

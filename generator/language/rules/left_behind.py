@@ -63,7 +63,7 @@ def check_defaults(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
 def _shows_default(example: WrittenExample) -> bool:
     """Return True for an example of a register whose name has the word default, defaults or delivered.
 
-    It also has bytes, and no erratum, which would explain a difference.
+    It also has bytes, but no erratum, which would explain a difference.
     """
     is_called_default = not _AS_DELIVERED.isdisjoint(example.name.split("_"))
     return example.kind == "register" and bool(example.bytes) and is_called_default and not example.erratum
@@ -104,7 +104,7 @@ def _collect_affected(erratum: WrittenErratum, section: str, numbers: _Numbers, 
 def _check_words(
     path: Path, text: str, pattern: re.Pattern[str], key: str, numbers: _Numbers, report: DocumentReport
 ) -> None:
-    """Report the first part whose number differs from the one that ``pattern`` finds in the text.
+    """Report the first part whose number differs from the number that ``pattern`` finds in the text.
 
     A text without a match says nothing about the number. A part whose number is None has none to compare.
     """
@@ -206,7 +206,7 @@ _ELSEWHERE = frozenset(("documents", "manual", "order_code", "editions", "eviden
 
 
 def _is_text(path: Path) -> bool:
-    """Return True if the value at a path is a text whose order codes must be those of the spec.
+    """Return True if the value at a path is a text that must use the order codes of the spec.
 
     In tables, these are the cells and the prose. Documents, editions and evidence may name other order codes.
     """
@@ -225,7 +225,7 @@ def _split_pattern(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[s
     no labels or an empty one, or is open with an invalid expression. The text is not checked from there on.
     """
     parts = by_name(order_code.parts)
-    literals_and_names = _BRACES.split(order_code.pattern)  # Literals at even indices, names at odd ones.
+    literals_and_names = _BRACES.split(order_code.pattern)  # Literals are at even indices, names at odd indices.
     pieces: list[tuple[str, re.Pattern[str] | None]] = []
     for index in range(1, len(literals_and_names), 2):
         part = parts.get(literals_and_names[index])

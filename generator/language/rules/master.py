@@ -84,9 +84,9 @@ def _check_files(master: WrittenMaster, report: DocumentReport) -> None:
 
 
 def _written_setting(index: int, report: DocumentReport) -> WrittenSetting:
-    """Return a setting with all its keys, also those with values that the schema check removed.
+    """Return a setting with all its keys, including keys whose values the schema check removed.
 
-    ``index`` is that in the checked data, from which invalid settings may be missing.
+    ``index`` is the index in the checked data, from which invalid settings may be missing.
     """
     original_indices = report.document.kept_indices.get(("settings",))
     if original_indices is not None:
@@ -241,7 +241,7 @@ def _check_place(place: WrittenPlace, master: WrittenMaster, report: DocumentRep
 
 
 def _check_object_and_bits(place: WrittenPlace, report: DocumentReport) -> None:
-    """Check that an index has a subindex, that the type ``bits`` has its bits in ``at``, and the order of limits."""
+    """Check that an index has a subindex, that the type ``bits`` states its bits in ``at``, and the order of limits."""
     has_index, has_subindex = place.index is not None, place.subindex is not None
     if has_index != has_subindex:
         report.add("setting-shape", place.path, "use 'index' and 'subindex' together or not at all")
@@ -312,7 +312,7 @@ def _check_setting_name(
 def _check_writing(master: WrittenMaster, report: DocumentReport) -> None:
     """Check that write conditions have one kind, name existing settings, and define an order without cycles.
 
-    A condition says with ``after`` which settings are written before those in ``of``.
+    A condition lists in ``after`` the settings that are written before the settings in ``of``.
     """
     earlier_settings: dict[str, set[str]] = {}  # For each setting, those that are written before it.
     for condition in master.writing:

@@ -75,7 +75,7 @@ _Expressions = Iterator[tuple[Path, int | str]]
 
 
 def expressions(spec: WrittenSpec) -> _Expressions:
-    """Yield every expression of a spec, those of groups once."""
+    """Yield every expression of a spec, with the expressions of groups once."""
     for part in spec.order_code.parts:
         yield from _expressions_under(part, ("label_is",))
     for parameter in spec.parameters.values():
@@ -171,7 +171,7 @@ _MOST_TERMS = 256
 
 
 def all_parameters(expression_text: object, parameters: Mapping[str, WrittenParameter]) -> Iterator[str]:
-    """Yield the parameters in an expression, and those in the expressions that define them, each once."""
+    """Yield the parameters in an expression, and in the expressions that define these parameters, each once."""
     factors_to_visit = _list_factors(expression_text)
     visited_names: set[str] = set()
     # The list grows during the loop, so that parameters named directly come before those that define them.
@@ -305,7 +305,7 @@ def check_alternative_use(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 
     Those with a default affect only verdicts, which do not need a choice. So their parameters are in no expression.
     """
-    alternatives = by_name(as_read.alternatives)  # Also invalid ones, which ``spec`` lacks.
+    alternatives = by_name(as_read.alternatives)  # Including invalid parts, which ``spec`` lacks.
     set_by_alternative = {name: parameter for name, parameter in as_read.parameters.items() if parameter.alternative}
     used_texts = list(expressions(spec))
     # The parameter under 'when', which turns Gray code on, is not an expression.
@@ -365,7 +365,7 @@ def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: Documen
 
 
 def check_parameter_cycle(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no parameter is defined by itself, directly or through others."""
+    """Check that no parameter is defined by itself, directly or through other parameters."""
     definitions: dict[str, tuple[str, ...]] = {}
     for name, parameter in spec.parameters.items():
         if parameter.equals is not None:

@@ -36,7 +36,8 @@ Groups = Mapping[str, WrittenFieldGroup]
 _INTERFACE_CLASSES: Mapping[str, type[WrittenInterface]] = MappingProxyType(
     {"ssi": WrittenSsi, "biss": WrittenBiss, "rs485": WrittenRs485, "spi": WrittenSpi}
 )
-#: Largest number of fields of a layout or register, with those of its groups. Without these, the schema limits it.
+#: Largest number of fields of a layout or register, including the fields of its groups. Without groups, the schema
+#: limits it.
 MAX_FIELDS = 512
 _RANGE = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
 
@@ -264,7 +265,7 @@ def measurements(spec: WrittenSpec) -> Iterator[Located[Measurement]]:
 
 
 def measurement_of(spec: WrittenSpec, interface: str) -> Located[Measurement] | None:
-    """Return the measurement of an interface or, if it has none, that of the device. None if there is neither."""
+    """Return the measurement of an interface or, if it has none, of the device. None if there is neither."""
     own_measurement = dict(interfaces(spec))[interface].measurement if interface in spec.interfaces.data else None
     return own_measurement if own_measurement is not None and own_measurement.is_given else spec.measurement
 
@@ -314,12 +315,12 @@ def owner_of_alarm(spec: WrittenSpec, alarm: Located[Alarm]) -> WrittenFieldGrou
 
 
 def has_other_bits(register: WrittenRegister, groups: Groups) -> bool:
-    """Return True if a register has more bits than those of one field."""
+    """Return True if a register has bits outside a single field."""
     return len(bits_of(register, groups)) > 1 or register.has("other_bits")
 
 
 def value_names(field: WrittenField) -> list[str]:
-    """Return the names of the values of a field, even of those with a wrong shape."""
+    """Return the names of the values of a field, even of values with a wrong shape."""
     return field.names_in("values")
 
 

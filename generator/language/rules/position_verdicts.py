@@ -38,7 +38,7 @@ def check_value_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
 
     A group is in such a frame if one of them uses it. An error is a value whose name says so.
     """
-    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
+    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
     position_frames = [field_list for field_list in layouts(spec) if _has_position(spec, field_list, groups)]
     position_paths = {field_list.owner.path for field_list in position_frames}
     used_groups = {field.use for field_list in position_frames for field in field_list.fields}
@@ -106,7 +106,7 @@ def check_combinations(spec: WrittenSpec, as_read: WrittenSpec, report: Document
     A combination gives the verdict while several fields have certain values. It never decides if one of its conditions,
     or a combination with some of them, already gives the same verdict or a worse one.
     """
-    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
+    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
     for frame in layouts(spec):
         listed_combinations = frame.layout.combinations if frame.layout is not None else ()
         if listed_combinations and not _has_position(spec, frame, groups):
@@ -129,7 +129,7 @@ def check_combinations(spec: WrittenSpec, as_read: WrittenSpec, report: Document
 
 def check_report_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the reports of values with a verdict and of combinations have names that are unique in the frame."""
-    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
+    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
     for frame in layouts(spec):
         used_names = set(readable_names(frame, groups))
         for path, name in _report_names(frame, groups):
@@ -226,7 +226,7 @@ def _check_can_decide(
 ) -> None:
     """Report a combination that never decides, since a part of it already has the same verdict or a worse one.
 
-    ``verdicts`` has the text for each part and its verdict: ``("'battery' alone", "not_usable")``.
+    ``verdicts`` contains the text for each part and its verdict: ``("'battery' alone", "not_usable")``.
     """
     for part_text, verdict in verdicts:
         is_as_bad = bool(verdict) and _WORST_FIRST.index(verdict) <= _WORST_FIRST.index(combination.makes_position)
@@ -273,7 +273,7 @@ def _verdicts_of_parts(
 
 
 def _is_part(other_combination: WrittenCombination, combination: WrittenCombination) -> bool:
-    """Return True if all conditions of another combination, at least two, are also conditions of this one."""
+    """Return True if all conditions of another combination, at least two, are also conditions of ``combination``."""
     conditions = other_combination.when.items()
     return len(conditions) > 1 and conditions <= combination.when.items()
 

@@ -183,7 +183,7 @@ def _compare_writes(
     step_writes: list[_Write | None],
     report: DocumentReport,
 ) -> None:
-    """Report each printed write that is not that of the step with the same number, and each further step."""
+    """Report each printed write that differs from the step with the same number, and each further step."""
     for index, text in enumerate(procedure.printed_writes):
         printed_write = _printed_write(text)
         printed_path = (*procedure.path, "printed_writes", index)
@@ -221,7 +221,7 @@ def _step_write(step: WrittenStep, registers: Mapping[str, WrittenRegister], gro
         return None
     register_fields = list(fields_of(register, groups))
     possible_fields = [field for field in register_fields if step.field in ("", field.name)]
-    # The field that has the value. Without one, the value is an argument, whose number the caller supplies.
+    # The field that has the value. Without such a field, the value is an argument, whose number the caller supplies.
     fields_with_value = [field for field in possible_fields if step.value in field.values]
     number = None
     if fields_with_value:

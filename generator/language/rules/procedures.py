@@ -28,7 +28,7 @@ _NO_REGISTER = WrittenRegister({})
 Registers = Mapping[str, WrittenRegister]
 #: Access of a register that makes a kind of step impossible.
 _REFUSED = {"write": "read_only", "read": "write_only", "poll": "write_only"}
-#: Keys of each kind of step, and those of all kinds.
+#: Keys of each kind of step, and keys of all kinds.
 _STEPS: dict[str, KeysOfKind] = {
     "write": (("register", "value"), ("field",)),
     "read": (("register",), ("field",)),
@@ -68,7 +68,7 @@ def check_step_access(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 
     To write one field of a register with other bits, a step reads the register first.
     """
-    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
+    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
     groups = by_name(as_read.field_groups)
     for procedure in spec.procedures:
         for step in procedure.steps:
@@ -196,7 +196,7 @@ def _writes_opening_value(step: WrittenStep, opener: WrittenOpenedBy) -> bool:
 
 def check_written_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that some step of a procedure writes each of its arguments."""
-    procedures = by_name(as_read.procedures)  # Also invalid ones, which ``spec`` lacks.
+    procedures = by_name(as_read.procedures)  # Including invalid parts, which ``spec`` lacks.
     for procedure in spec.procedures:
         # A step rejected by the schema may be the one that writes it.
         raw_procedure = procedures.get(procedure.name, procedure)
@@ -211,8 +211,8 @@ def check_written_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
 
 
 def check_procedure_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a procedure with the name of a value of a register writes this value if it writes named ones there."""
-    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
+    """Check that a procedure named after a value of a register writes this value if it writes named values there."""
+    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
     groups = by_name(as_read.field_groups)
     for procedure in spec.procedures:
         name = procedure.name
@@ -241,7 +241,7 @@ def check_saves_before_writes(spec: WrittenSpec, as_read: WrittenSpec, report: D
     """
     if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
         return
-    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
+    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
     for procedure in spec.procedures:
         if procedure.note:
             continue
@@ -298,7 +298,7 @@ def check_named_bank(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
 
 def check_selected_bank(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure selects the bank before it accesses a register in it. An argument may select any bank."""
-    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
+    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
     select = bank_select(as_read)
     if not select:
         return
@@ -318,7 +318,7 @@ def check_selected_bank(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
 
 
 def _number_by_name(register: WrittenRegister, as_read: WrittenSpec) -> dict[str, int | None]:
-    """Return the numbers of all named values of a register by their names. Invalid ones are None."""
+    """Return the numbers of all named values of a register by their names. Invalid numbers are None."""
     numbers_by_name: dict[str, int | None] = {}
     for field in fields_of(register, by_name(as_read.field_groups)):
         numbers_by_name |= dict.fromkeys(value_names(field))  # None for each, also for invalid ones.

@@ -206,11 +206,11 @@ def _flags_of(spec: WrittenSpec, alarm: Alarm) -> list[WrittenField]:
 
 
 def check_repeated_times(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a text does not contradict the times of its item, nor an erratum those of the facts it affects.
+    """Check that neither a text nor an erratum contradicts the times that it concerns.
 
-    A text is compared with the times next to it, or else with those of its register, procedure, timing or input. It may
-    also repeat one of the ``timings``, or a time of another item. Overlays and older editions change times without
-    changing every text, so specs with either are not checked.
+    A text is compared with the times next to it, or else with the times of its register, procedure, timing or input. An
+    erratum is compared with the facts that it affects. It may also repeat one of the ``timings``, or a time of another
+    item. Overlays and older editions change times without changing every text, so specs with either are not checked.
     """
     if report.document.other_files or report.document.family:
         return
@@ -245,7 +245,7 @@ def _compare_symbols(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _compare_errata(spec: WrittenSpec, named_times: set[int], report: DocumentReport) -> None:
-    """Report each erratum with times of which none is that of a fact it affects, or of its only timing."""
+    """Report each erratum none of whose times occurs in a fact it affects, or in its only timing."""
     affected_places, times_below = Affected(spec.data), _TimesBelow()
     for erratum in spec.errata:
         used_matches = list(_ANY_TIME.finditer(erratum.used))
@@ -286,7 +286,7 @@ def _is_timing(fact: object) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class _Elsewhere:
-    """The times of a spec outside one part: the named ones, and those of other parts.
+    """The times of a spec outside one part: the named times, and the times of other parts.
 
     ``parts_with`` counts the parts that have a time, and ``own_times`` contains the times of the one part.
     """
@@ -316,7 +316,7 @@ def _compare_times(
 
 
 def _report_time(match: re.Match[str], expected_times: set[int], path: Path, report: DocumentReport) -> None:
-    """Report a time in a text, as matched by ``_TIME``, that is not one of the expected ones."""
+    """Report a time in a text, as matched by ``_TIME``, that is not expected."""
     times_text = listed([nanoseconds(time) for time in sorted(expected_times)], "or")
     number, unit = match.group("number", "unit")
     message = (
@@ -391,7 +391,7 @@ def _compare_bounds(quantity: Quantity, first: Quantity, path: Path, report: Doc
 
 
 def _compare_numbers(measured: _Number, printed: _Number, path: Path, report: DocumentReport) -> None:
-    """Report a number that differs from another one, in another unit, by more than rounding.
+    """Report a number that differs from another number, in another unit, by more than rounding.
 
     It may differ by 1 %, or by half of the last printed digit in either unit. A temperature may also be a difference,
     which is converted without the offset. Two numbers whose units have no conversion are not compared.

@@ -100,7 +100,8 @@ def check_rates_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
 def check_monoflop(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the monoflop time of SSI is between half a period of the slowest clock and the pause.
 
-    The shortest time that a timing gives counts, for the pause only a guaranteed one. An erratum explains others.
+    The shortest time that a timing gives counts, for the pause only a guaranteed time. A time outside this range needs
+    an erratum.
     """
     ssi = spec.interfaces.ssi
     if ssi is None:

@@ -60,7 +60,7 @@ def _data_ids(as_read: WrittenSpec, interface: str) -> object:
 def _check_layout(fields: FieldList, names: Sequence[str], resolver: NameResolver) -> None:
     """Check the names in the Gray code, the identification and the joined numbers of a layout or register.
 
-    ``names`` are its fields, with those of groups.
+    ``names`` are its fields, including fields of groups.
     """
     layout = fields.layout
     path = fields.owner.path
@@ -111,7 +111,7 @@ def check_register_references(spec: WrittenSpec, as_read: WrittenSpec, report: D
 
 
 def _check_opener(opener: WrittenOpenedBy, resolver: NameResolver) -> None:
-    """Check the register, the field and the value that open another register, each if the one before exists."""
+    """Check the register, the field and the value that open another register, each if the previous one exists."""
     name = opener.register
     resolver.refer_if_given(opener.place_of("register"), "register", name)
     if name not in resolver.registers:
@@ -413,7 +413,7 @@ def check_connector_references(spec: WrittenSpec, as_read: WrittenSpec, report: 
 
 
 def check_unused_crc(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that each CRC is that of a field in some list of fields, or has a note."""
+    """Check that each CRC is used by a field in some list of fields, or has a note."""
     used_crcs: set[str] = set()
     for field_list in field_lists(as_read):
         used_crcs |= {field.crc for field in field_list.fields if field.crc}

@@ -45,7 +45,7 @@ def check_description_file(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
 
 
 def check_alignment(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the SSI word has the alignment that the contents and the order code name, if these name only one."""
+    """Check that the SSI word has the alignment that the contents and the order code name, if they name only one."""
     ssi = spec.interfaces.ssi
     texts = [section.title for section in spec.manual.contents.values()]
     for part in spec.order_code.parts:
@@ -76,7 +76,7 @@ def check_serial_port(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         "stop_bits": (_STOP_BITS, str(port.stop_bits)),
         "parity": (_PARITY, port.parity.replace("none", "no")),
     }
-    # Only if the note counts the start bit, its number of bits is that of the whole character.
+    # Only if the note counts the start bit, its number of bits is the number of the whole character.
     if "start bit" in rs485.note:
         bits_of_character = 1 + port.data_bits + parity_bits + port.stop_bits
         words_by_key["data_bits"] = (_CHARACTER, str(bits_of_character))
@@ -91,7 +91,7 @@ def _compare_with_port(
 ) -> None:
     """Report the first words of the note of an interface that contradict a setting of its port.
 
-    ``numbers`` has for each key the pattern of its words and the number or word that is right: ``"1"`` or ``"even"``.
+    ``numbers`` contains for each key the pattern of its words and the right number or word: ``"1"`` or ``"even"``.
     """
     for key, (pattern, expected) in numbers.items():
         for word in pattern.findall(port_text):

@@ -130,7 +130,7 @@ def _check_frames_of_rs485(interface: WrittenRs485, report: DocumentReport) -> N
             report.add(_RULE, layout.place_of("carried_as"), message)
 
 
-#: Fields that access a register, by purpose: those of the request, and those of the reply.
+#: Fields that access a register, by purpose: in the request, and in the reply.
 _NEEDED = {"read": (("address",), ("data",)), "write": (("address", "data"), ())}
 
 
@@ -161,7 +161,7 @@ def _check_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
             if field.equals is not None:
                 message = "an encoder cannot be identified by its registers over SPI; use 'constant' or 'meaning'"
                 report.add("spi-exchange", field.place_of("equals"), message, at_key=True)
-    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
+    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
     for name, parameter in spec.parameters.items():
         register_name, _, _ = parameter.read_from.partition(".")  # ``register`` or ``register.field``
         if interface_of(registers.get(register_name)) == Spi.name:
@@ -173,7 +173,7 @@ def _check_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
 
 
 def _check_lengths(interface: WrittenSpi, report: DocumentReport) -> None:
-    """Check that only exchanges with another length than the interface give it, and that all writes have one length.
+    """Check that only exchanges whose length differs from the interface give it, and that all writes have one length.
 
     The second rule applies if each word carries the reply to the word before it.
     """
@@ -230,7 +230,7 @@ def _check_accesses(
 
     Only one exchange may read registers.
     """
-    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
+    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
     layouts = by_name(raw_interface.layouts)
     spi_registers = [register for register in as_read.registers if interface_of(register) == Spi.name]
     for purpose, (needed_in_request, needed_in_reply) in _NEEDED.items():
@@ -302,7 +302,7 @@ def check_requests_that_write(spec: WrittenSpec, as_read: WrittenSpec, report: D
     # A second reading repeats printed facts, without the notes that may explain them.
     if interface is None or is_second(report.document.file):
         return
-    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
+    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
     layouts = by_name(interface.layouts)
     bits_by_layout = {name: _constant_bits(layout, groups) for name, layout in layouts.items()}
     write_requests = [exchange.request for exchange in interface.exchanges if exchange.purpose == "write"]

@@ -354,7 +354,7 @@ def _check_frame(example: WrittenExample, report: DocumentReport) -> None:
 
 def check_example_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an example of a procedure has a value for each argument of the procedure."""
-    procedures = by_name(as_read.procedures)  # Also invalid ones, which ``spec`` lacks.
+    procedures = by_name(as_read.procedures)  # Including invalid parts, which ``spec`` lacks.
     for example in spec.examples:
         procedure = procedures.get(example.procedure)
         if example.kind != "procedure" or procedure is None:

@@ -94,9 +94,9 @@ def _find_citations(source: str) -> list[re.Match[str]]:
 
 
 def _first_pages(spans: Mapping[str, tuple[int, int]], own_names: list[str]) -> set[int]:
-    """Return the page on which the entry of an item begins or, without one, those of its section and all its entries.
+    """Return the page on which the entry of an item begins, or else the first pages of its section and all its entries.
 
-    ``spans`` is that of one section, and ``own_names`` are the printed names of the item. The result is empty if the
+    ``spans`` belongs to one section, and ``own_names`` are the printed names of the item. The result is empty if the
     item has no entry, and the contents do not say where the section begins.
     """
     for name in own_names:
@@ -113,7 +113,7 @@ def _find_spans(contents: Mapping[str, WrittenSection]) -> dict[str, dict[str, t
     """Return the first and the last page of each section, under an empty name, and of its entries by name.
 
     For a section 4 with the entry Preset these are ``{"4": {"": (12, 24), "preset": (13, 15)}}``. The last page is the
-    one on which the next section or entry begins. Without pages, a section lasts from ``_FIRST`` to ``_END``.
+    page on which the next section or entry begins. Without pages, a section lasts from ``_FIRST`` to ``_END``.
     """
     sections = list(contents.items())
     page_spans: dict[str, dict[str, tuple[int, int]]] = {}
@@ -139,7 +139,7 @@ def _page_of_section(section: WrittenSection, default: int) -> int:
 
 
 def _printed_names(root: object, path: Path) -> tuple[list[str], list[str]]:
-    """Return the printed names of the item with a source, and those of all items around it, the innermost first.
+    """Return the printed names of the item with a source, and of all items around it, the innermost first.
 
     The first list is empty if the innermost map has none. Names are in lower case, for comparison.
     """
@@ -148,7 +148,7 @@ def _printed_names(root: object, path: Path) -> tuple[list[str], list[str]]:
     for end in range(1, len(path)):
         node = value_at(root, path[:end])
         if isinstance(node, dict):
-            # The name in the language of the manual, and those in others.
+            # The name in the language of the manual, and the names in other languages.
             printed_names = (node.get("printed_name"), *mapping(node, "names").values())
             own_names = [name.casefold() for name in printed_names if isinstance(name, str)]
             enclosing_names = own_names + enclosing_names
@@ -160,7 +160,7 @@ def _is_in_section(
 ) -> bool:
     """Return True if a page is given and is in its section, and report a section or page that cannot be right.
 
-    If one of the names around the source is an entry of the section, the page must be that of the entry.
+    If one of the names around the source is an entry of the section, the page must be the page of the entry.
     """
     if section not in spans:
         if _NUMBERED.fullmatch(section):
@@ -327,7 +327,7 @@ class _LimitKeys:
 
 @dataclass(frozen=True, slots=True)
 class _Limited:
-    """A part of a spec that can have limits, with its source, or that of the part around it."""
+    """A part of a spec that can have limits, with its source or the source of the part around it."""
 
     part: PlacedPart
     source: str
@@ -364,7 +364,7 @@ def check_limit_sources(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
 
 
 def _yield_limited(spec: WrittenSpec) -> Iterator[_Limited]:
-    """Yield each part of a spec that can have limits, with its own source or else that of its interface."""
+    """Yield each part of a spec that can have limits, with its own source or else its interface's source."""
     if spec.supply is not None:
         yield _Limited(spec.supply, _source_of_part(spec.supply), _SUPPLY)
     for timing in spec.timings:
@@ -393,7 +393,7 @@ def _source_of_part(located_part: Located[object]) -> str:
 
 def check_revision_in_history(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the history of a manual lists its own revision, unless an erratum explains it."""
-    # A revision that is not text is reported by the schema, and can still be the right one.
+    # A revision that is not text is reported by the schema, and can still be the right revision.
     revisions = [str(history_row.data.get("revision")) for history_row in as_read.manual.history]
     revision = spec.manual.revision
     is_repeated = len(set(revisions)) < len(revisions)  # Reported by another rule.

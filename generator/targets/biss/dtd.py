@@ -29,7 +29,9 @@ class _OneFile(etree.Resolver):
         self.answered = False
 
     def resolve(self, *request: Any, **_: Any) -> Any:
-        """Return the DTD for the first request, that of our DOCTYPE. Note the address of any other, and return nothing.
+        """Return the DTD for the first request, which comes from our DOCTYPE.
+
+        Note the address of any other, and return nothing.
 
         A request consists of address, public ID and context. The published type stubs do not declare the context.
         """

@@ -48,7 +48,7 @@ _PLACE = 30
 
 
 def _paragraphs_with_heading(name: str, items: Iterable[Statement]) -> list[Paragraph]:
-    """Return the statements, with the name before the first one. Without statements, it is the name alone."""
+    """Return the statements, with the name before the first statement. Without statements, it is the name alone."""
     sentences = list(map(HEADER_STYLE.sentence, items))
     if not sentences:
         return [f"{name}."]
@@ -61,7 +61,7 @@ def _paragraphs_with_heading(name: str, items: Iterable[Statement]) -> list[Para
 def about_order_codes(device: Device) -> list[Paragraph]:
     """Return the comment on the order codes, with the parts of which only the listed values are known.
 
-    For these, the statements about other values are left out.
+    For these parts, the statements about other values are left out.
     """
     names_of_unknown_parts = unknown_parts(device)
     statements_on_unknown_parts: list[Statement] = []
@@ -207,7 +207,7 @@ def table(struct: Struct) -> Iterator[Paragraph]:
     An example is ``  bits 46:31  position  Absolute position.``
     """
     rows = list(_table_rows(struct))
-    # The text of a long place goes below it, so that it does not widen the column for the others.
+    # The text of a long place goes below it, so that it does not widen the column of places.
     place_widths = (len(place_text) for place_text, _, _ in rows)
     place_width = max((width for width in place_widths if width <= _PLACE), default=0)
     name_width = max((len(name) for _, name, _ in rows), default=0)

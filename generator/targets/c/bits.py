@@ -186,7 +186,7 @@ class Reader:
         if mask:
             combined = masked(combined, mask)
         if widest > 32:
-            # The parity of a number is that of its halves XORed, and the runtime takes 32 bits.
+            # The parity of a number equals the parity of its halves XORed, and the runtime takes 32 bits.
             lower_half = Cast("uint32_t", combined)
             upper_half = Cast("uint32_t", shifted_right(combined, 32))
             combined = Operation("^", (lower_half, upper_half))
@@ -207,16 +207,16 @@ _MEMBER = Name("in->unused")
 
 
 class Unused:
-    """The member ``unused`` of a struct. It is false if the layout has no unused bits."""
+    """The member ``unused`` of a struct. The object is false if the layout has no unused bits."""
 
     def __init__(self, reader: Reader) -> None:
         self.reader = reader
         self.plan = reader.plan
         self.width = self.plan.layout.unused_width
         are_fixed = all(reserved.bits.are_fixed for reserved in self.plan.reserved)
-        #: Unused fields that are extracted one by one: all of them if the place of one depends on the order code.
+        #: Unused fields that are extracted one by one: all of them if the place of a field depends on the order code.
         self.single = () if are_fixed else self.plan.reserved
-        #: Otherwise all unused bits, grouped by the distance from their places in the frame to those in the member.
+        #: Otherwise all unused bits, grouped by the distance between their places in the frame and in the member.
         self.moved = moved_bits(self.plan) if are_fixed else ()
 
     def __bool__(self) -> bool:
@@ -239,9 +239,9 @@ class Unused:
 
         The bits come from the word, or from bytes if the fields are extracted one by one.
         """
-        # One of ``moved`` and ``single`` is empty.
+        # Either ``moved`` or ``single`` is empty.
         all_bits = (*map(self._moved_bits, self.moved), *map(self._single_bits, self.single))
-        # The values have no common bits. Those of single fields are already inverted in ``_single_bits``.
+        # The values have no common bits. Bits of single fields are already inverted in ``_single_bits``.
         documented = _express_documented_value(sum(moved.value for moved in self.moved))
         return Cast(self.type, _with_inverted(join_operands("|", all_bits), documented))
 
@@ -286,7 +286,7 @@ class Unused:
 
     @property
     def refusal_condition(self) -> Expr | None:
-        """The condition that the member has a bit other than the unused ones, or None if its type has no such bit.
+        """The condition that the member has a bit other than the unused bits, or None if its type has no such bit.
 
         With fields whose width depends on the order code, that is ``(in->unused & mask) != in->unused``.
         """
@@ -337,7 +337,7 @@ class Unused:
                 yield piece.byte, _shift_bits(_masked_byte(bits, piece.mask), -piece.low_in_byte)
 
     def _moved_bits_to_send(self, moved: ShiftedBits) -> Expr:
-        """Return bits of the member, shifted to their places in the frame and combined with the documented ones."""
+        """Return bits of the member, shifted to their places in the frame and combined with the documented bits."""
         # In bytes, ``shift`` is 0 or negative: bit -shift of the member is bit 0 of the byte.
         bit_in_member = -moved.shift
         bits = _masked_byte(shifted_right(_MEMBER, bit_in_member), moved.mask >> bit_in_member)

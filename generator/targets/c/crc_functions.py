@@ -53,12 +53,12 @@ def fold_operations(steps: Sequence[FoldStep], bits: int, source: str) -> Iterat
     """Yield the steps over ``source``, a number of this many bits. They leave the remainder in ``v``.
 
     A step takes the bits from ``shift`` up, moves them lower and XORs them. It is done in 64 bits (``wide``) if more
-    than 32 bits are left after it, or are moved. The first other step gives ``v`` of 32 bits, in which all later ones
-    are done.
+    than 32 bits are left after it, or are moved. The first other step gives ``v`` of 32 bits, with which all later
+    steps work.
     """
-    # ``source`` and ``bits`` are those of the number before each step.
+    # ``source`` and ``bits`` describe the number before each step.
     for step in steps:
-        # The bits below ``shift`` stay. Those from there up are XORed in twice, once moved up by ``back``.
+        # The bits below ``shift`` stay. Bits from there up are XORed in twice, once moved up by ``back``.
         moved_bits = bits - step.shift
         bits_left = max(step.shift, moved_bits + step.back)
         if source == "v":
@@ -101,7 +101,7 @@ class BitsCrc:
 
 @dataclass(frozen=True)
 class WordCrc:
-    """The function that computes the CRC of a whole word. ``function`` is the one for any number of bits."""
+    """The function that computes the CRC of a whole word. ``function`` is the function for any number of bits."""
 
     name: str
     function: str

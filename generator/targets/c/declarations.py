@@ -147,7 +147,7 @@ def _end_of_code(lines: Sequence[str], start: int) -> int:
 
 
 def _end_of_macro(lines: Sequence[str], start: int) -> int:
-    """Return the index after the last line of a macro that begins at ``start``: the first one without a backslash."""
+    """Return the index after the last line of a macro that begins at ``start``: the first line without a backslash."""
     end = start
     while lines[end].endswith("\\\n"):
         end += 1
@@ -176,7 +176,7 @@ class _OpenCondition:
 def without_settings(text: str, settings: Collection[str]) -> str:
     """Return a text in which no macro of ``settings`` is defined, so that its conditions on them are gone.
 
-    Lines between ``#ifndef`` and ``#else`` or ``#endif`` stay, and so do those after the ``#else`` of an ``#ifdef``.
+    Lines between ``#ifndef`` and ``#else`` or ``#endif`` stay, and so do lines after the ``#else`` of an ``#ifdef``.
     """
     kept_lines: list[str] = []
     conditions: list[_OpenCondition] = []

@@ -50,7 +50,7 @@ class ByteIs:
 
 @dataclass(frozen=True, slots=True)
 class FlagsIn:
-    """The byte of the next flags. ``is_first`` and ``is_only`` show whether there are others."""
+    """The byte of the next flags. ``is_first`` and ``is_only`` show whether there are other such bytes."""
 
     byte: int
     is_first: bool
@@ -177,13 +177,13 @@ class Decoder:
                 yield check
 
     def is_of_other_frame(self, parity: ParityIs) -> Expr:
-        """Return the condition that the selector or its parity bit is not that of this frame.
+        """Return the condition that the selector or its parity bit differs from this frame's.
 
         A byte that holds both is compared once, together with the constants in it, such as
         ``(bytes[0] & 0x9FU) != 0x1AU``.
         """
         assert parity.known_parity is not None
-        # With a known parity, one value selects the frame, and the parity is that of the selector alone.
+        # With a known parity, one value selects the frame, and the parity covers only the selector.
         (selected_value,) = self.plan.layout.selects
         (selector_bits,) = parity.of_bits
         pieces = [(piece, selected_value) for piece in selector_bits.pieces]
@@ -207,7 +207,7 @@ class Decoder:
         return Operation("!=", (compared_bits, Number(expected_value, hexadecimal=True)))
 
     def _selector_or_parity_differs(self, parity: ParityIs, known_parity: int) -> Expr:
-        """Return the condition that the local of the selector or that of its parity bit has another value."""
+        """Return the condition that the local of the selector or of its parity bit has another value."""
         selects = self.plan.layout.selects
         selector = parity.selector
         other_value = self.struct.is_none_of(selector, self.local(selector), selects, is_raw=True)
@@ -409,7 +409,7 @@ def _mask_for_code(parity: ParityIs, parameters: Mapping[str, int]) -> int:
 
 
 def _bits_mask(bits: Bits, parameters: Mapping[str, int], mask: int) -> int:
-    """Return the mask of bits in the word, or of those in ``mask`` if it is not 0.
+    """Return the mask of bits in the word, or of the bits in ``mask`` if it is not 0.
 
     ``mask`` is relative to the lowest of the bits: at bit 8, a mask of 0b11 gives 0x300.
     """

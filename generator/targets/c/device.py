@@ -71,9 +71,9 @@ class Part:
 
 
 class DeviceView:
-    """One interface of a family: the parts of its headers, each built from the ones before it.
+    """One interface of a family: the parts of its headers, each built from the previous parts.
 
-    ``device`` has only this interface, and only its order codes.
+    ``device`` contains only this interface, and only its order codes.
     """
 
     def __init__(self, device: Device, passing: Passing = BY_VALUE) -> None:
@@ -146,7 +146,7 @@ class DeviceView:
 
     @property
     def parts(self) -> list[Part]:
-        """The other headers. Each includes the first one, and what else it needs."""
+        """The other headers. Each includes the first header, and its other dependencies."""
         first_header = self.header
         encoder_header = "codewheel/encoder.h"
         transport_header = "codewheel/transport.h"
@@ -266,7 +266,7 @@ class DeviceView:
 
     @property
     def received_codec(self) -> StructCodec:
-        """The frame whose lengths the header has, if it is the only one."""
+        """The frame whose lengths the header contains, if it is the only frame."""
         codecs = (codec for codec in self.interface.codecs if codec.struct.layout.name in self.lengths.layouts)
         return first_of(codecs, f"frame received over {self.context.interface.title}")
 
@@ -376,13 +376,13 @@ def _views_of(device: Device, passing: Passing) -> Iterator[DeviceView]:
 def _with_known_register(parameter: Parameter, known_registers: Set[str]) -> Parameter:
     """Return a parameter, without its register if only another interface reaches that.
 
-    ``known_registers`` are those of this interface, and the empty name of a parameter without a register.
+    ``known_registers`` are the registers of this interface, and the empty name of a parameter without a register.
     """
     return parameter if parameter.register in known_registers else replace(parameter, read_from="")
 
 
 def _with_path_in_errors(build: Callable[[], _Built], *path: str) -> _Built:
-    """Return the result of ``build``. An error from it gets this path in the spec, unless it has one already."""
+    """Return the result of ``build``. An error from it gets this path in the spec, unless it already has a path."""
     try:
         return build()
     except TargetError as error:

@@ -432,7 +432,7 @@ def _address_of_register(register_and_example: tuple[Register, object]) -> int:
 
 
 def _has_only_answers(frame: FrameSize, answers: Sequence[Answer]) -> bool:
-    """Return True if the length of a frame depends on no other answers than these."""
+    """Return True if the length of a frame depends on no answers except ``answers``."""
     return all(answer in answers for answer in frame.answers)
 
 

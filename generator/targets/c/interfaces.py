@@ -110,7 +110,10 @@ class InterfaceCode:
         self.codecs = tuple(self._build_codec(context, layout) for layout in interface.layouts)
 
     def declared(self) -> Iterator[Declared]:
-        """Yield the names at file scope, each with its path in the spec. The codecs yield those of their layouts."""
+        """Yield the names at file scope, each with its path in the spec.
+
+        The codecs yield the names of their layouts.
+        """
         path = ("interfaces", self.interface.name)
         for macro in (*self.macros, *self.controls):
             yield macro.name, path
@@ -208,7 +211,10 @@ class InterfaceCode:
         return StructCodec(struct, about_layout(self.device, self.interface, struct))
 
     def _yield_comment(self) -> Iterator[Paragraph]:
-        """Yield the comment on the interface. Statements and errata on macros and layouts are in comments of those."""
+        """Yield the comment on the interface.
+
+        Statements and errata on macros and layouts are in the comments of the macros and layouts.
+        """
         interface = self.interface
         statements = say_interface(self.device, interface)
         for statement in statements:
@@ -264,7 +270,7 @@ class InterfaceCode:
                 yield from timing_macros(time, self.upper)
 
     def _fact_macros(self, fact: Fact, statement: Statement) -> Iterator[Macro]:
-        """Yield the constants of a fact. Those of some order codes are in macros of these."""
+        """Yield the constants of a fact. Facts of some order codes are in macros of these codes."""
         if isinstance(fact, (Clock, Timeout)) and fact.only:
             return
         match fact:

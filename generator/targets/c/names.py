@@ -297,7 +297,7 @@ def masked(value: Expr, mask: int) -> Expr:
 
 
 def join_operands(operator: str, operands: tuple[Expr, ...]) -> Expr:
-    """Return the operands joined by an operator, or the only one."""
+    """Return the operands joined by an operator, or the only operand."""
     return operands[0] if len(operands) == 1 else Operation(operator, operands)
 
 
@@ -323,7 +323,7 @@ BY_ADDRESS = Passing(by_address=True)
 
 @dataclass(frozen=True)
 class Scope:
-    """The spelling of parameters: set ones are members of the variant, others are functions of it.
+    """The spelling of parameters: set parameters are members of the variant, others are functions of it.
 
     ``largest`` contains the highest values of the parameters that an order code sets. A parameter that depends on an
     alternative of the manual is a function of the argument that ``answers`` names.
@@ -347,7 +347,7 @@ class Scope:
         return Name(self.passing.member("variant", c_name(parameter)))
 
     def mask(self, width: Expression) -> Expr:
-        """Return a mask of ``width`` ones."""
+        """Return a mask of ``width`` 1 bits."""
         if width.is_constant:
             return Number((1 << width.constant) - 1, hexadecimal=True)
         return Call("cw_mask", (self.expression_of(width),))

@@ -47,7 +47,7 @@ class OpenCode:
 
 @dataclass(frozen=True)
 class _Choice:
-    """A string for a part of an order code: a listed one, or a pattern if the manual leaves it open.
+    """A string for a part of an order code: a listed string, or a pattern if the manual leaves it open.
 
     ``label`` is the text on the label if that differs.
     """
@@ -163,13 +163,13 @@ class _Codes:
     def __init__(self, device: Device) -> None:
         self._device = device
         self.names = tuple(part.name for part in device.order_code.parts)
-        #: Indices of the order codes by the names of some parts and by the texts of these.
+        #: Indices of the order codes by the names of some parts and by their texts.
         self._indices: dict[tuple[str, ...], dict[tuple[str, ...], list[int]]] = {}
 
     def first(self, chosen: Mapping[str, _Choice]) -> int | None:
         """Return the index of the first order code with the listed parts that allows the open parts, or None.
 
-        ``chosen`` has a string for each part of the order code.
+        ``chosen`` contains a string for each part of the order code.
         """
         part_names = tuple(name for name, choice in chosen.items() if not choice.is_open)
         listed_texts = tuple(chosen[name].text for name in part_names)
@@ -194,7 +194,7 @@ class _Codes:
 
 
 def _open_codes_of(codes: _Codes, spelling: _Spelling) -> list[OpenCode]:
-    """Return the patterns of one spelling, those with the fewest open parts first.
+    """Return the patterns of one spelling, with the fewest open parts first.
 
     Order codes without open parts need none in the listed spelling. A combination that is not an order code needs one,
     which refuses it, only if a pattern with open parts would match it.
@@ -230,7 +230,7 @@ def _open_choices(choices: Sequence[_Choice]) -> list[_Choice]:
 
 
 def _choices_of_spelling(part: CodePart, spelling: Spelling) -> list[_Choice]:
-    """Return the choices for a part in another spelling: its own texts for the values, or else those of the part."""
+    """Return the choices for a part in another spelling: the spelling's texts for the values, or else the part's."""
     has_own_texts = any(value.part == part.name for value in spelling.values)
     if has_own_texts:
         texts_on_label = values_by_spelling(part, spelling).items()

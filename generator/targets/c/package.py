@@ -1,4 +1,4 @@
-"""Files next to the headers: those of build systems, the page for safety reviews, and receivers with DMA."""
+"""Files next to the headers: files of build systems, the page for safety reviews, and receivers with DMA."""
 
 from __future__ import annotations
 
@@ -81,7 +81,8 @@ def _yield_frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
 def _crcs_and_lengths(device: Device, interface: str, layout: Layout) -> Iterator[tuple[Crc, int]]:
     """Yield each CRC of a layout with each length of its frames in bits. The same pair can come several times.
 
-    The length is that of each order code and answer, and if all have a CRC, also the longest that registers can cause.
+    The length is the length for each order code and answer, and if all have a CRC, also the longest that registers can
+    cause.
     """
     if layout.always_has_crc:
         for crc in device.crcs_of(layout):
@@ -168,7 +169,7 @@ class ReceiverCode:
 
 
 def receiver_codes(examples: Iterable[ExampleCode]) -> Iterator[ReceiverCode]:
-    """Yield a program for each example over BiSS whose frame is the only one and has a verdict and a position."""
+    """Yield a program for each example over BiSS whose only frame has a verdict and a position."""
     for example in examples:
         has_verdict = example.reports is not None and bool(example.reports.verdict)
         has_position = bool(example.counts) and example.position is not None
@@ -224,7 +225,7 @@ class Package(Named):
 def package_files(
     views: Sequence[DeviceView], runtime: Iterable[str], tests: Iterable[str], render: Render
 ) -> dict[str, str]:
-    """Return the files of the package that are not those of a family nor ``tests``, by their path in the C folder."""
+    """Return the files of the package that belong to no family nor to ``tests``, by their path in the C folder."""
     examples = [example for view in views for example in example_codes(view)]
     programs: list[ExampleCode | ReceiverCode] = [*examples, *receiver_codes(examples)]
     makers = manufacturers(view.device for view in views)
@@ -370,8 +371,8 @@ class Guide:
 def choose_guide(examples: Sequence[ExampleCode]) -> Guide | None:
     """Choose the program for the README, or None without any: from the family with the most programs.
 
-    Of these it is the one whose procedure has the most steps. The README also shows its register with the most members,
-    and the procedure unless it reads values.
+    It is the program whose procedure has the most steps. The README also shows its register with the most members, and
+    the procedure unless it reads values.
     """
     if not examples:
         return None

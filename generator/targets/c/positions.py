@@ -143,7 +143,7 @@ def _length_positions(
 
 
 def _range_functions(context: Context, ranges: Sequence[PositionRange]) -> Iterator[RangeFunctions]:
-    """Yield the functions of the only range, or those of each frame if there are several ranges.
+    """Yield the functions of the only range, or the functions of each frame if there are several ranges.
 
     A range in which the distance between two positions is not known has none.
     """

@@ -67,7 +67,7 @@ class ReadCode:
 
         ``code`` and ``width`` are arguments of the macro: the order code, and the answer to a choice.
         """
-        # With several frames, the name has that of the frame.
+        # With several frames, the name contains the name of the frame.
         layout_names = [frame.struct.layout.name.upper()] if len(self._lengths.layouts) > 1 else []
         answers = [f"##{question.argument}##" for question in frame.length_alternatives]
         return "_".join((f"{self._context.PREFIX}_##code##", *layout_names, *answers, "RX_BYTES"))
@@ -75,7 +75,7 @@ class ReadCode:
     def buffer_of(self, order_code: str) -> str:
         """Return the size of the buffer for an order code and the first answers, as C, or an empty string.
 
-        A word over SPI has no macro for its size. Its bytes are those of the word of all order codes.
+        A word over SPI has no macro for its size. Its bytes are the bytes of the word of all order codes.
         """
         buffer_size = self.expected_size
         if self.frame is not None and buffer_size == "sizeof(rx)":

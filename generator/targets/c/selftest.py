@@ -1,6 +1,7 @@
 """A self-test that users compile with their own compiler: a function for each worked example.
 
-The checks of a family are numbered from 1 in the order of its spec. The number returned is that of the failed check.
+The checks of a family are numbered from 1 in the order of its spec. The number returned is the number of the failed
+check.
 """
 
 from __future__ import annotations
@@ -213,7 +214,7 @@ class SelfTest:
         return not self.view.context.interface.byte_addresses
 
     def _find_variant(self, order_code: str) -> str:
-        """Return the macro of an order code, or of the first one if the family does not list the code."""
+        """Return the macro of an order code, or of the first order code if the family does not list the code."""
         device = self.view.device
         order_codes = [variant.code for variant in device.variants]
         index = order_codes.index(order_code) if order_code in order_codes else 0

@@ -41,7 +41,7 @@ from .names import (
 
 
 class Struct:
-    """One layout, its names and its types. A register of one plain byte also has one, which is not printed."""
+    """One layout, its names and its types. A register of one plain byte also has a struct, which is not printed."""
 
     def __init__(
         self, context: Context, layout: Layout, name: str, length_macro: str, register: Register | None = None
@@ -114,7 +114,7 @@ class Struct:
         An example is ``(uint32_t)(word >> 6)``.
         """
         word_size = self.reader.word_size
-        # The bit above the covered ones. ``covered`` is their number.
+        # The bit above the covered bits. ``covered`` is their number.
         end = crc.low + crc.covered.constant if covers_32_bits(crc) else word_size
         bits = shifted_right(self.reader.before_conversion.lower(end), crc.low)
         is_across_halves = covers_32_bits(crc) and end > 32
@@ -167,8 +167,8 @@ class Struct:
         """Return the initialiser of a struct without its braces, such as ``true, 0x1BU, 0U``.
 
         ``values`` are numbers by the names of fields and joins. Other fields have the default of the spec, or else a
-        value that an encoder accepts, mostly 0. ``parameters`` are those of an order code. The bits of a member
-        ``unused`` that is 0 are as documented.
+        value that an encoder accepts, mostly 0. ``parameters`` are the parameters of an order code. The bits of a
+        member ``unused`` that is 0 are as documented.
         """
         numbers: dict[str, int] = {}
         for part in self.plan.parts:
@@ -242,7 +242,8 @@ def covers_32_bits(crc: FrameCrc) -> bool:
 def word_size(context: Context, layout: Layout) -> int:
     """Return the number of bits in the type of a frame's word.
 
-    A word over SPI has the smallest type for its bits, since a master exchanges it as one. Other words have 64 bits.
+    A word over SPI has the smallest type for its bits, since a master exchanges it as a whole. Other words have 64
+    bits.
     """
     is_spi_word = isinstance(context.interface, Spi) and not layout.in_bytes
     return size_of(layout.widest) if is_spi_word else 64

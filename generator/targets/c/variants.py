@@ -1,4 +1,4 @@
-"""Order codes in C: variants with their parameters, also those in registers, and the lengths of frames."""
+"""Order codes in C: variants with their parameters, including parameters in registers, and the lengths of frames."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ class CodeSwitch:
 def _yield_switches(held_values: Sequence[HeldValue]) -> Iterator[CodeSwitch]:
     """Yield a switch for each field that holds a code of one or several parameters.
 
-    It has a case for each code for which all of these parameters have a value.
+    The switch has a case for each code for which all of these parameters have a value.
     """
     values_by_field: dict[str, list[HeldValue]] = {}
     for value in held_values:
@@ -141,7 +141,7 @@ class Taker:
     def _yield_locals(self) -> Iterator[tuple[str, str, Expr]]:
         """Yield the locals of all values: type, name and initial value.
 
-        Values that one field holds as a code share the local of its switch, that of the first value.
+        Values that one field holds as a code share the local of its switch, which is the local of the first value.
         """
         switch_locals = {switch.local for switch in self.switches}
         for value in self.values:
@@ -162,7 +162,7 @@ class CodeRow:
 
 
 class VariantCode:
-    """The order codes of a family over one interface, and the functions for parameters that follow from others."""
+    """The order codes of a family over one interface, and the functions for derived parameters."""
 
     def __init__(self, context: Context) -> None:
         self.context = context
@@ -255,7 +255,7 @@ class VariantCode:
 
 
 def _needs_none_of(parameter: Parameter, names: Set[str]) -> bool:
-    """Return True if the expression of a derived parameter uses none of these."""
+    """Return True if the expression of a derived parameter uses none of ``names``."""
     return parameter.equals is not None and names.isdisjoint(parameter.equals.parameters)
 
 
@@ -308,7 +308,7 @@ class LengthCode:
         return f"For example, code can be {code}, as in {self._prefix}{code}_BITS."
 
     def for_layout(self, layout: Layout) -> LengthCode:
-        """Return a copy whose variables and arguments are those of one frame, as a word or as bytes."""
+        """Return a copy whose variables and arguments belong to one frame, as a word or as bytes."""
         length_code = copy(self)
         length_code.length = self._context.length_macro(layout) if layout.in_bytes else ""
         return length_code
@@ -354,8 +354,8 @@ class LengthCode:
 def _register_access(device: Device, interface: Interface, frames: Sequence[FrameSize]) -> Iterator[str]:
     """Yield the pieces of a text about the deadlines for the control bit of a master, or nothing unless it is BiSS.
 
-    The numbers are those of the shortest frame, at the highest and lowest clock, or else at the last clock in use. If
-    the clock depends on the order code, they are in clock periods only.
+    The numbers apply to the shortest frame, at the highest and lowest clock, or else at the last clock in use. If the
+    clock depends on the order code, they are in clock periods only.
     """
     if not isinstance(interface, Biss) or not frames:
         return

@@ -166,7 +166,7 @@ def _commands_missing_in_t_format(device: Device, possible_commands: Commands) -
 
 
 def _preset_registers(device: Device) -> Iterator[Register]:
-    """Yield the registers to which procedures write a position: those of their arguments ``position``."""
+    """Yield the registers to which procedures write a position: the registers of their arguments ``position``."""
     for procedure in device.procedures:
         for argument in procedure.arguments:
             if argument.name == "position":
@@ -293,7 +293,7 @@ def _has_write_step(procedure: Procedure) -> bool:
 def _command_rows(device: Device, variant: Variant, errata_at: Callable[..., str]) -> Iterator[Row]:
     """Yield rows of task and bytes to send, for procedures that write something.
 
-    Errata about a single bit are next to it. ``_command_errata`` has the others.
+    Errata about a single bit are next to it. ``_command_errata`` yields errata about several bits.
     """
     for procedure in _writing_procedures(device):
         bytes_to_write = join_filled((_step_in_bytes(device, step, variant) for step in procedure.steps), ", ")
@@ -338,7 +338,7 @@ def _step_in_bytes(device: Device, step: Step, variant: Variant) -> str:
 
 
 def _bytes_to_write(device: Device, register: Register, value: int | None, variant: Variant) -> str:
-    """Return the bytes of a value, or those of the position 0 for a preset without a value."""
+    """Return the bytes of a value, or the bytes of the position 0 for a preset without a value."""
     register_bytes = bytes_of_zero_position(device, register, variant) if value is None else register.bytes_of(value)
     if register_bytes is None:
         return "the new value"

@@ -1,4 +1,4 @@
-"""Tables of a page about a device, except those of its layouts, wide or with two columns for a phone."""
+"""Tables of a page about a device, except tables of its layouts, wide or with two columns for a phone."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def _yes_or_no(is_true: bool) -> str:
 
 
 def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]:
-    """Yield the label and value of each fact of a worked example, without empty ones.
+    """Yield the label and value of each fact of a worked example, without empty facts.
 
     An erratum of the example is linked here only if it does not affect the example, and so is not next to it.
     """
@@ -333,7 +333,7 @@ def time_rows(timings: Iterable[Timing]) -> Iterator[Row]:
 
 
 def example_rows(device: Device, examples: Iterable[Example]) -> Iterator[Row]:
-    """Yield rows of example, its facts with their source. The order code is that of the page."""
+    """Yield rows of example, its facts with their source. The order code is the page's order code."""
     for example in examples:
         labelled_values = example_facts(device, example)
         fact_lines = [f"{label}: {value}" for label, value in labelled_values if label not in ("Order code", "Source")]

@@ -155,7 +155,7 @@ def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
 
 
 def _subject_links(device: Device, interface: Interface) -> Iterator[str]:
-    """Yield a link to each further page of an interface, such as that of its registers."""
+    """Yield a link to each further page of an interface, such as the page of its registers."""
     for subject in subjects(device, interface.name):
         yield link(subject, f"{device.name}/{page_links.page_in_folder(interface.name, subject)}")
 
@@ -172,7 +172,8 @@ def _order_code_links(family_codes: OrderCodes) -> Iterator[tuple[str, list[str]
 def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
     """Yield rows of task, links to its instructions.
 
-    Procedures, also those by hand, have their titles as tasks. Tasks without instructions are left out.
+    Procedures have their titles as tasks, including procedures carried out by hand. Tasks without instructions are left
+    out.
     """
     frame_links = list(_position_frame_links(device))
     if frame_links:

@@ -77,7 +77,7 @@ class Sections(TypedDict):
 
 
 def page_sections(device: Device) -> Sections:
-    """Return the sections that the page of an interface and that of an order code share."""
+    """Return the sections that are on the page of an interface and on the page of an order code."""
     return {
         "device": device,
         "document": document(device),
@@ -358,7 +358,7 @@ def _contents_by_subject(device: Device) -> dict[str, list[str]]:
 
 
 def subject_values(subject: str, page: InterfacePage) -> SubjectPage:
-    """Return the values of the page about a subject. ``page`` has those of the page of its interface."""
+    """Return the values of the page about a subject. ``page`` contains the values of the page of its interface."""
     contents = _contents_by_subject(page["device"])[subject]
     return {**page, "subject": subject, "contents": MARKDOWN.phrase(statement(*list_parts(contents)))}
 
@@ -383,7 +383,7 @@ def interface_values(
 def page_values(
     device: Device, interface_name: str, links: Mapping[str, str], has_masters: bool, pictures: Pictures
 ) -> InterfacePage:
-    """Return the values of the page of an interface. ``links`` has a link to the page of each order code."""
+    """Return the values of the page of an interface. ``links`` contains a link to the page of each order code."""
     interface_device = for_interface(device, interface_name)
     variants = device.variants_over(interface_name)
     codes = [variant.code for variant in variants]
@@ -423,7 +423,7 @@ def _codes_by_supply(device: Device, variants: Iterable[Variant]) -> dict[Supply
 
 
 def _name_rows(device: Device) -> Iterator[Row]:
-    """Yield rows of name, printed name, language, name in that language if it differs from the printed one."""
+    """Yield rows of name, printed name, language, name in that language if it differs from the printed name."""
     for named_part in _parts_with_names(device):
         for language, name_in_language in named_part.names.items():
             if name_in_language != title(named_part):

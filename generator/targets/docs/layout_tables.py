@@ -239,7 +239,7 @@ def group_places(
 ) -> Iterator[tuple[Field, str]]:
     """Yield the fields of a group, each with its place, or with the place for each of the answers that move it.
 
-    An example is ``bit 3 (normal)<br>bit 4 (swapped)``. If several answers lead to a place, the first one is named.
+    An example is ``bit 3 (normal)<br>bit 4 (swapped)``. If several answers lead to a place, the first answer is named.
     """
     shapes = group_shapes(device, name)
     _, fields_of_first_shape = shapes[0]
@@ -362,7 +362,7 @@ def layout_stacks(device: Device, interface: Interface, layout: Layout) -> list[
 
 
 def _stacks_of_shapes(layout: Layout, shapes: Sequence[Placement]) -> Iterator[Stack]:
-    """Yield the stack of each shape. For a frame of bytes, yield only that of the longest shape.
+    """Yield the stack of each shape. For a frame of bytes, yield only the stack of the longest shape.
 
     There, the boxes of fields include their padding, so that shapes hardly differ.
     """
@@ -394,7 +394,7 @@ def _caption_with_answers(answers: Sequence[Answer], caption: str) -> str:
 
 
 def _codes_caption(placement: Placement) -> str:
-    """Return the first two order codes, and the number of further ones: ``X-12, X-13 and 4 more``."""
+    """Return the first two order codes, and the number of further codes: ``X-12, X-13 and 4 more``."""
     first_codes, further_codes = placement.codes[:2], placement.codes[2:]
     number_of_further_codes = f" and {len(further_codes)} more" if further_codes else ""
     return f"{', '.join(first_codes)}{number_of_further_codes}"

@@ -85,7 +85,7 @@ def page_values(device: Device, interface_name: str, masters: Sequence[Master]) 
 def _interface_section(device: Device, group_sheets: GroupSheets) -> dict[str, Any]:
     """Return the facts that masters need over an interface, and the settings of each master.
 
-    ``tables`` has the facts that differ between order codes. ``silent`` lists the masters without this interface.
+    ``tables`` contains the facts that differ between order codes. ``silent`` lists the masters without this interface.
     """
     interface = group_sheets.interface
     # Each group is a record of facts with the order codes that share it. A master has a sheet for each group.
@@ -122,7 +122,7 @@ def _fact_rows(group: Group) -> dict[Any, Row]:
 
 
 def _common_rows_and_tables(columns: Columns) -> tuple[list[Row], list[Table]]:
-    """Return the rows common to all groups, and tables of the others: one for rows that depend only on the supply.
+    """Return the rows common to all groups, and tables of the other rows: one for rows that depend only on the supply.
 
     Each column is a group with its rows by key. The first cell of a row is its name, the second its value.
     """
@@ -282,7 +282,7 @@ def _further_notes(group_sheets: GroupSettings) -> Iterator[str]:
 
 
 def _refusal_lines(sheets: GroupSettings) -> Iterator[str]:
-    """Yield the order codes that the master cannot use, with the reasons. Codes with the same ones share a line."""
+    """Yield the order codes that the master cannot use, with the reasons. Codes with the same reasons share a line."""
     groups_by_reasons: dict[str, list[Group]] = {}
     for group, sheet in sheets:
         if sheet.refusals:

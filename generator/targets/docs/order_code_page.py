@@ -150,7 +150,7 @@ class CodePage(Sections, InterfaceValues):
 class CodeGroup:
     """Order codes that are identical for software. ``name`` is the name of their common page.
 
-    ``narrowed_family`` has only these order codes, and ``device`` is that with the quantities that they set.
+    ``narrowed_family`` has only these order codes, and ``device`` is this family with the quantities that they set.
     """
 
     family: Device
@@ -181,7 +181,7 @@ class CodeGroup:
 
     @cached_property
     def pictures(self) -> Pictures:
-        """Pictures for these codes that differ from those of the family."""
+        """Pictures for these codes that differ from the family's pictures."""
         frame_name = self.frame.name if self.frame is not None else ""
         return pictures_of_order_codes(self.family, self.narrowed_family, self.name, frame_name)
 
@@ -262,7 +262,7 @@ def _range_in_frame(name: str, frame_range: LayoutRange) -> str:
 
 
 def page_values(code_group: CodeGroup, has_masters: bool, pictures: Pictures) -> CodePage:
-    """Return the values of the page. ``pictures`` are those of the family, of which the page may replace some."""
+    """Return the values of the page. ``pictures`` are the family's pictures, some of which the page may replace."""
     device, interface, errata_links = code_group.device, code_group.interface, ErrataLinks(code_group.device)
     interface_sections = page_sections(device)
     variant, frame = code_group.variants[0], code_group.frame
@@ -271,7 +271,7 @@ def page_values(code_group: CodeGroup, has_masters: bool, pictures: Pictures) ->
         **interface_values(code_group.family, device, code_group.variants, has_masters, code_group.pictures),
         "errata_at": errata_links,
         "codes": code_group.codes,
-        # The notes on SSI and RS-485 begin with the line, those on BiSS with limits that users must keep.
+        # The notes on SSI and RS-485 begin with the line, and the notes on BiSS with limits that users must keep.
         "lead": lead_sentences(interface.note) if isinstance(interface, Biss) else "",
         "position": _position_text(device, interface),
         "evidence": grade(device),
@@ -338,7 +338,7 @@ def _frame_section(code_group: CodeGroup, layout: Layout, pictures: Pictures) ->
     variant = code_group.variants[0]
     crc = code_group.family.crc_of(layout.place(variant.parameters))
     choices = [alternative.name for alternative in code_group.device.alternatives]
-    # The layout of the page has other notes. Verdicts are known for that of the family.
+    # The layout of the page has other notes. Verdicts are known for the family's layout.
     layouts_of_family = code_group.family.interface(code_group.interface.name).layouts
     family_layout = member_named(layouts_of_family, layout.name, "layout")
     verdict_head, verdict_rows = verdict_table(code_group.family, code_group.device, family_layout, variant)

@@ -140,8 +140,8 @@ def pictures_of_family(device: Device) -> Pictures:
 def pictures_of_order_codes(family_device: Device, narrowed_family: Device, page: str, frame_name: str) -> Pictures:
     """Return the pictures for a page of order codes that differ from the family's pictures.
 
-    They are those of the layout ``frame_name``, also as one line, and of registers whose fields the order code moves.
-    ``narrowed_family`` is the family with only these order codes.
+    They are the pictures of the layout ``frame_name``, also as one line, and of registers whose fields the order code
+    moves. ``narrowed_family`` is the family with only these order codes.
     """
     pictures: Pictures = {}
     for interface, layout in narrowed_family.layouts():

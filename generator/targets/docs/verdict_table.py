@@ -219,7 +219,7 @@ def _verdict_if(verdict: Verdict, causes: Sequence[VerdictCause]) -> str:
 
 
 def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
-    """Yield the conditions of a verdict. Flags with the same active level are one: ``error or fault is 1``."""
+    """Yield the conditions of a verdict. Flags with the same active level share a row: ``error or fault is 1``."""
     names_by_level: dict[str, list[str]] = {}
     for cause in causes:
         if not isinstance(cause.by, Match):

@@ -48,7 +48,7 @@ class Wiring:
 
 
 def wiring_table(device: Device, order_codes: Sequence[str]) -> Wiring:
-    """Return one table with a row for each signal, and a column for each connector or group of similar ones.
+    """Return one table with a row for each signal, and a column for each connector or group of similar connectors.
 
     Connectors whose contacts are mostly the same share a column.
     """
@@ -123,7 +123,7 @@ def _connectors_by_column(connectors: Sequence[Connector], order_codes: Sequence
 
 
 def _have_similar_contacts(connector: Connector, other: Connector, order_codes: Sequence[str]) -> bool:
-    """Return whether connectors of one kind agree on more than half the signals of the one with fewer."""
+    """Return whether connectors of one kind agree on more than half the signals of the connector with fewer."""
     contacts = _contacts_by_signal(connector, order_codes)
     other_contacts = _contacts_by_signal(other, order_codes)
     equal_signals = [signal for signal in other_contacts if contacts.get(signal) == other_contacts[signal]]
@@ -180,7 +180,7 @@ def _short_names(titles: Sequence[str]) -> list[str]:
     A name must be more than a number. If there are no such words, the names are ``connector 1`` and so on.
     """
     titles_in_phrases = [title.split(", ") for title in titles]
-    # First compare the first phrases of all titles, then the second ones.
+    # First compare the first phrases of all titles, then the second phrases.
     for phrases in zip(*titles_in_phrases, strict=False):
         phrases_in_words = [phrase.split() for phrase in phrases]
         longest = max(map(len, phrases_in_words))
@@ -228,8 +228,8 @@ def _supply_text(supply: Supply) -> str:
 def unstated_facts(family_device: Device, interface: Interface, subjects: Mapping[str, Subject]) -> Iterator[str]:
     """Yield the facts that the manual does not state, and links for those that a text may have, in one line.
 
-    ``subjects`` are the facts by label. ``family_device`` has the texts about all order codes, because a text about
-    others may be valid for this one too.
+    ``subjects`` are the facts by label. ``family_device`` contains the texts about all order codes, because a text
+    about other codes may also apply to this code.
     """
     sentences = []
     unmentioned = [label for label, subject in subjects.items() if not mentions(family_device, interface, subject)]

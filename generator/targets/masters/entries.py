@@ -1,4 +1,4 @@
-"""Values in a file for a master, in the order of writing, and the reasons for leaving out others."""
+"""Values in a file for a master, in the order of writing, and the reasons for leaving out other values."""
 
 from __future__ import annotations
 
@@ -135,7 +135,7 @@ def _settings_in_write_order(sheet: Sheet) -> Iterator[tuple[Setting, list[Write
     """Yield the settings in the order of writing, each with the values to write before and after it.
 
     A rule applies to the settings named in ``rule.of``. The values in ``rule.needs`` come before the first of these
-    settings, and those in ``rule.then`` after the last.
+    settings, and the values in ``rule.then`` after the last.
     """
     names_in_order = write_order([setting.name for setting in sheet.settings], sheet.writing)
     settings = sorted(sheet.settings, key=lambda setting: names_in_order.index(setting.name))

@@ -63,13 +63,10 @@ def file_text(
 
     Args:
         device: The family.
-        codes: The order codes. Names in the file are based on the first one.
-        sheet: The settings.
-        rule: Entry of ``files`` in the description of the master.
-        master_device: Device of the master.
-        library: The library, for the user's templates.
-        is_short: True to leave out the text that all order codes of a family share.
-        file_content: The content of the file, if it is known already.
+        codes: The order codes. Names in the file are based on the first code. sheet: The settings. rule: Entry of
+        ``files`` in the description of the master. master_device: Device of the master. library: The library, for the
+        user's templates. is_short: True to leave out the text that all order codes of a family share. file_content: The
+        content of the file, if it is known already.
     """
     if file_content is None:
         file_content = content_of_file(sheet, rule, master_device)
@@ -138,7 +135,7 @@ def _paragraphs_on_content(file_content: Content, is_short: bool) -> Iterator[st
 
 
 def _names_with_mark(file_content: Content, mark: str) -> list[str]:
-    """Return the names of the values whose mark, such as ``derived, start with``, contains this one, each once."""
+    """Return the names of the values whose mark, such as ``derived, start with``, contains ``mark``, each once."""
     return list(dict.fromkeys(file_value.name for file_value in file_content.entries if mark in file_value.mark))
 
 
@@ -162,7 +159,7 @@ def note(text: object) -> str:
 def fill_pattern(pattern: str, file_content: Content) -> str:
     """Return the pattern with each key in braces replaced by its value: ``-b {bits}`` becomes ``-b 24``.
 
-    The keys and values are those of the first channel.
+    The keys and values come from the first channel.
     """
     for file_value in file_content.entries:
         pattern = pattern.replace(f"{{{file_value.key}}}", file_value.word)

@@ -51,7 +51,7 @@ Block = str | Lines | tuple[str, Sequence[tuple[str, str]]]
 def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
     """Return a docstring with its quotes. A block is a paragraph, or a title with entries. Empty blocks are omitted.
 
-    An entry without a name, such as that of ``Returns``, is plain text.
+    An entry without a name, such as the entry of ``Returns``, is plain text.
     """
     pad = " " * indent
     # Without blocks, the closing quotes are on the line of the summary.
@@ -64,7 +64,7 @@ def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
     unfinished_docstring = "\n".join(docstring_lines)
     if "\n" in unfinished_docstring:
         return f'{unfinished_docstring}\n{pad}"""'
-    # A quotation mark at the end would be read as one of the closing ones, so it is escaped.
+    # A quotation mark at the end would be read as a closing quotation mark, so it is escaped.
     if _OPEN_QUOTE.search(unfinished_docstring):
         unfinished_docstring = f'{unfinished_docstring[:-1]}\\"'
     return unfinished_docstring + '"""'
@@ -103,7 +103,7 @@ def _in_docstring(text: str) -> str:
     return plain(text).replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
 
 
-#: End of a sentence that is followed by another one.
+#: End of a sentence that is followed by another sentence.
 _END_OF_SENTENCE = re.compile(r"(?<=[.:?!]) (?=[A-Z])")
 
 # -- the module
@@ -334,7 +334,7 @@ OF_OTHERS = "Bits that the manual does not describe, at their positions in the n
 def of_unused(unused_field: Field, at: int) -> str:
     """Return the text for a field of unused bits, such as ``bits 5:4, reserved``.
 
-    ``at`` is the position of its lowest bit in the attribute ``unused``, not that in the frame.
+    ``at`` is the position of its lowest bit in the attribute ``unused``, not in the frame.
     """
     return f"{names_and_places.bits(at + unused_field.widest - 1, at)}, {unused_field.name}"
 

@@ -116,7 +116,7 @@ def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> Call | None
 
 
 def tables(device: Device) -> list[Table]:
-    """Return the tables at the end of a module: those with rows, and those that every module has."""
+    """Return the tables at the end of a module: tables with rows, and tables that every module has."""
     filled_tables = [_with_register_rows(table, device) for table in _TABLES]
     return [table for table in filled_tables if table.rows or table.name in _ALWAYS]
 

@@ -87,7 +87,8 @@ TESTS = tests_for(
 
 #: Files that each package has once, next to its folder and in it.
 _PROJECT_FILES = ("README.md", "pyproject.toml")
-#: Guides next to the README. A package has that of the live line only if one of its interfaces has a section in it.
+#: Guides next to the README. A package has the guide of the live line only if one of its interfaces has a section in
+#: it.
 _LIVE_LINE = "live-line"
 _GUIDES = (_LIVE_LINE, "files-and-captures", "test-without-an-encoder")
 _PACKAGE_FILES = ("__init__", "_codes")

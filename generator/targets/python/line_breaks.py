@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 WIDTH = 120
 
-# A quoted text, a bracket or a comma, or any text up to the next of these.
+# A quoted text, a bracket or a comma, or any text up to the next of the three.
 _TOKEN = re.compile(r'"(?:\\.|[^"\\])*"|[][(){},]|[^][(){},"]+')
 # The space before each binary operator, the loosest operators first.
 _LOOSEST_FIRST = tuple(re.compile(rf" (?=(?:{words}) )") for words in (r"or", r"and", r"\||\^|&", r"<<|>>", r"\+|-"))

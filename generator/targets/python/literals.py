@@ -166,7 +166,7 @@ class Scope:
         return total
 
     def ones(self, width: Expression) -> Expr:
-        """Return a mask of ``width`` ones."""
+        """Return a mask of ``width`` 1 bits."""
         if width.is_constant:
             return mask((1 << width.constant) - 1)
         return Operation(self.power(width), "-", number(1))
@@ -185,7 +185,7 @@ class Scope:
 
 
 def _collect_terms(expression: Expression) -> list[Term]:
-    """Return the terms, with those of equal factors added up."""
+    """Return the terms, with terms of equal factors added up."""
     multiples: dict[tuple[Factor, ...], int] = {}
     for term in expression.terms:
         multiples[term.factors] = multiples.get(term.factors, 0) + term.multiple
@@ -272,7 +272,7 @@ Literal = (
 
 
 def literal_call(function: str, *positional: Literal, **optional: Literal) -> Call:
-    """Return a call with positional arguments, and with the optional ones that are not empty."""
+    """Return a call with positional arguments, and with the optional arguments that are not empty."""
     return Call(function, (*(("", value) for value in positional), *_named_arguments(optional)))
 
 

@@ -90,7 +90,8 @@ class Variants:
 
     def default_attributes(self, exchange: Exchanged) -> list[tuple[str, int]]:
         """Return attribute and factory default of each field in a request that has one: ``[("address", 1)]``."""
-        # The layout of a request is not that of a register, and names of CRC functions do not matter for attributes.
+        # The layout of a request is not the layout of a register, and names of CRC functions do not matter for
+        # attributes.
         class_names = ClassNames(exchange.request, register=None, crcs=())
         return [(class_names.attribute(name), default) for name, default in exchange.defaults.items()]
 
@@ -119,7 +120,7 @@ class Variants:
 
     @property
     def derived_parameters(self) -> list[tuple[str, str, Expr]]:
-        """Name, meaning and value of each parameter that is derived from others.
+        """Name, meaning and value of each parameter that is derived from other parameters.
 
         Those that always equal a quantity of the measurement are left out, since the class has that quantity.
         """
@@ -218,7 +219,7 @@ class Variants:
 
     @property
     def reasons_without_range(self) -> str:
-        """Reasons why an interface has no modulus that applies to all of its frames, or "" if all have one."""
+        """Reasons why an interface has no modulus that applies to all of its frames, or "" if all have a modulus."""
         interfaces = self.device.interfaces
         without_modulus = {interface.name for interface in interfaces if self.modulus_of(interface) is None}
         reasons: list[str] = []
@@ -255,8 +256,8 @@ class Variants:
         """Return the lowest and the highest position in a frame, and the modulus, or None if it has none.
 
         An unsigned position without a highest value in the spec ends at ``modulus - 1``, or without a modulus at the
-        highest number that its fields can hold. A signed one with a highest value in the spec spans ``modulus`` counts.
-        Without one, it can be any number that fits in its field, such as -2048 to 2047.
+        highest number that its fields can hold. A signed position with a highest value in the spec spans ``modulus``
+        counts. Without one, it can be any number that fits in its field, such as -2048 to 2047.
         """
         measurement = position_range.measurement
         modulus = self._modulus_expression(measurement)
@@ -286,7 +287,7 @@ class Variants:
         return Operation(number(1), "<<", self._scope.expression_of(exponent))
 
     def _highest_signed(self, position_range: PositionRange) -> Expr:
-        """Return the highest signed position: that of the spec, or else the highest that fits in the field."""
+        """Return the highest signed position: the spec's position, or else the highest that fits in the field."""
         field = position_range.signed_field
         assert field is not None
         stated_highest = position_range.measurement.highest
@@ -325,7 +326,7 @@ class Variants:
     def is_shifted(self) -> bool:
         """True if an offset can shift the positions of an interface above ``modulus``.
 
-        This is so for an unsigned position whose highest value is in the spec.
+        An unsigned position whose highest value is in the spec can be shifted.
         """
         for interface in self.device.interfaces:
             only_range = self._only_range(interface)
@@ -377,7 +378,7 @@ class Variants:
 
     @property
     def answers(self) -> list[OpenQuestion]:
-        """Questions whose default answer applies unless the user chooses another one."""
+        """Questions whose default answer applies unless the user chooses another answer."""
         optional = self.device.optional_alternatives
         return [self.context.questions[alternative.name] for alternative in optional]
 

@@ -32,7 +32,7 @@ _TUPLE: Final[Any] = tuple
 
 
 def by_class(kind: type[_Kind]) -> type[_Kind]:
-    """Make objects of ``kind`` equal only to those of the same class, unlike a plain NamedTuple."""
+    """Make objects of ``kind`` equal only to objects of the same class, unlike a plain NamedTuple."""
 
     def equals(self: tuple[object, ...], other: object) -> object:
         """Compare the items if the classes are the same. No other tuple is equal."""
@@ -264,7 +264,7 @@ def check_power_of_two(field: str, value: SupportsIndex) -> None:
 
 
 def as_member(kind: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
-    """Return ``value`` as a member of ``kind``. Raises RangeError unless it is the number of one."""
+    """Return ``value`` as a member of ``kind``. Raises RangeError unless it is the number of a member."""
     number = value if type(value) is int else whole_number(field, value)
     try:
         return kind(number)
@@ -291,7 +291,7 @@ def text_number(field: str, text: str, length: int) -> int:
 def signed(value: int, bits: int) -> int:
     """Interpret ``bits`` bits as a two's complement number: with 4 bits, 15 is -1.
 
-    It is called for each frame, so it is one expression. A field without bits has no sign bit.
+    The function is called for each frame, so it is one expression. A field without bits has no sign bit.
     """
     return value - (1 << bits) if value & ((1 << bits) >> 1) else value
 

@@ -108,7 +108,7 @@ class Encoder:
         unlisted: Names of the parts whose values the manual does not list.
         tail: Text that followed the order code on the label.
         special_code: Ending ``/Sxxx`` of the label, or empty.
-        written_as_in: Document that uses the label's spelling of the order code, if it is not the usual one.
+        written_as_in: Document that uses the label's spelling of the order code, if it is not the usual spelling.
     """
 
     family: ClassVar[Family]
@@ -444,7 +444,10 @@ return_frame_error: ErrorHandler = cast(ErrorHandler, _return_frame_error)
 
 
 def _find_encoder(error: Exception, frame: object, encoder: Encoder) -> Exception:
-    """Return a frame error after the frame and the encoder are added to it. Others become a TypeError with the code."""
+    """Return a frame error after the frame and the encoder are added to it.
+
+    Other errors become a TypeError with the code.
+    """
     if isinstance(error, FrameError):
         error.add(frame, encoder)
         return error

@@ -192,8 +192,8 @@ class FieldFacts(NamedTuple):
     ``active`` is ``high`` or ``low`` for a flag. ``constant`` is the value of a constant field, ``unused`` the value of
     unused bits in the manual. ``implemented`` is False for a field that this encoder does not have. ``reserved`` is the
     only party that may use it. ``explained_by`` lists register fields with details, as ``register.field``.
-    ``zero_means`` is the value that is sent as 0, if there is one. ``scale`` gives the quantity that a number stands
-    for.
+    ``zero_means`` is the value that is sent as 0, if there is such a value. ``scale`` gives the quantity that a number
+    stands for.
     """
 
     name: str
@@ -287,8 +287,8 @@ class Clock(NamedTuple):
         min_hz: Lowest clock. None if it is not known.
         max_hz: Highest clock. None if it is not known.
         source: Source of the facts.
-        used_hz: Clocks that programs or masters use, in ascending order. They are not limits.
-        only: Order codes that have this clock, if not all do.
+        used_hz: Clocks that programs or masters use, in ascending order. These clocks are not limits. Order codes that
+        have this clock, if not all do.
     """
 
     min_hz: int | None
@@ -382,7 +382,7 @@ class NamedValue(NamedTuple):
 
 
 class ControlField(NamedTuple):
-    """Field of the BiSS control frame. ``crc`` is the name of the CRC in the field, if there is one."""
+    """Field of the BiSS control frame. ``crc`` is the name of the CRC in the field, if it has a CRC."""
 
     name: str
     bits: int
@@ -424,7 +424,7 @@ def _rows_for_code(rows: tuple[_Row, ...], code: str) -> tuple[_Row, ...]:
 
 
 def _fits(only: str, code: str) -> bool:
-    """Return whether an order code is among those of ``only``. An empty ``only`` means all of them.
+    """Return whether ``only`` selects an order code. An empty ``only`` means all of them.
 
     ``...`` stands for any text and ``x`` for any one character: ``X-2x, Y...`` fits ``X-24`` and ``Y8``. Commas
     separate several patterns. The hyphen after an order code on a label counts as part of it.
@@ -536,8 +536,8 @@ class Exchange(NamedTuple):
         request: Frame that the master sends.
         reply: Frame with which the encoder answers, or empty if it does not answer.
         purpose: ``position``, ``read``, ``write`` or ``other``.
-        word_bits: Number of bits of both words over SPI, or None if it is that of the interface.
-        source: Source of the exchange.
+        word_bits: Number of bits of both words over SPI, or None if the length of the interface applies. source: Source
+        of the exchange.
     """
 
     request: str

@@ -106,7 +106,8 @@ class Link:
         """Return the position in counts.
 
         Args:
-            request: Request for the position, with the encoder's address. Default: that with the factory defaults.
+            request: Request for the position, with the encoder's address. Default: the request with the factory
+            defaults.
 
         Raises:
             NotUsableError: The encoder reports that its position is not usable.
@@ -118,7 +119,8 @@ class Link:
         """Return a frame with the position. Check its ``verdict`` before you use the position.
 
         Args:
-            request: Request for the position, with the encoder's address. Default: that with the factory defaults.
+            request: Request for the position, with the encoder's address. Default: the request with the factory
+            defaults.
 
         Raises:
             LinkError: There is no valid reply. The subclass indicates the reason.

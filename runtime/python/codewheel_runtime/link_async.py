@@ -44,7 +44,7 @@ class AsyncTransport(Protocol):
 
 
 class StreamTransport:
-    """Line over asyncio streams, such as those of ``asyncio.open_connection``."""
+    """Line over asyncio streams, for example from ``asyncio.open_connection``."""
 
     def __init__(self, reader: StreamReader, writer: StreamWriter) -> None:
         self._reader = reader
@@ -105,7 +105,7 @@ async def _finish_in_thread(function: Callable[[_Argument], _Result], argument: 
 class AsyncLink:
     """Link to an encoder, for asyncio. Requests of several tasks are sent one after the other.
 
-    The methods are those of :class:`codewheel_runtime.link.Link`.
+    The methods are the same as in :class:`codewheel_runtime.link.Link`.
 
     Args:
         encoder: The encoder, with RS-485.

@@ -107,11 +107,11 @@ class Spelling(NamedTuple):
 class Label(NamedTuple):
     """Label split into its parts.
 
-    ``code`` and ``parts`` are those of the label in the usual spelling. ``listed`` contains the parts of the listed
-    code used in place of the label. A value that the manual does not list is replaced by the first listed value that
-    can be combined with the others. ``unlisted`` are the names of these parts. ``tail`` is the text that follows the
-    code, from its ``-`` on, and ``special`` the ``/Sxxx`` suffix of the label. ``written_as_in`` is the document that
-    uses the label's spelling, if it is not the usual one.
+    ``code`` and ``parts`` describe the label in the usual spelling. ``listed`` contains the parts of the listed code
+    used in place of the label. A value that the manual does not list is replaced by the first listed value that can be
+    combined with the others. ``unlisted`` are the names of these parts. ``tail`` is the text that follows the code,
+    from its ``-`` on, and ``special`` the ``/Sxxx`` suffix of the label. ``written_as_in`` is the document that uses
+    the label's spelling, if it is not the usual spelling.
     """
 
     code: str
@@ -229,7 +229,7 @@ class OrderCode(NamedTuple):
         """Return the error for valid parts that cannot be combined.
 
         It names each part of which another listed value would make a listed code. ``text`` is the label, and
-        ``part_texts`` has the text of each part. ``listed_values`` has its listed value, or None.
+        ``part_texts`` contains the text of each part. ``listed_values`` contains its listed value, or None.
         """
         names: list[str] = []
         for part in self.parts:
@@ -277,7 +277,7 @@ class OrderCode(NamedTuple):
                 candidates.append(_WrongPart(part, match[part.name], unlisted_count))
         if not candidates:
             return OrderCodeError(text, "", f"is not an order code of {family}", nearest_codes)
-        # Blame the part that leaves the fewest unlisted values in the others, and among equals a missing part.
+        # Blame the part that leaves the fewest unlisted values in the other parts, and among equals a missing part.
         part, part_text, _ = min(candidates, key=lambda candidate: (candidate.unlisted_count, candidate.text != ""))
         problem = f"has {part.name} '{part_text}'" if part_text else f"has no {part.name}"
         valid_values = ", ".join(value.text for value in part.values)
@@ -285,7 +285,7 @@ class OrderCode(NamedTuple):
 
 
 class _WrongPart(NamedTuple):
-    """Part of a label that may be the wrong one.
+    """Part of a label that may be wrong.
 
     Attributes:
         part: The part.
@@ -335,7 +335,8 @@ def find_nearest(codes: Iterable[str], text: str) -> tuple[str, ...]:
 def _can_be_combined(part: Part, listed_values: Mapping[str, str | None]) -> bool:
     """Return whether an unlisted value of a part can be combined with the values of the other parts.
 
-    ``listed_values`` has the listed value of each part by name, None for an unlisted one, which is always accepted.
+    ``listed_values`` contains the listed value of each part by name, None for an unlisted value, which is always
+    accepted.
     """
     for name, allowed in part.open_only_with.items():
         value = listed_values[name]

@@ -131,7 +131,7 @@ def find_error(reply: bytes, pending: PendingRequest) -> FrameError | None:
     except FrameError as error:
         return error
     except TypeError:
-        # Fields that need an answer cannot be decoded here. The last byte is the XOR of all others.
+        # Fields that need an answer cannot be decoded here. The last byte is the XOR of all other bytes.
         difference = compute_xor(reply)
         return CrcError(reply[-1], reply[-1] ^ difference) if difference else None
     return None

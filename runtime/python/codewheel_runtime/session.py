@@ -117,12 +117,10 @@ class Statistics:
     """Counters of a session.
 
     Attributes:
-        requests: Requests that were sent, with those that were repeated and those of other kinds.
-        replies: Requests that got a valid reply.
-        failures: Requests that did not.
-        late_replies: Replies that arrived after their request had failed.
-        extra_replies: Replies that no request asked for, such as second copies.
-        conflicts: Requests that got two different replies. They are among the failures.
+        requests: Requests that were sent, including repeated requests and other kinds. Requests that got a valid reply.
+        failures: Requests that did not. late_replies: Replies that arrived after their request had failed.
+        extra_replies: Replies that no request asked for, such as second copies. conflicts: Requests that got two
+        different replies. These requests are among the failures.
     """
 
     requests: int = 0
@@ -186,7 +184,7 @@ class Session:
         self._byte_s = bits_per_byte / port.baud
         #: First byte of the last request, if it failed. Otherwise 0.
         self._failed = 0
-        #: Number of replies in a row that look like those of another kind of encoder.
+        #: Number of replies in a row that look like replies of another kind of encoder.
         self._odd_replies = 0
         #: Last request, and the replies to the last requests. Extra replies are compared with them.
         self._last_request: PendingRequest | None = None
@@ -197,7 +195,7 @@ class Session:
         self._reply_times: deque[float] = deque(maxlen=_REPLY_TIMES)
         #: Number of requests whose reply can still arrive.
         self._unanswered = 0
-        #: First kind of request whose reply has the position, if there is one.
+        #: First kind of request whose reply has the position, if there is such a request.
         self._position = next((kind for kind in captures if kind.has_position), None)
 
     def position(self, request: Any = None) -> Work[int]:
@@ -355,9 +353,10 @@ class Session:
     def _resynchronise(self, control: int) -> Work[None]:
         """Get a reply to a request of another kind than ``control``. All earlier replies come before it.
 
-        The reply is discarded. Without one, wait for four time-outs.
+        The reply is discarded. Without a reply, wait for four time-outs.
         """
-        # The kinds take turns, so that a late reply to an earlier request of another kind is not taken for this one.
+        # The kinds take turns, so that a late reply to an earlier request of another kind is not taken for the reply to
+        # this request.
         self._capture_controls = self._capture_controls[1:] + self._capture_controls[:1]
         for other_control in self._capture_controls:
             if other_control == control:
@@ -423,7 +422,7 @@ class Session:
     def _find_quiet_s(self, received: bytes, reply: bytes, pending: PendingRequest) -> float:
         """Return the time in seconds for which the line must be quiet after a reply.
 
-        It is the time to settle, but at least 2 ms unless the reply comes first and cannot be part of an echo.
+        This is the time to settle, but at least 2 ms unless the reply comes first and cannot be part of an echo.
         """
         # In this time, the reply to this request would follow if the reply were an extra one to an earlier request.
         settle_s = self._settle_s(pending)
@@ -439,7 +438,7 @@ class Session:
     def _settle_s(self, pending: PendingRequest) -> float:
         """Return the time in seconds after which no other reply to an earlier request follows.
 
-        It is the chosen one, or else the time that request and reply take, or the usual time of the last replies if
+        It is the chosen time, or else the time that request and reply take, or the usual time of the last replies if
         that is longer.
         """
         if self.settle_s is not None:
@@ -474,7 +473,7 @@ class Session:
         # One of the unknown replies of this kind is the reply to this request, so all but one are foreign.
         unknown_replies = {*found_reply.same_kind, found_reply.reply}.difference(self._recent_replies)
         foreign_replies = [*self._find_foreign(found_reply.other_kinds), *sorted(unknown_replies)[1:]]
-        # Late replies to failed requests are not extra ones.
+        # Late replies to failed requests are not extra replies.
         self._count_foreign(foreign_replies[:extra_count], received, _FOREIGN_REPLIES)
 
     def _find_foreign(self, replies: Sequence[bytes]) -> list[bytes]:
@@ -536,8 +535,8 @@ class Session:
     def _failure_error(self, received: bytes, pending: PendingRequest) -> LinkError:
         """Return the error for bytes without a valid reply, of the class for the most likely cause.
 
-        It is NoReplyError if nothing, only the echo or only another reply has arrived, WrongEncoderError if two
-        replies in a row look like those of another encoder, and otherwise DisturbedError.
+        It is NoReplyError if nothing, only the echo or only another reply has arrived, WrongEncoderError if two replies
+        in a row look like replies of another encoder, and otherwise DisturbedError.
         """
         kind = pending.kind
         request_text = f"the request {_format_hex(pending.data)} to {self.encoder.code}"
@@ -579,8 +578,8 @@ class Session:
     ) -> LinkError:
         """Return the error for bytes without a valid reply of an encoder without data IDs.
 
-        It is that the reply is incomplete, or has another value than the request, or is invalid. ``request_text`` names
-        the request, and ``bytes_text`` has the received bytes.
+        The reply is incomplete, has another value than the request, or is invalid. ``request_text`` names the request,
+        and ``bytes_text`` contains the received bytes.
         """
         if len(received) < pending.kind.length:
             text = f"incomplete reply to {request_text}: {len(received)} of {pending.kind.length} bytes, {bytes_text}"
@@ -592,7 +591,8 @@ class Session:
     def _find_sign_of_other_encoder(self, received: bytes, pending: PendingRequest) -> str:
         """Return why the bytes look like a reply from another kind of encoder, or an empty string.
 
-        They begin like a reply and have a valid CRC, but another length, or values that this encoder does not send.
+        Such bytes begin like a reply and have a valid CRC, but another length, or values that this encoder does not
+        send.
         """
         # The CRC is the XOR of the other bytes, so the XOR of all is 0.
         if received[0] != pending.kind.control or len(received) < 3 or compute_xor(received):
@@ -673,8 +673,7 @@ def _check_seconds(name: str, seconds: float) -> None:
     """Raise an error unless a time is a finite number that is not negative.
 
     Raises:
-        TypeError: It is not a number.
-        ValueError: It is negative, infinite or NaN.
+        TypeError: The time is not a number. ValueError: The time is negative, infinite or NaN.
     """
     if isinstance(seconds, bool) or not isinstance(seconds, (int, float)):
         raise TypeError(f"{name} must be a number of seconds, got {shorten(seconds)}")
@@ -717,7 +716,7 @@ def _find_request_kinds(encoder: Encoder) -> dict[int, ReplyKind]:
 def _may_begin(shape: Shape, data_id: Any) -> bool:
     """Return whether a reply with this shape may begin with the control byte of a data ID.
 
-    The constants in its first byte must be those of the control byte, and a field of data IDs must allow this one.
+    The constants in its first byte must match the control byte, and a field of data IDs must allow this data ID.
     """
     for check in shape.checks:
         is_in_first_byte = check.low + check.width <= 8

@@ -44,7 +44,7 @@ class Answer(NamedTuple):
 
 
 class _Sent(NamedTuple):
-    """Request that was sent in a word of ``bits`` bits, with the class of its register if it reads or writes one."""
+    """Request that was sent in a word of ``bits`` bits, with the class of the register that it reads or writes."""
 
     request: Any
     register: type | None
@@ -61,9 +61,8 @@ class Pipeline:
         encoder: The encoder.
         replies: Class of the reply to each class of requests.
         late: True if the encoder answers in the word after the request.
-        read: Class of the request that reads a register, if there is one.
-        write: Classes of the requests that write a register, one for each word.
-        registers: Address and number of bytes of each class of registers.
+        read: Class of the request that reads a register, if there is such a request. write: Classes of the requests
+        that write a register, one for each word. registers: Address and number of bytes of each class of registers.
     """
 
     def __init__(
@@ -86,7 +85,7 @@ class Pipeline:
         self._registers = registers
         #: Request whose word is on the bus: its received word has not been taken. None between ``take`` and ``ask``.
         self._sent: _Sent | None = None
-        #: Request before that one, to which a late reply belongs.
+        #: Request before the previous one, to which a late reply belongs.
         self._before: _Sent | None = None
         #: Number of bits of the last word.
         self._bits = 0

@@ -96,7 +96,7 @@ def _read_rows(array: Any, length: int) -> Any:
     if load("pyarrow").types.is_fixed_size_binary(arrow_type):
         if arrow_type.byte_width != length:
             return None
-        # Place of the first byte in the buffer. An array can be a slice of a longer one.
+        # Place of the first byte in the buffer. An array can be a slice of a longer array.
         start = array.offset * length
         data = buffers[1]
     else:

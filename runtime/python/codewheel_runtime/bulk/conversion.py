@@ -26,7 +26,7 @@ class Columns(Protocol):
     def __getitem__(self, name: str, /) -> Any: ...
 
     def hidden(self, name: str) -> Any:
-        """Return a mask of the rows in which a column has no meaning, or None if it always has one."""
+        """Return a mask of the rows in which a column has no meaning, or None if it always has a meaning."""
         ...
 
     def scale(self, name: str) -> Scale | None:

@@ -100,7 +100,7 @@ def _allocate_columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
 
 
 class ReadFrames(NamedTuple):
-    """Frames as an array of rows of bytes or of 64-bit numbers, and the indices of those with a wrong length.
+    """Frames as an array of rows of bytes or of 64-bit numbers, and the indices of frames with a wrong length.
 
     Zeros replace frames with a wrong length.
     """
@@ -196,7 +196,8 @@ def _is_missing(frame: object) -> bool:
 def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
     """Decode some frames into the columns ``out``, and their errors into ``fault``.
 
-    Frames that fail a quick check are examined for their errors. All frames are written, also those with an error.
+    Frames that fail a quick check are examined for their errors. All frames are written, including frames with an
+    error.
     """
     # Arrays that are nonzero for frames that fail a check.
     doubts: list[Any] = []
@@ -306,8 +307,8 @@ def _write(chunk: Chunk, shape: Shape, out: Mapping[str, Any]) -> None:
 def _write_join(chunk: Chunk, shape: Shape, join: Join, columns: Mapping[str, Column], number: Any) -> None:
     """Write a number that consists of several fields into the array ``number``. The first has its lowest bits.
 
-    ``columns`` has the descriptions of all fields by name. ``low`` is a place in the frame, and ``offset`` one in the
-    joined number.
+    ``columns`` contains the descriptions of all fields by name. ``low`` is a place in the frame, and ``offset`` one in
+    the joined number.
     """
     first_name, _ = join.fields[0]
     first = columns[first_name]
@@ -416,10 +417,10 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
 
 
 def _find_active_conditions(shape: Shape, out: Mapping[str, Any]) -> dict[Verdict, list[Any]]:
-    """Return the conditions of each verdict: arrays that are True for the frames that meet one.
+    """Return the conditions of each verdict: one array each, True for the frames that meet it.
 
-    ``out`` has the decoded columns. The conditions on unused bits are left out if none of these bits differs from the
-    manual.
+    ``out`` contains the decoded columns. The conditions on unused bits are left out if none of these bits differs from
+    the manual.
     """
     # Each bit of this column is 1 where an unused bit differs from the manual.
     unused: Any = out.get("unused")

@@ -20,8 +20,8 @@ class Column(NamedTuple):
     ``kind`` is the type of value that the bits encode. ``not_flag`` is an active-low flag. If ``zero_means`` is not 0,
     bits that are all 0 stand for this number. ``runs`` contains the name, divisor and modulus of each group of decimal
     digits: its number is ``bits // divisor % modulus``. ``field`` is the name of the field in messages, if it differs
-    from ``name``. ``values`` lists the only allowed values of the field, if they are limited. ``scale`` has the first
-    members of its ``Scale``.
+    from ``name``. ``values`` lists the only allowed values of the field, if they are limited. ``scale`` contains the
+    first members of its ``Scale``.
     """
 
     name: str
@@ -62,7 +62,7 @@ class Check(NamedTuple):
 
     def is_within(self, bits: int) -> bool:
         """Return whether the bits are at most ``limit``, and if they are signed, at least ``lowest``."""
-        # Modulo 2**width, the numbers from ``lowest`` to ``limit`` become those from 0 on.
+        # Modulo 2**width, the numbers from ``lowest`` to ``limit`` become the numbers from 0 on.
         return self.limit is None or (bits - self.lowest) & ((1 << self.width) - 1) <= self.limit - self.lowest
 
 
@@ -77,7 +77,7 @@ class Fold(NamedTuple):
 class CrcOf(NamedTuple):
     """CRC of ``width`` bits at ``low``.
 
-    ``differs`` returns the bits in which the CRC of a frame differs from the computed one. ``steps`` fold a number
+    ``differs`` returns the bits in which the CRC of a frame differs from the computed CRC. ``steps`` fold a number
     whose last bits are inverted by ``xorout``. ``is_xor`` is True for a CRC that is the XOR of all bytes.
     """
 
@@ -98,7 +98,7 @@ def compare_bytes(
     """
 
     def differs(number: int) -> int:
-        """Return the bits in which the CRC of a frame differs from the computed one."""
+        """Return the bits in which the CRC of a frame differs from the computed CRC."""
         data = number.to_bytes(length, order)
         return function(data[:-width]) ^ int.from_bytes(data[-width:], order)
 
@@ -123,7 +123,7 @@ class Join(NamedTuple):
 
 
 class Unused(NamedTuple):
-    """Bits without meaning. Those that differ from ``value`` are 1 in ``unused``, starting at bit ``place``."""
+    """Bits without meaning. Bits that differ from ``value`` are 1 in ``unused``, starting at bit ``place``."""
 
     low: int
     width: int
@@ -256,8 +256,8 @@ def count_unused_bits(shape: Shape) -> int:
 class UnusedGroup(NamedTuple):
     """Unused bits that are shifted together.
 
-    ``low`` is their lowest bit in the frame, and ``place`` that in ``unused``. Bit 0 of ``mask``, and of the ``value``
-    in the manual, is this bit.
+    ``low`` is their lowest bit in the frame, and ``place`` their lowest bit in ``unused``. Bit 0 of ``mask``, and of
+    the ``value`` in the manual, is this bit.
     """
 
     low: int

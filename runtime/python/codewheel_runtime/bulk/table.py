@@ -86,7 +86,7 @@ class Table(_TableOf[_Name, _Unit]):
     """Columns of many frames: a NumPy array for each field, and ``fault`` with the error of each frame.
 
     The arrays hold the raw bits of every frame, including invalid ones. Use ``usable_position`` for positions: it is
-    masked if there is none. ``to_arrow`` and ``to_pandas`` return null for these.
+    masked if there is none. ``to_arrow`` and ``to_pandas`` return null for frames without a position.
 
     Frames with a verdict also have a column ``verdict``: the index of the verdict in ``Verdict``. It is 0 if the
     position is not usable or the frame has an error.
@@ -96,9 +96,9 @@ class Table(_TableOf[_Name, _Unit]):
 
     A table can also have other columns, such as ``time``.
 
-    A table is a sequence of frames: ``len(table)`` is their number, ``table[10:20]`` a table of some, and ``table[7]``
-    a dictionary with the values of one. Iteration gives such a dictionary for each frame. ``table["singleturn"]`` is a
-    column, and ``columns`` has all of them.
+    A table is a sequence of frames: ``len(table)`` is their number, ``table[10:20]`` a table of ten frames, and
+    ``table[7]`` a dictionary with the values of one frame. Iteration gives such a dictionary for each frame.
+    ``table["singleturn"]`` is a column, and ``columns`` contains all of them.
     """
 
     def __init__(
@@ -249,7 +249,7 @@ class Table(_TableOf[_Name, _Unit]):
     def _replace_columns(
         self, columns: dict[str, Any], fault: Any, verdict: Any, other_columns: Mapping[str, Any]
     ) -> Table:
-        """Return a table with these columns, for instance of other rows, and everything else as in this one."""
+        """Return a table with these columns, for instance of other rows, and everything else unchanged."""
         return Table(
             encoder=self.encoder,
             columns=columns,
@@ -410,7 +410,7 @@ class Table(_TableOf[_Name, _Unit]):
         if valid.modulus is not None:
             # The shorter way around: from minus half of the modulus to half of it.
             steps = (steps + valid.modulus // 2) % valid.modulus - valid.modulus // 2
-        # Index 0 is the count before the first usable position, and index n that of the n-th one.
+        # Index 0 is the count before the first usable position, and index n the count at the n-th usable position.
         count_before = start if previous is None else previous
         counts = np.concatenate([[count_before, start], start + np.cumsum(steps)])
         # For each frame, the number of usable positions up to it.
@@ -450,7 +450,7 @@ class Table(_TableOf[_Name, _Unit]):
 
         Returns:
             An array of speeds. It is NaN for frames without a usable position, for the first frame that has one, and
-            where the time is not after that of the previous usable frame.
+            where the time is not later than at the previous usable frame.
 
         Raises:
             AttributeError, RangeError, ValueError: See ``unwrapped`` and ``in_units``.
@@ -461,7 +461,7 @@ class Table(_TableOf[_Name, _Unit]):
     def _compute_speed(self, seconds: Any, unit: SpeedUnit, previous: tuple[int, float] | None) -> Any:
         """Return the speed in each row, from the previous usable position. It is NaN where there is none.
 
-        ``previous`` is the unwrapped position and the time of the last usable frame before these, or None.
+        ``previous`` is the unwrapped position and the time of the last usable frame before the table, or None.
         """
         np: Any = load("numpy")
         times = self._check_times(seconds)
@@ -493,8 +493,8 @@ class Table(_TableOf[_Name, _Unit]):
         ``seconds`` is the time between two frames, an array of times, or None for the column ``time``.
 
         Raises:
-            ValueError: There is no such column, the number of times is not that of the frames, or the time between two
-                frames is 0 or negative.
+            ValueError: There is no such column, the number of times differs from the number of frames, or the time
+            between two frames is 0 or negative.
         """
         np: Any = load("numpy")
         if seconds is None:
@@ -517,10 +517,10 @@ class Table(_TableOf[_Name, _Unit]):
         there is no usable position, and null in Arrow. The table needs a column ``time`` in seconds.
 
         Args:
-            previous: Unwrapped position and time of the last usable frame before these, for the first speed.
+            previous: Unwrapped position and time of the last usable frame before the table, for the first speed.
 
         Returns:
-            The table. It also has the other columns of this one.
+            The table. It also has the other columns of this table.
 
         Raises:
             AttributeError, RangeError, ValueError: See ``velocity``.
@@ -556,7 +556,10 @@ class Table(_TableOf[_Name, _Unit]):
         raise ValueError(f"'{unit[:40]}' is not a unit of positions{explanation}: use {', '.join(_UNITS)}")
 
     def _wrong_unit_error(self, unit: str, kind_of_unit: Mapping[str, float]) -> str:
-        """Return the message for a unit that the encoder does not measure in. ``kind_of_unit`` has all of this kind."""
+        """Return the message for a unit that the encoder does not measure in.
+
+        ``kind_of_unit`` contains all of this kind.
+        """
         if self.encoder is None:
             return f"these frames belong to no encoder, so they have no {unit}: use counts"
         measured = "angles, not lengths" if kind_of_unit is _OF_A_LENGTH else "lengths, not angles"
@@ -564,7 +567,7 @@ class Table(_TableOf[_Name, _Unit]):
         return f"{self.encoder.code} measures {measured}: use {', '.join(('counts', *units))} instead of {unit}"
 
     def hidden(self, name: str) -> Any:
-        """Return a mask of the rows in which a column has no meaning, or None if it always has one.
+        """Return a mask of the rows in which a column has no meaning, or None if it always has a meaning.
 
         A column that is the position or a part of it has no meaning in rows without a usable position, and a flag has
         none in rows of missing frames and of frames with a wrong length.
@@ -597,7 +600,7 @@ class Table(_TableOf[_Name, _Unit]):
         return load("pyarrow").table(arrow_columns(table, self.names, raw))
 
     def __arrow_c_stream__(self, requested_schema: Any = None) -> Any:
-        """Return the columns as an Arrow stream, for polars, DuckDB and others. Needs pyarrow."""
+        """Return the columns as an Arrow stream, for example for polars and DuckDB. Needs pyarrow."""
         return self.to_arrow().__arrow_c_stream__(requested_schema)
 
     def to_pandas(self, *, raw: bool = False) -> Any:

@@ -32,7 +32,7 @@ def numbers(rows: Any, words: WordKind = "packed") -> Any:
     Rows of ``packed`` words have one to eight bytes, most significant first. The rows of other words have the number of
     bytes of the word.
     """
-    # A length of 0 stands for packed words. Those of eight bytes need no zeros in front, so they are read like words
+    # A length of 0 stands for packed words. Words of eight bytes need no zeros in front, so they are read like words
     # whose length is 8.
     length, order = WORDS[words]
     if length or rows.shape[1] == 8:

@@ -24,7 +24,7 @@ _FILLERS: Final = ("zero", "unused")
 
 
 class _Field(NamedTuple):
-    """Field of a layout. The polynomial and the start value are those of a CRC."""
+    """Field of a layout. The polynomial and the start value belong to a CRC."""
 
     name: str
     width: int
@@ -145,7 +145,7 @@ def _check_fields(fields: Sequence[_Field]) -> None:
 
 
 def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tuple[Join, ...]) -> Shape:
-    """Return the description of a frame. ``widths`` are those of its columns, by name."""
+    """Return the description of a frame. ``widths`` are the widths of its columns, by name."""
     columns: list[Column] = []
     checks: list[Check] = []
     unused: list[Unused] = []

@@ -215,7 +215,7 @@ class _CycleFinder:
         return None
 
     def _append(self, part: Edges) -> None:
-        """Append the edges of the next stretch of the capture: those of the clock, then those of the data line."""
+        """Append the edges of the next stretch of the capture: first of the clock, then of the data line."""
         # Only the first stretch shows the levels at the beginning.
         if self._is_new:
             self._levels, self._begin = (part.levels[_CLOCK], part.levels[_DATA]), part.begin
@@ -245,7 +245,7 @@ class _CycleFinder:
         self._rest = max(self._chosen_pause or _REST * float(spans_of_periods.mean()), _LEAST)
 
     def _find_ends(self) -> Any:
-        """Return the index after the last edge of each cycle, also of the last one, which may not be complete."""
+        """Return the index after the last edge of each cycle, even if the last cycle is incomplete."""
         ends = np.flatnonzero(np.diff(self._clock) > self._rest) + 1
         return np.append(ends, len(self._clock)) if len(self._clock) else ends
 
@@ -316,7 +316,7 @@ class _CycleFinder:
         return ControlBits(times=cycles.begin * self._unit, cds=cds, cdm=timeout_level ^ 1)
 
     def _find_cycles(self, starts: Any, ends: Any) -> _Cycles:
-        """Return the cycles with edges from ``starts`` to ``ends``. Those without a falling edge are left out."""
+        """Return the cycles with edges from ``starts`` to ``ends``. Cycles without a falling edge are left out."""
         clock = self._clock
         # The level before edge n is the first level, inverted if n is odd. After a low level, the next edge rises, and
         # the one after it is the first that falls.
@@ -358,7 +358,7 @@ class _CycleFinder:
         reasons[has_no_start] = _NO_START
         reasons[start_bits.data_fall > latest_acknowledgement] = _HIGH
         reasons[start_bits.first_level == 0] = _LOW
-        # The first rising edge after the start bit is that of CDS.
+        # The first rising edge after the start bit belongs to CDS.
         sent = np.where(reasons == _SHORT, np.maximum(rises_after_start - 1, 0), cycles.rises)
         return _Bits(reasons=reasons, skipped=start_bits.rise_number + 1, delay=start_bits.delay, sent=sent)
 

@@ -146,7 +146,7 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: Names, rate: float
         clock=_find_numbered_probe(names.clock, probes, numbers, path),
         data=_find_numbered_probe(names.data, probes, numbers, path),
     )
-    # Places are those in ``channels``. The lowest bit is probe 1.
+    # Places are indices in ``channels``. The lowest bit is probe 1.
     masks = tuple(1 << (numbers[place] - 1) for place in numbered_names.places(channels, path))
     entries = _list_sample_files(archive, stem)
     if not entries:
@@ -164,7 +164,7 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: Names, rate: float
 def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], path: str) -> Any:
     """Return a name that ``Names`` understands for a chosen channel.
 
-    A number is that of a probe, as in the session. It becomes the place among the probes in use, from 1: with the
+    A number is the number of a probe, as in the session. It becomes the place among the probes in use, from 1: with the
     probes 2 and 5, ``"5"`` becomes ``"2"``. Any other name, or None, is returned unchanged.
 
     Raises:
@@ -321,8 +321,8 @@ def _read_array_archive(
 ) -> Signals:
     """Return the signals of an ``.npz`` file: one array of samples, or an array for each channel.
 
-    The names of the arrays are those of the channels. A channel has levels, 0 and 1, or voltages. A single number can
-    give the sample rate, see ``_RATES``, and an array the times in seconds, see ``_TIMES``.
+    The names of the arrays are the names of the channels. A channel has levels, 0 and 1, or voltages. A single number
+    can give the sample rate, see ``_RATES``, and an array the times in seconds, see ``_TIMES``.
     """
     total = sum(info.file_size for info in archive.infolist())
     if total > _MOST_UNPACKED:
@@ -378,8 +378,8 @@ class _Saleae:
     """Binary file of one digital channel, version 0 or 1. Version 1 has several chunks with gaps between them.
 
     ``chunks`` is their number. ``end`` is the latest end of the chunks read so far, in seconds. ``_start`` is the
-    beginning of the last one. ``_ready`` has the first level and the number of edges of the first chunk, whose header
-    is read when the file is opened.
+    beginning of the last chunk. ``_ready`` contains the first level and the number of edges of the first chunk, whose
+    header is read when the file is opened.
     """
 
     def __init__(self, file: BinaryIO, path: str) -> None:

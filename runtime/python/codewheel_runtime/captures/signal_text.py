@@ -61,7 +61,7 @@ def read_table_signals(
 ) -> Signals:
     """Return the signals of a table: columns of 0 and 1, with one row per sample or a time in the first column.
 
-    Columns can also have voltages. Those above ``threshold`` are 1. By default, it is in the middle of their range.
+    Columns can also have voltages. Voltages above ``threshold`` are 1. By default, it is in the middle of their range.
     ``head`` are the first bytes of the file, and ``rate`` the sample rate in Hz, if it is chosen.
     """
     form = find_table_form(path, head)
@@ -196,7 +196,7 @@ class _RowReader:
         return pack_bits(cells)
 
     def _split_off_stamps(self, block: bytes, line: int) -> tuple[Any, bytes]:
-        """Return the time stamps as seconds from the first one, and the rows with 0 in their place."""
+        """Return the time stamps as seconds from the first stamp, and the rows with 0 in their place."""
         delimiter = (self._form.delimiter or " ").encode()
         stamp_texts: list[str] = []
         rows_without_stamps: list[bytes] = []
@@ -220,7 +220,7 @@ class _RowReader:
 class Voltages:
     """Converter from voltages to levels. Noise near the threshold is ignored: a voltage must pass it by a margin.
 
-    ``_last`` has the level of each column in the last row that was converted, or None before the first.
+    ``_last`` contains the level of each column in the last row that was converted, or None before the first.
     """
 
     def __init__(self, lowest: Any, highest: Any, threshold: float | None) -> None:
@@ -236,7 +236,7 @@ class Voltages:
         if self._last is None:
             self._last = cells[0] > self._threshold
         # A voltage near the threshold has the level of the last one that is not. Rows are numbered from 1, and 0 stands
-        # for the row before these.
+        # for the row before the block.
         rows = np.where(is_high | is_low, np.arange(1, count + 1)[:, None], 0)
         last_clear = np.maximum.accumulate(rows, axis=0)
         clear_levels = np.concatenate([self._last[None, :], is_high])
@@ -248,8 +248,8 @@ class Voltages:
 def _read_regular_rows(block: bytes, delimiter: str | None, columns: list[int]) -> Any:
     """Return the levels of rows in which every cell is at the same place, each row as one number, or None.
 
-    This is much faster than parsing numbers. It works if all rows have the length of the first one, the same
-    separators, and a single 0 or 1 in each of ``columns``.
+    Such rows are read much faster than by parsing numbers. It works if all rows have the length of the first row, the
+    same separators, and a single 0 or 1 in each of ``columns``.
     """
     first_row = block[: block.index(b"\n") + 1]
     row_bytes = len(first_row)

@@ -53,8 +53,8 @@ class Signals(NamedTuple):
 class Names(NamedTuple):
     """Choice of the signals: the clock and the data line, or one data line if ``clock`` is None.
 
-    A name is that of a channel, or its number from 1. An empty name is replaced by a channel with a common name for the
-    line. ``exchanged`` is True to use the clock as the data line and the data line as the clock.
+    A name is the name of a channel, or its number from 1. An empty name is replaced by a channel with a common name for
+    the line. ``exchanged`` is True to use the clock as the data line and the data line as the clock.
     """
 
     clock: str | None = ""
@@ -251,7 +251,7 @@ def merge_edges(
 
     Each generator yields the level before some edges, their times, and the amount read so far. ``end`` returns the end
     of the capture once all of them are exhausted. ``waiting_times`` holds the edges of each signal that were read but
-    not yielded yet, because those of another signal at the same time are not known.
+    not yielded yet, because another signal's edges at the same time are not known yet.
     """
     first_parts = [next(signal) for signal in signals]
     levels = [level for level, _, _ in first_parts]

@@ -72,7 +72,10 @@ def plot(package: str, chosen: argparse.Namespace) -> None:
 
 
 def _has_frames(path: str) -> bool:
-    """Return whether a file has a column of frames: Parquet, or CSV with ``word`` or ``frame``. Others are captures."""
+    """Return whether a file has a column of frames: Parquet, or CSV with ``word`` or ``frame``.
+
+    Other files are captures.
+    """
     kind = find_kind(path)
     if kind == "parquet":
         return True

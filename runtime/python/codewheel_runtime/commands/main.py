@@ -159,8 +159,8 @@ def _make_parser(package: str) -> argparse.ArgumentParser:
     ) -> Any:
         """Add a command with its summary, and return its parser.
 
-        ``run`` carries out the command. ``main`` finds it as ``run`` in the parsed arguments. It takes the name of the
-        package and these arguments, and can return an exit code.
+        ``run`` carries out the command. ``main`` finds it as ``run`` in the parsed arguments. ``run`` takes the name of
+        the package and these arguments, and can return an exit code.
         """
         description = description or f"{summary[0].upper()}{summary[1:]}."
         parser = commands.add_parser(

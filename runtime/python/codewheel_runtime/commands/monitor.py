@@ -25,7 +25,7 @@ class Reader(Protocol):
     """Source of frames, such as a link."""
 
     def read(self) -> Any:
-        """Return a frame. Raises RuntimeError if there is no valid one."""
+        """Return a frame. Raises RuntimeError if no frame is valid."""
         ...
 
 
@@ -57,10 +57,9 @@ def watch(
         encoder: The encoder.
         place: Name of the port.
         count: Number of readings. By default, until interrupted.
-        interval_s: Time in seconds from the start of a reading to that of the next one.
-        out: File to write to. The default is standard output.
-        recorder: Output for all readings.
-        is_shown: Show the readings if ``out`` is a terminal.
+        interval_s: Time in seconds from the start of a reading to the start of the next reading. File to write to. The
+        default is standard output. recorder: Output for all readings. is_shown: Show the readings if ``out`` is a
+        terminal.
 
     Returns:
         The number of readings and failures.
@@ -184,7 +183,7 @@ class _Screen:
             self._draw()
 
     def _draw(self) -> None:
-        """Draw the readings over the previous ones."""
+        """Draw the readings over the previous readings."""
         # The last column stays empty, because some terminals would begin a new line.
         columns = shutil.get_terminal_size().columns - 1
         head = f"{self._encoder.code}, {self._encoder.interface.title}, {self._place}    Ctrl-C ends"

@@ -34,7 +34,7 @@ class Block(NamedTuple):
 
 
 def split_into_blocks(data: bytes, file: BinaryIO) -> Iterator[bytes]:
-    """Yield blocks of whole lines. The last block may end within one. ``data`` was read from the file before.
+    """Yield blocks of whole lines. The last block may end within a line. ``data`` was read from the file before.
 
     A line that is longer than a block ends the blocks, because the file is not CSV.
     """
@@ -53,7 +53,7 @@ def split_into_blocks(data: bytes, file: BinaryIO) -> Iterator[bytes]:
 def has_a_row_per_line(block: bytes) -> bool:
     """Return whether each line of a block is a row, without comments. Cells can have quotes.
 
-    With an odd number of quotes, the last row of the block can continue in the next one.
+    With an odd number of quotes, the last row of the block can continue in the next block.
     """
     if b"#" in block or (b'"' in block and block.count(b'"') % 2):
         return False
@@ -103,9 +103,9 @@ def make_block_reader(
 ) -> Callable[[bytes], Block | None] | None:
     """Return a function that reads a block, or None if pyarrow is not installed.
 
-    The function returns None if a cell is missing, or is not a frame in the usual form. ``names`` are those of all
-    columns. ``place`` is the index of the column of frames, and ``kept_columns`` have the index and the name of each
-    other column to keep. ``digits`` is the base of numbers without ``0x``.
+    The function returns None if a cell is missing, or is not a frame in the usual form. ``names`` are the names of all
+    columns. ``place`` is the index of the column of frames, and ``kept_columns`` contains the index and the name of
+    each other column to keep. ``digits`` is the base of numbers without ``0x``.
     """
     try:
         pa: Any = load("pyarrow")
@@ -175,7 +175,7 @@ def _read_bytes(cells: Any, length: int, pc: Any) -> Any:
     packed_cells = pc.replace_substring(cells, " ", "")
     count = len(packed_cells)
     # Arrow stores the cells one after another in ``data``, and the start of each in ``offsets``, followed by the end of
-    # the last one. An array can be a slice of a longer one, which begins at the cell ``first``.
+    # the last cell. An array can be a slice of a longer array, which begins at the cell ``first``.
     _, offsets, data = packed_cells.buffers()
     first = packed_cells.offset
     after_last = first + count

@@ -34,7 +34,7 @@ class Layout(NamedTuple):
 
 
 def list_layouts(encoder: Encoder) -> tuple[Layout, ...]:
-    """Return all kinds of frames of an encoder's interface. Those that it sends come first."""
+    """Return all kinds of frames of an encoder's interface. Kinds that the encoder sends come first."""
     # FRAMES of the family has functions for shapes, by interface and sender and then by the name of the frame.
     package, _, module = type(encoder).__module__.rpartition(".")
     frames: Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]
@@ -57,10 +57,10 @@ def _list_answers(make: Callable[..., Shape]) -> dict[str, type[Enum]]:
 def find_layout(encoder: Encoder, name: str = "") -> Layout:
     """Return the kind of frame with this name, or without one, the only kind that the encoder sends.
 
-    Case and underscores are ignored, so the name can be that in the manual or that of the class.
+    Case and underscores are ignored, so the name can be the name in the manual or the name of the class.
 
     Raises:
-        UsageError: There is no such frame, or a name is needed to choose one.
+        UsageError: There is no frame of this name, or a name is needed to choose one.
     """
     layouts = list_layouts(encoder)
     if name:

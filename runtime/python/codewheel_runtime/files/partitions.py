@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Decodes the frames in partitions of data frames, such as those of Arrow and pandas."""
+"""Decodes the frames in partitions of data frames, such as data frames of Arrow and pandas."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class PartitionDecoder(NamedTuple):
         raise TypeError(f"expected a table of Arrow, pandas, polars or DuckDB, got {class_name}")
 
     def _decode_arrow(self, partition: Any) -> Any:
-        """Return a table of Arrow: the columns other than that of the frames, then the decoded ones."""
+        """Return a table of Arrow: the columns without the column of frames, then the decoded columns."""
         names = list(partition.schema.names)
         column = find_column(names, self.column, _NAME)
         try:
@@ -66,7 +66,7 @@ class PartitionDecoder(NamedTuple):
         return partition.__class__.from_arrays([*columns.values()], names=[*columns])
 
     def _decode_pandas(self, partition: Any) -> Any:
-        """Return a table of pandas: the columns other than that of the frames, then the decoded ones."""
+        """Return a table of pandas: the columns without the column of frames, then the decoded columns."""
         names = list(map(str, partition.columns))
         column = find_column(names, self.column, _NAME)
         column_index = names.index(column)
@@ -122,7 +122,7 @@ def _read_cell(cell: object, shape: Shape, cells: Cells, row: int) -> Any:
 
 
 def check_apart(source_columns: Iterable[str], decoded_columns: Iterable[str], source: str) -> None:
-    """Raise UsageError if another column of ``source`` has the same name as a decoded one."""
+    """Raise UsageError if another column of ``source`` has the name of a decoded column."""
     shared = sorted({*source_columns} & {*decoded_columns})
     if shared:
         raise UsageError(

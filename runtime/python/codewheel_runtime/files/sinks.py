@@ -134,7 +134,10 @@ class Texts:
 
 
 class ArrowSink:
-    """Parquet or Arrow file. It is opened by the first ``write``, whose cells determine the types of the columns."""
+    """Parquet or Arrow file.
+
+    The file is opened by the first ``write``, whose cells determine the types of the columns.
+    """
 
     def __init__(self, file: Any, plan: Plan, parquet: bool) -> None:
         self._pa: Any = load("pyarrow")
@@ -319,7 +322,7 @@ class _ArrowFormatter:
     def _convert_source(self, column: Any) -> Any:
         """Return a column of the source for CSV, as an Arrow array.
 
-        Integers, bools and texts of Arrow stay as they are. Others become texts, as without pyarrow.
+        Integers, bools and texts of Arrow stay as they are. Other columns become texts, as without pyarrow.
         """
         kinds = self._pa.types
         arrow_type = getattr(column, "type", None)

@@ -27,7 +27,7 @@ _TUPLE: Any = tuple
 class Coded:
     """Frame or register. Another base of each class is the NamedTuple of its fields.
 
-    Objects are equal only to those of the same class, unlike a plain NamedTuple.
+    Objects are equal only to objects of the same class, unlike a plain NamedTuple.
     """
 
     __slots__ = ()
@@ -72,7 +72,7 @@ class Coded:
 
     @classmethod
     def _frame_name(cls, encoder: Encoder) -> str:
-        """Return the name of the frame if its range of positions differs from that of other frames, otherwise empty."""
+        """Return the name of the frame if its range of positions differs from other frames, otherwise empty."""
         return find_any_shape(cls, encoder).frame
 
     def _arguments(self) -> tuple[Any, ...]:
@@ -82,7 +82,7 @@ class Coded:
         return values[: len(find_description(kind)[1])]
 
     def _encoder(self) -> Encode:
-        """Return the function that encodes such frames. It is made once for each class."""
+        """Return the function that encodes such frames. The function is made once for each class."""
         try:
             return _ENCODERS[self.__class__]
         except KeyError:
@@ -316,7 +316,7 @@ class RegisterOf(ByEncoder[_Encoder], InBytes):
 
 
 class Limited(InBytes):
-    """Register with limits for the values that may be written. They apply to objects that a program creates.
+    """Register with limits for the values that may be written. The limits apply to objects that a program creates.
 
     A decoded register keeps its bytes, because its content can be outside these limits.
     """
@@ -327,7 +327,7 @@ class Limited(InBytes):
         Raises:
             RangeError: A value does not fit its field, or may not be written.
         """
-        # Only ``keep_bytes`` sets these, for a decoded register.
+        # Only ``keep_bytes`` sets these attributes, for a decoded register.
         data: bytes | None = self.__dict__.get("_bytes")
         return super().encode() if data is None else data
 
@@ -352,7 +352,7 @@ def keep_bytes(register: _Limited, data: bytes) -> _Limited:
 def decode_many(frames: object, kind: type, /, *, variant: Encoder | None, **answers: object) -> Table:
     """Decode many frames of one class. ``variant`` is None for frames that are the same for every encoder.
 
-    ``answers`` are the answers to open questions by name. Those that the class does not need are ignored.
+    ``answers`` are the answers to open questions by name. Answers that the class does not need are ignored.
     """
     shape = shape_of(kind, *decoding_arguments(kind, variant=variant, **answers))
     from ..bulk import decode as bulk_decode

@@ -79,9 +79,9 @@ def module_of(kind: type, folder: str) -> Any:
 
 
 def decoding_arguments(kind: type, /, **arguments: object) -> tuple[object, ...]:
-    """Return those of ``arguments`` that a class of frames needs, in the order of its first fields.
+    """Return the ``arguments`` that a class of frames needs, in the order of its first fields.
 
-    They are ``variant``, which is the encoder, and the answers to open questions. Others are ignored.
+    They are ``variant``, which is the encoder, and the answers to open questions. Other arguments are ignored.
     """
     fields: tuple[str, ...] = cast(Any, kind)._fields
     # The first fields of a class are the arguments of the function for its description.

@@ -2,7 +2,7 @@
 """Encoders of one frame: a function for each class and encoder, made from the description of the frame.
 
 The function handles values that fit their fields and have exactly the usual type, such as ``int`` and no subclass.
-``encode_number`` handles all others, and raises the errors.
+``encode_number`` handles all other values, and raises the errors.
 """
 
 from __future__ import annotations
@@ -134,7 +134,7 @@ class _FunctionText:
     """
 
     def __init__(self, shape: Shape, fields: tuple[str, ...]) -> None:
-        # The name of each field's variable. The bits of all terms are joined by |, starting with the constant ones.
+        # The name of each field's variable. The bits of all terms are joined by |, starting with the constant bits.
         self._fields = {name: f"field_{index}" for index, name in enumerate(fields)}
         self._conditions: list[str] = []
         self._terms: list[str] = [f"{shape.fixed:#x}"] if shape.fixed else []
