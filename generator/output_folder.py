@@ -32,7 +32,7 @@ _SAFE_PATH = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]*(/[A-Za-z0-9_.][A-Za-z0-9._
 
 
 class WriteError(Exception):
-    """The output could not be written or compared. The message states if anything has changed."""
+    """The output could not be written or compared. The message states whether anything has changed."""
 
 
 def list_text(paths: Iterable[str], families: Sequence[str]) -> str:
@@ -42,7 +42,7 @@ def list_text(paths: Iterable[str], families: Sequence[str]) -> str:
 
 
 def is_safe(path: str) -> bool:
-    """Return True if a path leads out of no folder."""
+    """Return True if a path stays inside the folder."""
     return _SAFE_PATH.fullmatch(path) is not None and ".." not in path.split("/")
 
 
@@ -98,7 +98,7 @@ if sys.platform == "win32":
     import msvcrt
 
     def _open(folder: Path) -> int:
-        """Open a file in the user's temporary folder that stands for ``folder``, since Windows cannot lock folders."""
+        """Open a file in the user's temporary folder that represents ``folder``, since Windows cannot lock folders."""
         name = hashlib.sha256(os.path.normcase(os.path.realpath(folder)).encode()).hexdigest()[:16]
         return os.open(os.path.join(tempfile.gettempdir(), f"codewheel-{name}.lock"), os.O_RDWR | os.O_CREAT)
 
@@ -352,7 +352,7 @@ def _save_from(stage: Stage) -> None:
 def _save_late_files(saved_folder: Path, target_folder: Path) -> None:
     """Move foreign files to the target's folder that were saved in its old content after it had been copied.
 
-    If ``saved_folder`` does not have our list, it is not that old content, and nothing is moved.
+    If ``saved_folder`` does not contain our list, it is not that old content, and nothing is moved.
     """
     if not (saved_folder / LIST).is_file() or not target_folder.is_dir():
         return
@@ -396,7 +396,7 @@ def _link_or_copy(old: str | Path, new: str | Path) -> None:
 def _exchange(new: Path, target_folder: Path) -> None:
     """Exchange two folders, in one step if the system supports that. If not, the old content becomes ``old``.
 
-    If ``target_folder`` does not exist yet, ``new`` only gets its name.
+    If ``target_folder`` does not exist yet, ``new`` is only renamed.
     """
     if not target_folder.exists():
         os.rename(new, target_folder)

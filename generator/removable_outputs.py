@@ -1,7 +1,9 @@
-"""What generate may remove: outputs of families that it has read. Others are refused or need --prune.
+"""Decide which outputs ``generate`` may remove: outputs of families that it has read.
+
+Others are refused or need --prune.
 
 The list of each target's folder records them. An output contains pages and tables of all families, so it is written
-from all of its families or not at all. The lists of earlier versions have no record. Then a file belongs to a family
+from all of its families or not at all. The lists of earlier versions contain no record. Then a file belongs to a family
 only if its name contains the name of the family.
 """
 
@@ -44,7 +46,7 @@ def family_of(device: Device) -> str:
 
 
 def _is_special(device: Device) -> bool:
-    """Return True for a special model, which has a spec of its own: an overlay."""
+    """Return True for a special model, which is described by an overlay."""
     return any(overlay.special for overlay in device.overlays)
 
 

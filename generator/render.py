@@ -28,7 +28,7 @@ class Templates:
     """The templates of a target: the ``*.jinja`` files in a folder, and their values, filters, functions and tests.
 
     A user's template of the same name overrides one of these, and can include it as ``shipped/NAME``. Undefined names
-    are errors. A line that has only a statement produces no output.
+    are errors. A line with only a statement produces no output.
 
     Attributes:
         folder: Folder of the files. In your own package, this is ``Path(__file__).parent / "templates"``.

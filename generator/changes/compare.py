@@ -144,8 +144,8 @@ def _difference_text(
 ) -> str:
     """Return the differing values of two expressions, by the first of these forms that applies.
 
-    ``17 → 19`` if there is one pair of numbers under every setting, the two expressions if their texts differ, or the
-    first two pairs of numbers.
+    ``17 → 19`` if all settings give the same pair of numbers, the two expressions if their texts differ, or the first
+    two pairs of numbers.
     """
     pair_texts = [old_to_new(old_value, new_value, notation) for old_value, new_value in difference.value_pairs]
     if len(pair_texts) == 1 and difference.is_everywhere:
@@ -172,8 +172,8 @@ def compare_parts(
         part_kind: Kind of the things, with which the names of their rules begin.
         old_parts: The old things.
         new_parts: The new things.
-        section_subject: The section that contains them. Its label has the words that precede the name of a thing.
-        compare_content: Compare the content of a thing that the table of members does not compare.
+        section_subject: The section that contains them. Its label contains the words before the name of a thing.
+        Compare the content of a thing that the table of members does not compare.
     """
     for pair in pair_parts(family_pair, old_parts, new_parts, section_subject.interface, section_subject.scope):
         subject = _named_in_code(family_pair, pair, section_subject)
@@ -260,7 +260,7 @@ def _has_group(layout: Layout, group: str) -> bool:
 def _named_in_code(family_pair: FamilyPair, pair: Pair[Any], section_subject: Subject) -> Subject:
     """Return a thing of a section as a subject, with its old names in code if it has any.
 
-    A new thing has no names that users know, except a new data ID, which extends an enumeration that they already use.
+    A new thing has no names known to users, except a new data ID, which extends an enumeration that they already use.
     """
     # The last step of the path, such as ``layouts`` of ``interfaces.ssi.layouts``.
     section = section_subject.path.rpartition(".")[2]

@@ -110,7 +110,7 @@ def _subtract_each(old_numbers: Sequence[int], new_numbers: Sequence[int]) -> tu
 
 
 def _with_resized_frames(compared_field: ComparedField, resized_frames: dict[str, int]) -> ComparedField:
-    """Return a resized field whose resizing change also has ``resized_frames``: gained bits by frame."""
+    """Return a resized field whose resizing change also lists ``resized_frames``: gained bits by frame."""
     changes = list(compared_field.changes)
     resizing_change = compared_field.resizing_change
     assert resizing_change is not None
@@ -130,7 +130,7 @@ def without_explained_lengths(changes: Sequence[Change]) -> Iterator[Change]:
 def _resized_fields(
     family_pair: FamilyPair, interface: str, compared_fields: Sequence[ComparedField]
 ) -> Iterator[_ResizedField]:
-    """Yield the fields that have a change of their size, are new or are gone, with the bits that they gain."""
+    """Yield fields that are resized, new or gone, with the bits that they gain."""
     for compared_field in compared_fields:
         if compared_field.resizing_change is None:
             continue
@@ -215,8 +215,8 @@ def with_consequences(change: Change) -> Change:
 def fold_defaults(changes: Sequence[Change]) -> Iterator[Change]:
     """Yield the changes, with a field's changed default merged into the change of its register's default.
 
-    The text of the register's change continues with ``(speed 1 → 2)``. A default of a field whose register has no such
-    change stays alone.
+    The text of the register's change continues with ``(speed 1 → 2)``. If the register has no such change, the default
+    of a field remains a separate change.
     """
     register_paths = {_owner_path(change) for change in changes if change.rule.name == "register-default"}
     field_changes = [change for change in changes if change.rule.name == "field-default"]
@@ -255,7 +255,8 @@ def _combine_impacts(first: _Impacts, second: _Impacts) -> _Impacts:
 def _resized_frames_text(resized_frames: Mapping[str, int]) -> str:
     """Return a text such as ``frame 2 bits longer`` or ``3 frames with a different length``.
 
-    Frames that gain different numbers of bits, or one that depends on the order code (0), have a different length.
+    If frames gain different numbers of bits, or a gain depends on the order code (0), the text only says that their
+    length differs.
     """
     frames_text = "frame" if len(resized_frames) == 1 else counted(len(resized_frames), "frame")
     different_gains = set(resized_frames.values())
@@ -300,7 +301,7 @@ def _merge_alike(alike_changes: Sequence[Change]) -> Change:
 
 
 def _alike_key(change: Change) -> object:
-    """Return rule, new value and order codes of a pause or a signal, or None for another change, which stands alone."""
+    """Return rule, new value and order codes of a pause or a signal, or None for any other change."""
     value_text = _value_text(change)
     is_pause = change.rule.name == "procedure-steps" and value_text.startswith("pause ")
     is_signal = change.rule.name == "contact" and value_text.startswith("signal ")

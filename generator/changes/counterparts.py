@@ -170,9 +170,9 @@ def pair_parts(
 ) -> list[Pair[_Item]]:
     """Return every part with its counterpart, or with None if it is new or gone.
 
-    Parts with the same name are a pair. So are a part whose name is gone and one whose name is new if their identities
-    are equal and no other such part has this identity. An identity is what stays the same when a part is renamed,
-    such as the address of a register or the bits of a field (see ``_identity_of``).
+    Parts with the same name are a pair. A part whose name is gone and a part whose name is new are also a pair if their
+    identities are equal and no other such part has this identity. An identity is what stays the same when a part is
+    renamed, such as the address of a register or the bits of a field (see ``_identity_of``).
 
     Args:
         family_pair: The two versions of the family.

@@ -230,7 +230,7 @@ def _compare_spellings(family_pair: FamilyPair) -> Iterator[Change]:
     """
 
     def texts_of(spelling: Spelling) -> Hashable:
-        """Return a notation with the new names of parts, without its place of use and source."""
+        """Return a notation with the new names of parts, without its ``where`` and its source."""
         return replace(family_pair.with_new_names(spelling), where="", source=())
 
     old_spellings, new_spellings = family_pair.old.order_code.also_written, family_pair.new.order_code.also_written

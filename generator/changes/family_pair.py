@@ -71,7 +71,7 @@ def _order_codes_of(device: Device) -> set[str]:
 
 
 def _parts_key(variant: Variant) -> tuple[tuple[str, str], ...]:
-    """Return the texts of the parts of an order code, in a form in which they can be compared."""
+    """Return the texts of the parts of an order code, in a comparable form."""
     return tuple(sorted(variant.parts.items()))
 
 

@@ -122,9 +122,9 @@ def _argument_names(procedure: Procedure) -> list[str]:
 
 
 def _describe_arguments(arguments: Iterable[Argument]) -> list[tuple[str, str, str]]:
-    """Return a tuple for each argument: its name, the register or field that takes it, and how it is meant.
+    """Return a tuple for each argument: its name, the register or field that takes it, and its meaning.
 
-    For example ``("position", "preset", "counts")``, with "" if the spec does not say how it is meant.
+    For example ``("position", "preset", "counts")``, with "" if the spec does not give the meaning.
     """
     return [(argument.name, argument.of, argument.meant_as) for argument in arguments]
 
@@ -149,7 +149,8 @@ def _list_sources(steps: Sequence[Step]) -> list[Sources]:
 def _describe_steps(old_steps: list[Step], new_steps: list[Step]) -> str:
     """Describe the steps that differ: ``: steps 2, 3: pause 5 ms → 10 ms``, or ``: steps 2, 3 differ``.
 
-    The second form is for steps that differ in several ways. With another number of steps, only the numbers are given.
+    The second form is for steps that differ in several ways. If the number of steps differs, only the numbers are
+    given.
     """
     if len(old_steps) != len(new_steps):
         return f": {len(old_steps)} steps → {len(new_steps)} steps"
@@ -195,8 +196,8 @@ def compare_interfaces(family_pair: FamilyPair) -> Iterator[Change]:
 def _compare_interface(family_pair: FamilyPair, subject: Subject, old: Interface, new: Interface) -> Iterator[Change]:
     """Yield changes of the port or clock, data IDs, control frame, timings and frames of an interface.
 
-    RS-485 has a port and data IDs, all others a clock, and BiSS a control frame. They are compared if both versions
-    have them. Changes of a frame's length are left out if a resized field explains them.
+    RS-485 has a port and data IDs, the other interfaces a clock, and BiSS also a control frame. They are compared if
+    both versions have them. Changes of a frame's length are left out if a resized field explains them.
     """
     if isinstance(new, Rs485) and isinstance(old, Rs485):
         port_subject = subject.inside("port", subject.label)
@@ -326,7 +327,7 @@ def compare_contacts(family_pair: FamilyPair, subject: Subject, old: Connector, 
 def compare_displayed_facts(family_pair: FamilyPair) -> Iterator[Change]:
     """Yield changes of errata, examples, field groups, and of facts that no code depends on.
 
-    Each section of ``_DISPLAYED_SECTIONS`` gives one change for each item that is new, gone or different.
+    Each section of ``_DISPLAYED_SECTIONS`` leads to one change for each item that is new, gone or different.
     """
     for rule, section, key_member, noun in _DISPLAYED_SECTIONS:
         old_section, new_section = getattr(family_pair.old, section), getattr(family_pair.new, section)
@@ -355,7 +356,7 @@ def _by_member(parts: Iterable[_Part], member_name: str) -> dict[Any, _Part]:
 def _describe_difference(old: Any, new: Any) -> str:
     """Return `` is new``, `` is gone``, ``: 5 V → 12 V`` for a different value, or `` has changed``.
 
-    Only characteristics have a value. If its short text is the same, something else of the item has changed.
+    Only characteristics have a value. If its short text is unchanged, something else of the item has changed.
     """
     if old is None:
         return " is new"

@@ -84,7 +84,7 @@ def _is_padding(field: Field, layout: Layout) -> bool:
 def _common_property(
     family_pair: FamilyPair, subject: Subject, pair: Pair[Field], old_layout: Layout, new_layout: Layout
 ) -> str:
-    """Return "between the same fields" for a renamed field at other bits, or "" if it has the same bits.
+    """Return "between the same fields" for a renamed field with other bits, or "" if its bits are unchanged.
 
     For a field of a group, bits are counted from the start of the group. "" means that the default text applies, which
     is "the same bits".
@@ -166,7 +166,7 @@ def _type_of(field: Field) -> str:
 
 
 def _type_of_join(layout: Layout, join: Join) -> str:
-    """Return the unsigned type in C of a number made of several fields, at their largest widths."""
+    """Return the unsigned type in C of a number formed by several fields, at their largest widths."""
     bits = sum(layout.field(name).widest for name in join.fields)
     return _smallest_integer_type(bits, is_signed=False)
 
@@ -210,9 +210,10 @@ def _compare_kind(family_pair: FamilyPair, subject: Subject, old: Field, new: Fi
 
 
 def _compare_digits(family_pair: FamilyPair, subject: Subject, old: Decimal, new: Decimal) -> Iterator[Change]:
-    """Yield a change of the numbers made of decimal digits, by their names and their numbers of digits.
+    """Yield a change of the numbers formed by decimal digits, by their names and their numbers of digits.
 
-    If these are the same in the same order, only words have changed. If a name is gone, the kind has changed.
+    If names and numbers are the same in the same order, only words have changed. If a name is gone, the kind has
+    changed.
     """
     if old == new:
         return

@@ -1,4 +1,4 @@
-"""Names of generated files that go, or that keep their name with another value: C macros, Python names and files."""
+"""Names in generated files that disappear, or keep their name with another value: C macros, Python names and files."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def _is_private_module(path: str) -> bool:
 def _changes_in_file(family: str, path: str, old_text: str, new_text: str) -> Iterator[NameChange]:
     """Yield the macros of a C header, or the names of a Python module, that are gone or have another value.
 
-    Names that are new are not listed. Other files and private modules have none.
+    Names that are new are not listed. Other files and private modules contain none.
     """
     if path.endswith(".h"):
         kind = "C macro"

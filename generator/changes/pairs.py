@@ -41,7 +41,7 @@ class Pair(Generic[_Item]):
 
 
 def complete_pairs(pairs: Iterable[Pair[_Item]]) -> Iterator[tuple[_Item, _Item]]:
-    """Yield old and new item of the pairs that have both."""
+    """Yield the old and the new item of each complete pair."""
     for pair in pairs:
         if pair.old is not None and pair.new is not None:
             yield pair.old, pair.new
@@ -88,7 +88,7 @@ def pair_by_name(
 
 
 def _by_unique_identity(items: Sequence[_Item], identity_of: Key) -> dict[Hashable, _Item]:
-    """Return the items by their identities, without those that have None or share an identity."""
+    """Return the items by their identities, without items that have no identity or share one."""
     identities = [identity_of(item) for item in items]
     counts = Counter(identities)
     items_by_identity: dict[Hashable, _Item] = {}

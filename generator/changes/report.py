@@ -340,10 +340,10 @@ def files_of_release(findings: DiffResult, families: Sequence[Family]) -> Iterat
 
 
 def _files_with_new_version(package: Package, files: set[str]) -> Iterator[tuple[Path, str]]:
-    """Yield each file with its text, in which the version of the package is the new one.
+    """Yield each file with its text and the new version of the package.
 
     Raises:
-        NotRecorded: A file has no line with a version, or several.
+        NotRecorded: A file has no line with a version, or several such lines.
     """
     for path in map(Path, sorted(files)):
         old_text = path.read_text(encoding="utf-8")

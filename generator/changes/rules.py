@@ -166,7 +166,7 @@ def due_version(version: str, impact: Impact) -> str:
 
 
 def packages(old: Sequence[Device], new: Sequence[Device], changes: Collection[Change]) -> list[Package]:
-    """Return the packages of manufacturers that both sides have, each with its old, stated and due version.
+    """Return the packages that both sides have, each with its old, stated and required version.
 
     The due version follows from the old one and the highest impact of the changes of the manufacturer's families.
     """

@@ -62,7 +62,7 @@ def settings_of(device: Device) -> Iterator[Parameters]:
 def with_setting(device: Device, variant: Variant, setting: Parameters) -> Parameters:
     """Return the parameters of an order code under a setting.
 
-    Names that the order code does not have are ignored, and so are those that a formula defines.
+    Names that the order code does not have are ignored, and so are names that a formula defines.
     """
     own_names = variant.parameters.keys() - device.definitions
     own_setting = {name: value for name, value in setting.items() if name in own_names}
@@ -105,7 +105,7 @@ def compare_at_points(
 def _constant_pairs(old: Expression | None, new: Expression | None) -> tuple[tuple[int | None, int | None], ...]:
     """Return one pair of numbers, ``((17, 19),)``, if both expressions are numbers or None.
 
-    Return ``()`` if one of them has variables, whose values are not known.
+    Return ``()`` if one of them contains variables, whose values are not known.
     """
     has_variables = any(expression is not None and not expression.is_constant for expression in (old, new))
     if has_variables:
@@ -134,7 +134,7 @@ def describe_codes(device: Device, codes: Collection[str]) -> str:
     """Describe order codes of a family, by the first of these that applies.
 
     ``all 12 order codes``, ``all 6 BiSS order codes``, a pattern such as ``X-24-…``, or the first few and the number of
-    the others. A family with a single order code gives that, and no codes give "".
+    the others. A family with a single order code returns that code, and no codes return "".
     """
     variants = device.variants
     if not codes:
@@ -152,7 +152,7 @@ def describe_codes(device: Device, codes: Collection[str]) -> str:
 def codes_as_pattern(device: Device, codes: Collection[str]) -> str:
     """Return the order codes as a pattern with some parts left open, such as ``X-…20-B1``, or "".
 
-    The pattern must stand for exactly these order codes, of which there are at least two.
+    The pattern must match exactly these order codes, of which there are at least two.
     """
     affected_variants = [variant for variant in device.variants if variant.code in codes]
     used_texts = _texts_by_part(device, affected_variants)
@@ -174,7 +174,7 @@ def codes_as_pattern(device: Device, codes: Collection[str]) -> str:
 
 
 def _texts_by_part(device: Device, variants: Sequence[Variant]) -> dict[str, tuple[str, ...]]:
-    """Return the different texts that each part of the order code has in these variants, by the part's name."""
+    """Return the distinct texts that each part of the order code has in these variants, by the part's name."""
     texts_by_part: dict[str, tuple[str, ...]] = {}
     for part in device.order_code.parts:
         texts_by_part[part.name] = tuple(dict.fromkeys(variant.parts[part.name] for variant in variants))
@@ -322,7 +322,7 @@ def differing_items(old: Any, new: Any) -> tuple[Any, Any]:
 
 
 def _items_not_in(items: tuple[Any, ...], other_items: tuple[Any, ...]) -> tuple[Any, ...]:
-    """Return the items without an equal one among ``other_items``, apart from their texts."""
+    """Return the items without an equal item in ``other_items``, ignoring their texts."""
     other_data = [without_texts(other_item) for other_item in other_items]
     return tuple(item for item in items if without_texts(item) not in other_data)
 

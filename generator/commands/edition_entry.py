@@ -1,4 +1,4 @@
-"""The ``editions`` entry for the facts that a new edition of a manual no longer has."""
+"""The ``editions`` entry for the facts that a new edition of a manual no longer contains."""
 
 from __future__ import annotations
 
@@ -112,10 +112,10 @@ def _lines_of_entry(new_family: Family, edition_changes: Iterable[Mapping[str, A
 def _edition_changes(
     old_family: Family, new_family: Family, renamed_names: Container[str]
 ) -> Iterator[Mapping[str, Any]]:
-    """Yield the changes that lead from the new edition to the old one, each as a map of an overlay.
+    """Yield the changes that lead from the new edition to the old one, each as a change of an overlay.
 
     Each removed item is added: ``{"add": place, "value": item, "why": reason, "source": source}``. If options of the
-    order code are among them, the changes that follow from these come last.
+    order code are among them, their consequences come last.
     """
     old_data, new_data = old_family.document.data, new_family.document.data
     reason = f"Edition {old_family.device.manual.revision} has it, edition {new_family.device.manual.revision} does not"
@@ -186,7 +186,7 @@ def _source_of_removed(data: Any, place: str, removed_node: Any) -> str:
 def _new_labels(place: str, removed_option: Any, old_data: Any, new_data: Any) -> Iterator[str]:
     """Yield the place of the first option that only the new edition has and that selects the same as a removed option.
 
-    Such an option is the removed option with another label. Nothing is yielded if there is none.
+    Such an option is the removed option with another label. Nothing is yielded if there is no such option.
     """
     options_place, _, _ = place.rpartition(".")
     old_options = value_at(old_data, resolve(old_data, options_place))
@@ -242,7 +242,7 @@ def _changed_references(old_node: Any, new_node: Any, place: str) -> Iterator[tu
 def _is_reference(place: str, key: str) -> bool:
     """Return whether the value of a key at a place names order codes or their options.
 
-    ``only`` at ``registers.bank`` does, for example. Top-level keys, whose place is empty, do not.
+    ``only`` at ``registers.bank`` does, for example. Top-level keys, whose place is empty, name none.
     """
     is_top_level = not place
     is_spelling = key == "values" and "also_written" in place

@@ -75,7 +75,10 @@ def explain(name: str | None) -> str:
 
 
 def rules_of_check() -> dict[str, Example]:
-    """Return an example of each rule of ``check``, by the name of the rule. Rules about several files have none."""
+    """Return an example of each rule of ``check``, by the name of the rule.
+
+    Rules about several files have no example.
+    """
     from importlib.resources import files
 
     rules_file = files("codewheel.language").joinpath("rules.json")

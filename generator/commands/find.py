@@ -110,8 +110,8 @@ def _read_recording(arguments: argparse.Namespace) -> Recording:
 def _frame_texts(frame_arguments: Sequence[str]) -> list[str]:
     """Return the text of each frame.
 
-    A frame is an argument or, if it has several lines, one of them. If ``-`` is the only argument, it is a line of
-    standard input.
+    A frame is an argument, or one line of an argument with several lines. If ``-`` is the only argument, it is a line
+    of standard input.
     """
     from .decode.decoding import argument_lines
 

@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the families.
 
     Raises:
-        Stop: There are problems in the specs, or a path does not exist.
+        Stop: The specs have problems, or a path does not exist.
     """
     from .read_specs import specs_to_read
     from .specs_by_text import has_same_spec

@@ -76,7 +76,7 @@ def run(arguments: argparse.Namespace) -> int:
     The exit code is 1 if the named master refuses the encoder, or if no master can read it.
 
     Raises:
-        Stop: There is no such master, order code or edition, or there are no settings for it.
+        Stop: The master, order code or edition does not exist, or there are no settings for it.
     """
     from ..masters import sheet, text
 
@@ -138,7 +138,7 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, Match, Rec
     """Return the family and match of the order code, and the record of the settings that masters need for it.
 
     Raises:
-        Stop: There is no such order code or edition, or there are no settings for it.
+        Stop: The order code or edition does not exist, or there are no settings for it.
     """
     from ..masters.frame_parts import NoRecord
     from ..masters.record import Undecided, record
@@ -197,7 +197,7 @@ def _chosen_format(arguments: argparse.Namespace, master: Master, masters: Seque
     """Return the description of the file format that the user chose from ``master.files``.
 
     Raises:
-        Stop: The master has no such format, or JSON is wanted too. The exit code is 2.
+        Stop: The master has no such format, or JSON is also requested. The exit code is 2.
     """
     from ..language.problems import listed
 

@@ -17,11 +17,12 @@ class UndecidedError(ValueError):
 def answers_of(device: Device, variant: Variant, pairs: Sequence[str]) -> dict[str, str]:
     """Return pairs such as ``eeprom_address=as_printed`` as ``{"eeprom_address": "as_printed"}``.
 
-    An alternative is a question that the manual leaves open, here for this order code. Each pair has its name and an
-    answer.
+    An alternative is a question that the manual leaves open, here for this order code. Each pair consists of a name and
+    an answer.
 
     Raises:
-        Stop: This order code has no such alternative or answer, or an alternative has two. The exit code is 2.
+        Stop: This order code does not have the alternative or answer, or an alternative has two answers. The exit code
+        is 2.
     """
     reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
     alternatives = {alternative.name: alternative for alternative in reduced_device.alternatives}

@@ -125,7 +125,7 @@ def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[st
 
 
 def _refuse_setting(target: Target, name: str, value: str) -> None:
-    """Raise ``Stop`` if the target has no such option or the option does not accept the value.
+    """Raise ``Stop`` if the option does not exist in the target or does not accept the value.
 
     An option without a list of values accepts all.
     """
@@ -171,7 +171,7 @@ def complete_devices(
 def report_unfit_parts(
     families: Sequence[Family], targets: Iterable[Target], report: Report, filters: FamilyFilters = NO_FILTERS
 ) -> None:
-    """Report the parts that these targets cannot express of families whose specs have no other problems.
+    """Report the parts that these targets cannot express, for families whose specs have no other problems.
 
     ``filters`` are the conditions for the families that each target must express.
 
@@ -227,7 +227,10 @@ def render_targets(
 
 
 def targets_help() -> str:
-    """Return the text about all targets and their options for ``--help``. A target that fails has its error instead."""
+    """Return the text about all targets and their options for ``--help``.
+
+    A target that fails is listed with its error.
+    """
     known_names = target_names()
     # Two spaces are in front of a name, and at least two behind it.
     indent = " " * (max(map(len, known_names)) + 4)

@@ -27,7 +27,7 @@ def placeholders_in(files: Iterable[str]) -> Iterator[Placeholder]:
 
 
 def _placeholders_of(path: Path) -> Iterator[Placeholder]:
-    """Yield the placeholders in a spec. A file that cannot be read has none."""
+    """Yield the placeholders in a spec. A file that cannot be read contains none."""
     from ..language.document import placeholder_name, placeholder_paths
     from ..language.problems import Report
     from ..language.read import read_document

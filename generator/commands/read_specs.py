@@ -1,7 +1,7 @@
 """The specs and settings that a command reads: found by one rule, and named in its output.
 
-The nearest file with settings holds, in the current folder or above it, but not above the repository that the current
-folder is in. The parsers are imported only for a file with settings, because every command looks for it.
+The nearest file with settings applies, in the current folder or above it, up to the top of the repository. The parsers
+are imported only for a file with settings, because every command looks for it.
 
 docs/transcribe/which-specs.md explains it to users.
 """
@@ -40,12 +40,12 @@ _NEEDED = b"tool.codewheel"
 
 
 def configuration_above() -> Configuration | None:
-    """Return the settings of the nearest folder that has them, or None if there are none.
+    """Return the settings of the nearest folder with settings, or None if there are none.
 
     The search goes up from the current folder, and ends at the root of its repository.
 
     Raises:
-        Faulty: There are errors in the settings, or a folder has two files with settings.
+        Faulty: The settings contain errors, or a folder has two files with settings.
     """
     for folder in _folders_above():
         files = [path for path in (folder / PYPROJECT, folder / CONFIGURATION) if _has_settings(path)]
@@ -77,7 +77,7 @@ def _folders_above() -> Iterator[Path]:
 
 
 def _has_settings(file: Path) -> bool:
-    """Return True if a file may have settings: a configuration file that is not a spec, or a suitable pyproject.toml.
+    """Return True if a file may contain settings: a configuration file, or a suitable pyproject.toml.
 
     A pyproject.toml must contain the name of the section. Only the parser finds out whether that is a section.
 
@@ -150,7 +150,7 @@ def find_specs(named: Sequence[Path]) -> Specs:
 
 
 def find_settings() -> Configuration | None:
-    """Return the settings that hold for the current folder, or None.
+    """Return the settings for the current folder, or None.
 
     Raises:
         Stop: There are errors in them. The exit code is 1.
@@ -201,7 +201,7 @@ def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
 
 
 def _output_with_specs(specs: Specs) -> str:
-    """Return a clause for an error message if the output folder has specs, which are not searched, else nothing."""
+    """Return a clause for an error message if the output folder contains specs, which are not searched."""
     output = specs.settings.output if specs.settings is not None else None
     has_specs = output is not None and is_folder(output) and bool(find_files(output).specs)
     if output is None or not has_specs:
@@ -399,7 +399,7 @@ def specs_to_judge(named: Sequence[Path], command: str) -> Specs:
     ``command`` contains the words of the command for messages.
 
     Raises:
-        Stop: As for ``find_specs_to_judge``, or there is no such target.
+        Stop: As for ``find_specs_to_judge``, or the target does not exist.
     """
     specs = find_specs_to_judge(named, command)
     refuse_unknown_targets(specs.settings)
@@ -410,7 +410,7 @@ def specs_to_read(named: Sequence[Path]) -> Specs:
     """Return the specs for a command that only reads, after a check of the targets in the settings.
 
     Raises:
-        Stop: As for ``find_specs_to_read``, or there is no such target.
+        Stop: As for ``find_specs_to_read``, or the target does not exist.
     """
     specs = find_specs_to_read(named)
     refuse_unknown_targets(specs.settings)

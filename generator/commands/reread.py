@@ -115,7 +115,7 @@ def _family_of_manual(specs: Sequence[Path], name: str | None, old: Manual) -> F
 
 
 def _is_named_first(family: Family, manual: Manual) -> bool:
-    """Return whether the first section of a manual has all words of the title of the family's manual, in any case."""
+    """Return whether the first section of a manual contains all words of the family's manual title, in any case."""
     from ..reread.sections import WORD
 
     first_words = {word.casefold() for section in manual.sections[:1] for word in section.words}
@@ -126,7 +126,7 @@ def _is_named_first(family: Family, manual: Manual) -> bool:
 def _unnumbered_sections(family: Family) -> Mapping[int, str]:
     """Return the titles of the sections without a number, by their pages: ``{12: "Annex"}``.
 
-    Facts cite these titles, but the text may have them in another language. The page is the same.
+    Facts cite these titles, but the text may contain them in another language. The page is the same.
     """
     contents = family.document.data["manual"].get("contents", {})
     headings = [(title, heading) for title, heading in contents.items() if not title[0].isdigit()]

@@ -241,8 +241,8 @@ def _find_packaged(arguments: argparse.Namespace, cache: Cache) -> tuple[tuple[P
 def _packaged_specs(name: str, cache: Cache) -> tuple[Sequence[Path], Sequence[str]]:
     """Return the packaged specs that a name stands for, and the names to which C is limited.
 
-    The name belongs to a manufacturer (all specs and families), a family, or an order code (its spec and the code). A
-    code that the manual does not list has no code of its own in C, so its family counts.
+    The name belongs to a manufacturer (all specs and families), a family, or an order code (its spec and the code). An
+    unlisted code has no code of its own in C, so its family counts.
 
     Raises:
         Stop: There is none of this name. The exit code is 2.

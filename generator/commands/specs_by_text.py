@@ -63,7 +63,7 @@ def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device
     Args:
         paths: Files and folders.
         text: The name of a family, or the text of a label.
-        cache: The place for families that were loaded before.
+        cache: Cache of the families that were loaded before.
 
     Returns:
         The families, or None if all specs must be read, for example because one of them is an overlay.
@@ -193,7 +193,7 @@ def _read_beginnings(spec: Path) -> tuple[str, ...]:
 
 
 def _load_if_possible(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
-    """Return the device of a spec in a sequence, which is empty if the device cannot have the order code ``label``.
+    """Return the device of a spec in a sequence, which is empty if ``label`` cannot belong to the device.
 
     An empty label is not compared.
 

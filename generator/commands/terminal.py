@@ -33,7 +33,7 @@ class Stop(Exception):
 def prepare_streams(as_json: bool = False) -> None:
     """Make the standard streams accept any text. JSON keeps every character, as an escape if necessary.
 
-    A closed output stream discards everything. A closed input has nothing to read.
+    A closed output stream discards everything. A closed input provides nothing to read.
     """
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:

@@ -230,7 +230,10 @@ class _Dump:
         return expression.constant if expression.is_constant else expression.render()
 
     def _interface_data(self, interface: Interface) -> Item:
-        """Return an interface with its kind and the names of its layouts. Members that it lacks have their defaults."""
+        """Return an interface with its kind and the names of its layouts.
+
+        Members that the interface lacks have their defaults.
+        """
         interface_data: Item = self.plain(interface, interface.source)
         # In the data, these objects are a word, and their source is a member of the interface.
         for name, word_member in (("alignment", "end"), ("output_code", "code")):
@@ -256,7 +259,7 @@ class _Dump:
     def _fields_data(self, layout: Layout, inherited: Sources) -> list[Item]:
         """Return the fields of a layout, each with its highest bit.
 
-        For a family, these are all fields, and for an order code only those that have bits.
+        For a family, these are all fields, and for an order code only fields with bits.
         """
         fields_data: list[Item] = []
         if self.variant is None:

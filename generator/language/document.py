@@ -1,7 +1,7 @@
 """A spec as read: plain data, the place of each value in the file, and the paths that overlays name.
 
 Nothing is modified in place. Each map and list along the path is copied, with its marks, so that the spec remains as
-read. New values keep the marks of the file that they come from.
+read. New values keep the marks of the file from which they come.
 """
 
 from __future__ import annotations
@@ -113,7 +113,7 @@ class Document:
     def name_path(self, path: Path) -> str:
         """Return the path as shown in messages: ``procedures.preset.steps[3]``.
 
-        A list item is shown by its name, or by its number from 1 if it has none or one with other characters.
+        A list item is shown by its name, or by its number from 1 if it has none or if the name has other characters.
         """
         text = ""
         node: Any = self.data
@@ -184,7 +184,7 @@ def _child_at(node: Any, step: str | int) -> Any:
 def label_of(list_item: Any) -> str | None:
     """Return the label of a list item, such as its ``name``, or None if it has none.
 
-    Only the first of ``_ITEM_KEYS`` that the item has counts.
+    Only the first of ``_ITEM_KEYS`` in the item counts.
     """
     if not isinstance(list_item, dict):
         return None
@@ -378,7 +378,7 @@ def leads_somewhere(root: Any, affected: str) -> bool:
 
 
 class Affected:
-    """Finds what the paths of errata refer to, in data that does not change."""
+    """Finds the targets of an erratum's paths, in data that do not change."""
 
     def __init__(self, data: Any) -> None:
         self._data = data
@@ -439,7 +439,7 @@ def placeholder_paths(root: Any, path: Path = ()) -> Iterator[Path]:
 
 
 def placeholder_names(spec_data: dict[str, Any]) -> list[str]:
-    """Return the names of all placeholders, each once. A source stands for the facts that cite it."""
+    """Return the names of all placeholders, each once. A source represents the facts that cite it."""
     names = (placeholder_name(spec_data, path) for path in placeholder_paths(spec_data))
     return list(dict.fromkeys(names))
 

@@ -127,7 +127,7 @@ class _Search:
                     self._look_at(folder_entry, folder / folder_entry.name, folders)
 
     def _list_entries(self, folder: Path) -> list[os.DirEntry[str]]:
-        """Return the entries of a folder. An unreadable one has none and is noted."""
+        """Return the entries of a folder. An unreadable folder has no entries and is noted."""
         try:
             with os.scandir(folder) as listing:
                 return list(listing)

@@ -207,7 +207,7 @@ def word_hint(key: str, wrong_word: Any) -> str:
 
 
 def unsupported_hint(word: Any) -> str:
-    """Return the way round a feature that the language does not have, for a key or value such as ``bcd``, or nothing.
+    """Return the workaround for a feature that the language lacks, for a key or value such as ``bcd``, or nothing.
 
     The page on encoders lists all limits of the language.
     """

@@ -172,7 +172,7 @@ def _as_code(words: Iterable[str]) -> str:
 def _definitions_in_order(schema: Shape) -> list[str]:
     """Return the names of the definitions, each once, in the order of their first use on the page.
 
-    A definition comes before those that it uses.
+    A definition comes before the definitions that it uses.
     """
     names: list[str] = []
 

@@ -103,7 +103,7 @@ class FileFormat:
         comment: Beginning of a comment line, or ``<!--`` in XML.
         needs: Kind of place that the format can write, a key of ``PLACE_KINDS``.
         reader: Program of the tool that has been seen to read such files, or empty if none is public.
-        highest: Highest number that the reader can take, or None.
+        highest: Highest number that the reader accepts, or None.
     """
 
     title: str

@@ -281,7 +281,8 @@ class _RuleMessage(NamedTuple):
 def _explain_type(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a value of the wrong type, with the likely correction.
 
-    ``subject`` is its key in quotes, or ``an item of`` its list. The other functions in ``_MESSAGES`` are alike.
+    ``subject`` is its key in quotes, or ``an item of`` its list. The other functions in ``_MESSAGES`` work in the same
+    way.
     """
     value = error.instance
     types = [error.validator_value] if isinstance(error.validator_value, str) else error.validator_value
@@ -303,7 +304,7 @@ def _explain_type(error: Any, subject: str) -> _RuleMessage:
 def _text_hint(error: Any) -> str:
     """Return the correction of a number or boolean that must be text. Empty if quotes would not help.
 
-    In a step, it stands for a named value.
+    In a step, the text is the name of a value.
     """
     path = list(error.absolute_path)
     if "steps" in path and path[-1] == "value":

@@ -242,7 +242,7 @@ class DocumentReport:
         self._report.mark(self.document, [self.document.original(path)])
 
     def faults(self) -> frozenset[Path]:
-        """Return the faulty places of the document so far, as :meth:`Report.faults` does."""
+        """Return the faulty places of the document so far, like :meth:`Report.faults`."""
         return self._report.faults(self.document)
 
     def __len__(self) -> int:
@@ -292,7 +292,7 @@ def suggestion(word: str, known_words: Iterable[str], otherwise: str = "known") 
     Args:
         word: The unknown word.
         known_words: The known words.
-        otherwise: The text before the list of all known words, which is given if they are few.
+        otherwise: The text before the list of all known words, which is given if there are few.
     """
     choices = [known_word for known_word in dict.fromkeys(known_words) if known_word != word]
     nearest_word = nearest_choice(word, choices)
@@ -420,7 +420,7 @@ def _cut_window(line_text: str, column: int, width: int) -> tuple[str, int]:
 
 
 def _cut_at_start(pieces: list[str], room: int, *, is_cut_already: bool) -> list[str]:
-    """Return the last pieces that fit into ``room`` columns, after dots if any are omitted here or were before."""
+    """Return the last pieces that fit into ``room`` columns, after dots if any are or were omitted."""
     fitting_count = _count_fitting(pieces[::-1], room)
     if not is_cut_already and fitting_count == len(pieces):
         return pieces

@@ -238,7 +238,8 @@ class _Parser:
         return str(event.value)
 
     def _read_scalar(self, event: Any, path: Path) -> Any:
-        """Return a scalar as its tag, quotes or the core schema says, or None, noted as a stand-in, if not valid."""
+        """Return a scalar by its tag, its quotes or the core schema, or None, noted as a stand-in, if it is not
+        valid."""
         text, tag = event.value, event.tag
         is_quoted = bool(event.style)
         # The text of the file was searched before. Only an escape in double quotes can still produce such a character.
@@ -356,7 +357,7 @@ def _parsed_document(file: str, yaml_text: str, lines: tuple[str, ...], report: 
 def read_specs(paths: Iterable[pathlib.Path], report: Report) -> list[Document]:
     """Read files and whole folders, each file once.
 
-    A folder stands for the specs in it and below it, in sorted order, which ``find_files`` lists. A file given by name
+    A folder represents the specs in it and below it, in sorted order, which ``find_files`` lists. A file given by name
     is always read, except for a second reading or a sheet of turning words, which belongs to a spec.
     """
     documents = []
@@ -445,5 +446,5 @@ def _decode_text(content: bytes) -> str:
 
 
 def _not_text(content: bytes, problem: str) -> str:
-    """Return the problem, or instead that the file is binary if it has a NUL near its start."""
+    """Return the problem, or the problem that the file is binary if a NUL is near its start."""
     return "this is a binary file; a spec is UTF-8 text" if b"\0" in content[:65536] else problem

@@ -82,7 +82,7 @@ def _has_additional(checked_value: Any, expected: Any, schema: Mapping[str, Any]
 
 
 def _only_for_type(type_name: str, test: Callable[[Any, Any], bool]) -> Callable[[Any, Any, object], bool]:
-    """Return a test that values of other types pass: in JSON Schema, a text has no ``minItems`` to violate."""
+    """Return a test that values of other types pass: in JSON Schema, a text cannot violate ``minItems``."""
     return lambda value, expected, _: type(value) not in _TYPES[type_name] or test(value, expected)
 
 
@@ -179,7 +179,7 @@ def _places_to_remove(unread_places: set[Path], findings: Sequence[Finding]) -> 
     """Return the places that later checks cannot use.
 
     Missing keys of a file or an interface and missing prose are tolerated. An error that its parent survives, such as
-    an extra key, removes only its place.
+    an extra key, removes only its own place.
     """
     places = set(map(place_to_remove, unread_places))
     for finding in findings:
@@ -312,7 +312,7 @@ def _can_be_incomplete(path: Path) -> bool:
 def place_to_remove(path: Path) -> Path:
     """Return what to remove for an error at ``path``: the owner of the fields around it, or the nearest list item.
 
-    Prose, and a place in neither, is removed individually. Removing only a width or a key would cause further errors,
+    Prose, and a place outside both, is removed individually. Removing only a width or a key would cause further errors,
     such as a missing key or bits without a field: ``("registers", 2, "fields", 0, "bits")`` removes the register.
     """
     is_prose = bool(path) and path[-1] in WORDS_ONLY
@@ -375,7 +375,7 @@ def _collect_findings(
 ) -> list[Finding]:
     """Return the first finding for each place, except at and below places that the reader reported.
 
-    Their number ends one above ``MAX_PROBLEMS``, so that the caller notices that there are more.
+    At most ``MAX_PROBLEMS`` plus one are returned, so that the caller notices that there are more.
     """
     findings: dict[tuple[Path, bool], Finding] = {}
     for error in validator.iter_errors(file_data):

@@ -286,7 +286,8 @@ def _located_reader(model_class: Any) -> Reader:
 def located(model_class: type[T], part_data: Mapping[str, Any], path: Path) -> Located[T]:
     """Return a part of the model as it is written in a spec, with its path and data.
 
-    A missing key has its default or, if it is required, is empty. Parts in it have no place, and sources are left out.
+    A missing key has its default or, if it is required, is empty. Parts inside it have no place, and sources are left
+    out.
     """
     values_by_key: dict[str, Any] = {}
     for described in keys_of(model_class):

@@ -24,7 +24,7 @@ class EqualLine:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """A line, the lines that these frames cannot tell apart from it, and notes about it."""
+    """A line, the lines that these frames cannot distinguish from it, and notes about it."""
 
     line: str
     equal_lines: tuple[EqualLine, ...]

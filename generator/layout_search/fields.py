@@ -146,7 +146,7 @@ def _with_bytes_swapped(two_bytes: int, byte_count: int) -> int:
 def _constant_bits(recording: Recording, start: int) -> int:
     """Return the number of constant bits at the beginning of a position, or 0 over RS-485.
 
-    Constant bytes there are rather other fields.
+    Constant bytes there are more likely other fields.
     """
     if recording.interface == "rs485":
         return 0

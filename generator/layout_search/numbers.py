@@ -46,7 +46,7 @@ def signed(number: int, width: int) -> int:
 
 
 def cost_beside_positions(values: Sequence[int], width: int, positions: Sequence[float]) -> float:
-    """Return the bits that describe values of which the user knows the positions, in any unit and from any zero.
+    """Return the bits that describe values whose positions the user knows, in any unit and from any zero.
 
     The values are the positions times any factor, without a wrap, or else times one of four factors, across the wrap:
     counts or degrees, in either direction. The best of these counts.

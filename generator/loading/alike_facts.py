@@ -23,7 +23,7 @@ _Facts = Mapping[Path, object]
 
 
 def compare_facts(places: Sequence[str], documents: Sequence[Document], report: Report) -> None:
-    """Report each device with other facts at a place such as ``interfaces.ssi.cable_lengths`` than most devices.
+    """Report each device whose facts at a place such as ``interfaces.ssi.cable_lengths`` differ from most devices.
 
     All devices with the interface are compared, so one that lacks the facts is reported, too. Among equally common
     facts, those of the first file apply. An erratum of either device that affects the place explains a difference.

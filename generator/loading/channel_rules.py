@@ -47,7 +47,7 @@ def check_channels(device: Device, report: DocumentReport) -> None:
 
 
 def _order_problems(biss: Biss, layouts: Sequence[Layout]) -> Iterator[_Problem]:
-    """Yield channels that are listed twice, have no number of their own, or are too long to be one word."""
+    """Yield channels that are listed twice, have no number of their own, or are too long for one word."""
     if len(layouts) < 2:
         yield ("order",), "a frame with several channels has at least two; list all of them, or remove 'channels'"
     first_layout = biss.layouts[0]
@@ -91,7 +91,7 @@ def _position_problems(device: Device, layouts: Sequence[Layout]) -> Iterator[_P
 
 
 def _comparison_problems(device: Device, channels: DataChannels, layouts: Mapping[str, Layout]) -> Iterator[_Problem]:
-    """Yield fields that cannot be compared, and a number of bits that they do not have."""
+    """Yield fields that cannot be compared, and a number of bits above their width."""
     has_fields = bool(channels.compared)
     has_bits = channels.compared_bits is not None
     if has_fields != has_bits:

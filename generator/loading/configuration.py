@@ -81,7 +81,7 @@ class Configuration:
 
 
 def exists(path: Path) -> bool:
-    """Return True if there is something at a path."""
+    """Return True if there is a value at a path."""
     with suppress(OSError, ValueError):
         return os.path.lexists(path)
     return False

@@ -87,7 +87,7 @@ class _PlaceFinder:
     def _read_dotted_key(self, table: Mark) -> Mark:
         """Read a key, which can be dotted such as ``tool.codewheel``, and return the mark of its last name.
 
-        Each name has a mark below the mark of the name before it, and the first one below ``table``. A mark that exists
+        Each name has a mark below the mark of the name before it, and the first one below ``table``. An existing mark
         keeps its place.
         """
         mark = table
@@ -102,7 +102,7 @@ class _PlaceFinder:
         return mark
 
     def _read_setting(self, table: Mark) -> None:
-        """Read a key, the equals sign and the value. The mark of the key then has the place of the value."""
+        """Read a key, the equals sign and the value. The mark of the key then gets the place of the value."""
         mark = self._read_dotted_key(table)
         self._index += 1  # The equals sign.
         if self._next_token():
@@ -171,7 +171,7 @@ _MESSAGES = {
 
 
 def read_configuration(file: Path) -> Configuration | None:
-    """Return the settings in a file, or None if it has none.
+    """Return the settings in a file, or None if it contains none.
 
     Raises:
         Faulty: There are errors in the settings.
@@ -213,7 +213,7 @@ def add_error(report: Report, file: Path, place: Place, rule: str, message: str,
 
 
 def _read_settings(file: Path, report: Report, *, has_places: bool = True) -> Document | None:
-    """Return the settings in a file as a document, or None if there are none or they cannot be read.
+    """Return the settings in a file as a document, or None if it contains none or cannot be read.
 
     Without ``has_places``, a ``pyproject.toml`` is read in half the time, and all its keys have the place 1:1.
     """
@@ -239,7 +239,7 @@ def _read_pyproject_table(file: Path, report: Report, has_places: bool) -> Docum
     """Return the table ``[tool.codewheel]`` of a pyproject.toml as a document, or None if there is none.
 
     Return None also if the file cannot be read, which is reported. If ``tool.codewheel`` is not a table, the document
-    has it under the key ``codewheel``, which is then reported as unknown.
+    contains it under the key ``codewheel``, which is then reported as unknown.
     """
     try:
         content = file.read_bytes()

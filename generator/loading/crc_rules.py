@@ -77,7 +77,10 @@ def check_crc(layout: Layout, field: Field, crc_value: CrcValue, site: Site) -> 
 
 
 def _check_width(field: Field, crc: Crc, site: Site) -> None:
-    """Check that a CRC has its width, or no bits for order codes without it. In a register, it must always have it."""
+    """Check that a CRC has its width, or no bits for order codes without it.
+
+    In a register, it must always have its width.
+    """
     if field.width.is_constant:
         if field.width != Expression(crc.width):
             message = f"'{field.name}' has {field.widest} bits, but the CRC '{crc.name}' has {crc.width}"

@@ -147,7 +147,7 @@ def _yield_errors(device: Device, example: Example) -> Iterator[Wrong]:
 
 
 def _check_procedure(device: Device, example: ProcedureExample) -> Iterator[Wrong]:
-    """Yield an error if the procedure, with the arguments of the example, does not lead to the printed writes."""
+    """Yield an error if the procedure, with the arguments of the example, does not produce the printed writes."""
     procedure = device.procedure(example.procedure)
     variant = example_variant(device, example)
     computed_writes = register_writes(device, procedure, variant, example.arguments)
@@ -248,7 +248,7 @@ def _suggest_start(device: Device, crc_name: str) -> str:
 
 
 def _needed_start_values(device: Device, crc: Crc, example: Example) -> Iterator[int]:
-    """Yield the start value that the CRC needs for an example, or nothing if the decoded example has no such CRC."""
+    """Yield the start value that the CRC needs for an example, or nothing if the example lacks the CRC."""
     if crc.poly & 1 == 0:  # Without the last bit of the polynomial, a CRC does not determine its start value.
         return
     if isinstance(example, CrcExample) and example.crc == crc.name:

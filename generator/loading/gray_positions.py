@@ -13,7 +13,7 @@ from ..order_codes.parameters import run_time_names
 
 
 class KeyProblem(NamedTuple):
-    """A problem of one key of a measurement or of ``gray``. Without a key, ``gray`` itself has it."""
+    """A problem of one key of a measurement or of ``gray``. Without a key, the problem is about ``gray`` itself."""
 
     key: str
     message: str

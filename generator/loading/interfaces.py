@@ -1,6 +1,6 @@
 """Build interfaces from checked data, with one function for each kind.
 
-Missing required keys have been reported. Stand-ins replace them, so that the rest can be checked.
+Missing required keys have already been reported. Stand-ins replace them, so that the rest can be checked.
 """
 
 from __future__ import annotations
@@ -236,7 +236,10 @@ _INTERFACES = {"ssi": _members_of_ssi, "biss": _members_of_biss, "rs485": _membe
 
 
 def _build_control_field(raw_field: Raw, parent: Raw, context: Context) -> ControlField:
-    """Return a field of the control frame. A CRC has its own width, and other fields one bit unless they give more."""
+    """Return a field of the control frame.
+
+    A CRC has its own width, and other fields have one bit unless they state more.
+    """
     is_known_crc = raw_field.get("crc") in context.crcs
     default_bits = context.crcs[raw_field["crc"]].width if is_known_crc else 1
     bits = raw_field.get("bits", default_bits)

@@ -79,7 +79,7 @@ def _check_parts_of_join(join: Join, fields: Mapping[str, Field], site: Site) ->
 def _check_order_of_join(join: Join, fields: Mapping[str, Field], layout: Layout, site: Site, low_first: bool) -> None:
     """Check that each field of a joined number is sent before the next one, or after it with ``low_first``.
 
-    A field that is sent earlier has higher bits in the layout.
+    A field sent earlier has higher bits in the layout.
     """
     different_neighbours = []
     for above, below in pairwise(join.fields):
@@ -370,8 +370,8 @@ def _check_fixed(field: Field, fixed: Constant | Unused, site: Site) -> None:
 def _check_absent(field: Field, reason: str, site: Site) -> None:
     """Report a field that has no bits for some order code, unless there is none.
 
-    Such a field reads as 0. With a kind that does not allow 0, all frames of this order code would be rejected.
-    ``reason`` says why 0 is not allowed, and may have a remedy.
+    Such a field reads as 0. If the kind does not allow 0, all frames of this order code would be rejected. ``reason``
+    says why 0 is not allowed, and may have a remedy.
     """
     for parameters in site.sets:
         if field.width.value(parameters) == 0:

@@ -221,7 +221,7 @@ def _build_items(raw_fields: Sequence[Raw], path: Path, context: Context, low_fi
 
 
 def _build_item(raw_field: Raw, path: Path, context: Context, low_first: bool) -> Item | None:
-    """Return a field or group as an item, or None if it is not valid. Its place is 0 if it has none of its own."""
+    """Return a field or group as an item, or None if it is not valid. Its place is 0 if it states none."""
     if "use" in raw_field:
         return _build_group_item(raw_field, path, context, low_first)
     width = _width_of_field(raw_field, context)
@@ -269,7 +269,7 @@ def _build_items_of_group(group: Raw, path: Path, context: Context, low_first: b
 
 
 def _is_placed(raw_field: Raw) -> bool:
-    """Return True if a field gives its own place, such as with ``at``."""
+    """Return True if a field states its own place, for example with ``at``."""
     return any(key in raw_field for key in PLACES)
 
 
@@ -351,7 +351,7 @@ def _check_total_width(bits: Expression, total: int, site: Site) -> bool:
 def _check_items_fit(items: Sequence[Item], bits: Expression, site: Site) -> bool:
     """Return True if every field has a valid width, is inside the layout and overlaps no other field.
 
-    Report the problems of the first parameters for which that is not so. ``bits`` is the width of the layout.
+    Report the problems of the first parameters for which this is not true. ``bits`` is the width of the layout.
     """
     field_items = list(_expand_groups(items))
     for parameters in site.sets:  # The parameters of each order code, such as {"position_bits": 24}.

@@ -59,7 +59,7 @@ def load_sound(paths: Sequence[Path] | None = None) -> tuple[tuple[Device, ...],
 
 
 def sound_families(families: Iterable[Family], report: Report) -> list[Family]:
-    """Return the families of which no file has a problem so far."""
+    """Return the families whose files have no problem so far."""
     faulty = report.faulty_files
     return [family for family in families if faulty.isdisjoint(family.files)]
 
@@ -87,7 +87,7 @@ def load_families(
     """Load all families, like ``load_library``, with the spec and the files of each device.
 
     A device is not built again if all files of its family have the same content as when it was built without problems.
-    It then comes from ``others`` or from the cache.
+    The device then comes from ``others`` or from the cache.
 
     Args:
         paths: Files and folders. Default: the specs that ship with the tool.

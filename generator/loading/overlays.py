@@ -238,7 +238,7 @@ def _layer_words(layer_kind: str, layer_name: str) -> str:
 def _reported_together(change: AppliedChange) -> tuple[str, str, object]:
     """Return the key under which changes are reported as one erratum.
 
-    In an edition, it is the entry in the list of changes. In an overlay, it is the change itself.
+    In an edition, it is the entry in the list of changes. In an overlay, this is the change itself.
     """
     layer = change.layer
     if layer.kind is LayerKind.EDITION:
@@ -266,7 +266,7 @@ def join_shortened(names: Sequence[str]) -> str:
 def _reduce_to_listed_codes(device: Device, overlays: Sequence[Document], report: Report) -> Device:
     """Return the device with only the order codes that the overlays list under ``applies_to``.
 
-    Report unknown order codes. If no known one is listed, the device keeps all of them.
+    Report unknown order codes. If no known code is listed, the device keeps all of its codes.
     """
     known_codes = {variant.code for variant in device.variants}
     selected_codes: set[str] = set()
@@ -281,7 +281,7 @@ def _reduce_to_listed_codes(device: Device, overlays: Sequence[Document], report
 
 
 def _report_in_overlay(inner_report: Report, spec: Document, overlay: Document, report: Report) -> None:
-    """Report the problems of the resulting family that the spec does not have itself.
+    """Report the problems of the resulting family that the spec itself does not have.
 
     Those in the spec are reported at the name of the overlay, with their place in the spec as part of the message.
     Others are reported where they are.

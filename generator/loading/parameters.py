@@ -180,8 +180,8 @@ def _default_of_parameter(
 ) -> int:
     """Return the value of a parameter whose field has this number by default, and check it.
 
-    A parameter with codes has the value of the code, or 0 if the number is not one of them. ``zero_means`` is the value
-    for which a stored zero stands, or 0.
+    A parameter with codes has the value of the code, or 0 if the number is not a code. ``zero_means`` is the value for
+    which a stored zero stands, or 0.
     """
     codes_with_values = coded_values(definition)
     if codes_with_values:
@@ -270,7 +270,7 @@ def _check_codes(name: str, definition: Raw, width: int, report: DocumentReport)
 
 
 def _find_raw_field(register: Raw, field_name: str) -> Raw | None:
-    """Return a field of a register as in the spec, or None if there is no such field.
+    """Return a field of a register as in the spec, or None if the field does not exist.
 
     A register without fields is one number, whose field has the name of the register. If the register uses a group, any
     other name may be a field of the group. The result is then empty.

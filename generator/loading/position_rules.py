@@ -56,7 +56,7 @@ def check_measurements(device: Device, report: DocumentReport) -> None:
 
 
 def _problems_of(device: Device, interface: Interface) -> Iterator[tuple[Path, KeyProblem]]:
-    """Yield the contradictions of a measurement, each with the path of the measurement or range that has the key."""
+    """Yield the contradictions of a measurement, each with the path of the measurement or range with the key."""
     measurement = device.measurement_of(interface.name)
     if measurement is None:
         return
@@ -180,7 +180,7 @@ def _unit_problem(case: _Case, values: Mapping[str, int]) -> KeyProblem | None:
 def _width_problem(
     device: Device, measurement: Measurement, case: _Case, counts_key: str, values: Mapping[str, int]
 ) -> KeyProblem | None:
-    """Return the key and the message if the position has too few bits, or unused bits where it must use all."""
+    """Return the key and the message if the position has too few bits, or unused bits although it must use all."""
     turns = values.get("turns", 1)
     counts = values[counts_key] * turns
     turns_text = f" × {turns} turns" if turns > 1 else ""
@@ -240,7 +240,7 @@ def _range_problem(measurement: Measurement, case: _Case, counts_key: str) -> Ke
 def _message_of_signed_range(case: _Case, field_text: str, total: int) -> str:
     """Return the message about a signed position without ``highest``, or an empty string if it needs none.
 
-    It needs none if it has as many numbers as the encoder has positions.
+    It needs no range if it has as many numbers as the encoder has positions.
     """
     if not is_power_of_two(total):
         message = f"{field_text} is signed, and its range does not follow from {total} counts for {case.variant.code}"
@@ -258,7 +258,7 @@ def _order_problem(
 ) -> KeyProblem | None:
     """Return the key and the message if a number of revolutions is below the position within one revolution.
 
-    In a frame of bytes, the order in which fields are sent does not tell which one is more significant.
+    In a frame of bytes, the order in which fields are sent does not show which field is more significant.
     """
     if counts_key != "counts_per_turn":
         return None
@@ -307,7 +307,7 @@ def _at_run_time(device: Device, expression: Expression) -> bool:
 
 
 def _parameters_behind(device: Device, *expressions: Expression) -> frozenset[str]:
-    """Return the parameters behind these expressions: those set by order codes or held in registers."""
+    """Return the parameters behind these expressions: the parameters that order codes set or registers hold."""
     names = (name for expression in expressions for name in expression.parameters)
     return device.needed_parameters(names) - device.definitions.keys()
 

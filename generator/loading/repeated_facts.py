@@ -1,4 +1,4 @@
-"""Compare facts that are given twice, in one spec or in several specs of a manufacturer."""
+"""Compare facts that one spec, or several specs of a manufacturer, state twice."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def _shared_facts(
 ) -> Iterator[tuple[tuple[str, ...], _Fact]]:
     """Yield the shared facts of a register or CRC, each with its place as an erratum gives it.
 
-    A field has its name in that place, such as ``("warning", "at")``, and its index in the path of the fact, such as
+    The place contains the field's name, such as ``("warning", "at")``, and the path of the fact its index, such as
     ``("fields", 2, "at")``.
     """
     for key, form in _COMMON[section].items():
@@ -267,7 +267,10 @@ def _documented_bits(register: Register, variant: Variant) -> tuple[int, int]:
 
 
 def _check_read_biss_id(device: Device, identity: int, report: DocumentReport) -> None:
-    """Check that examples of 7Eh and 7Fh have the ID. Skip brands of another manufacturer, which keep the examples."""
+    """Check that examples of 7Eh and 7Fh contain the ID.
+
+    Skip brands of another manufacturer, which keep the examples.
+    """
     if device.base:
         return
     for example in device.examples:

@@ -92,7 +92,7 @@ def write_revision(revision_path: RevisionPath, folder: Path) -> RevisionFiles:
     Folders are renamed to numbers. Files keep names that are valid on every system.
 
     Raises:
-        RevisionError: The revision cannot be read, or has names or sizes that no specs have.
+        RevisionError: The revision cannot be read, or contains names or sizes that specs cannot have.
     """
     commit = _find_commit(revision_path.revision)
     path = _path_in_repository(revision_path)
@@ -146,7 +146,7 @@ def _is_hidden(file_name: str) -> bool:
 def _target_paths(names: Iterable[str], folder: Path) -> dict[str, Path]:
     """Return the path to write each file to, below ``folder``. Files of one folder stay together.
 
-    A file has another name if its own is not plain, or if an earlier path differs only in upper and lower case.
+    A file gets another name if its own name is not plain, or if an earlier path differs only in upper and lower case.
     """
     folders: dict[str, Path] = {}
     paths: dict[str, Path] = {}
@@ -165,7 +165,7 @@ def _find_commit(revision: str) -> str:
     """Return the hash of the commit that a revision names.
 
     Raises:
-        RevisionError: The text is not a revision, or there is no such revision.
+        RevisionError: The text does not name a revision, or the revision does not exist.
     """
     revision_text = visible(revision)
     if not revision or revision.startswith("-") or "\0" in revision:
@@ -206,7 +206,7 @@ def _path_in_repository(revision_path: RevisionPath) -> str:
 def _list_files(commit: str, path: str) -> dict[str, str]:
     """Return the regular files of a commit at or below a path, each with the hash of its content.
 
-    An empty path stands for all files. Links and submodules are left out.
+    An empty path represents all files. Links and submodules are left out.
     """
     limited_to_path = ["--", path] if path else []
     listing = _run_git(["ls-tree", "-r", "-z", "--full-tree", commit, *limited_to_path])

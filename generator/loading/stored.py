@@ -129,7 +129,7 @@ def as_data(device: model.Device) -> list[Any]:
     hex}``, and a map is ``{"m": [[key, value], …], "f": true if it cannot be changed}``.
 
     Raises:
-        NotStorable: A member has a type that models did not have so far.
+        NotStorable: A member has a type that models did not have before.
     """
     rows: list[Any] = []
     row_by_id: dict[int, int] = {}

@@ -1,4 +1,4 @@
-"""What the record for a master is made of: the parts of a frame by their role, and the clock for a cable."""
+"""The ingredients of the record for a master: the parts of a frame by their role, and the clock for a cable."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ _ROLES_AS_SENT = ("before", "position", "after", "status", "crc")
 
 
 def frame_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: Variant) -> Iterator[Part]:
-    """Yield the parts of the frame in the order sent. What the common frame does not have there is ``other``.
+    """Yield the parts of the frame in the order sent. Bits that the common frame does not have there are ``other``.
 
     Raises:
         NoRecord: Some bits have no field, the position is not in one piece, or no bits of it are the revolutions.
@@ -179,7 +179,7 @@ def _is_always_zero(field: PlacedField) -> bool:
 
 
 def _position_fields(placed_layout: PlacedLayout, measurement: Measurement) -> list[PlacedField]:
-    """Return the fields of the position that the order code has, the most significant one first."""
+    """Return the fields of the position that exist for the order code, the most significant field first."""
     return placed_layout.find_fields(placed_layout.layout.names_in(measurement.of))
 
 

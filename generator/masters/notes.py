@@ -29,7 +29,7 @@ def clock_notes(numbers: Mapping[str, int | None], cables: CableTable, cable_m: 
 
 
 def _register_in_words(device: Device, name: str) -> str:
-    """Return a register in words. One that is only reached over another interface has no address here."""
+    """Return a register in words. A register that is only reached over another interface has no address here."""
     for register in device.registers:
         if register.name == name:
             return f"{register.printed_name or name} ({addresses(register)})"

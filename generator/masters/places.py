@@ -222,7 +222,7 @@ class PlaceWords:
 def place_words(places: Sequence[Place], value: str, devices: Sequence[MasterDevice]) -> Iterator[PlaceWords]:
     """Yield the places of a value in words, once for all devices with the same words.
 
-    ``devices`` of the words is empty if these are all devices. A value in hexadecimal has its default in it too.
+    ``devices`` of the words is empty if these are all devices. If a value is in hexadecimal, its default is, too.
     """
     devices_by_words: dict[PlaceWords, list[str]] = {}
     # Adjacent places of a device are its channels.
@@ -390,7 +390,7 @@ def _write_from_rule(rule: Raw, devices: Sequence[MasterDevice], standing: str) 
 
 
 def write_order(names: Sequence[str], rules: Iterable[WriteCondition]) -> tuple[str, ...]:
-    """Return the settings, each as early as every ``after`` allows, and otherwise in their own order."""
+    """Return the settings, each as early as every ``after`` allows, and otherwise in their original order."""
     orderings = tuple(_Ordering(settings=rule.of, after=rule.after) for rule in rules if rule.after)
     return _names_in_order(tuple(names), orderings)
 

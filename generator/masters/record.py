@@ -49,7 +49,7 @@ _NO_ANSWERS: Mapping[str, str] = MappingProxyType({})
 
 
 class Undecided(NoRecord):
-    """The frame depends on a question that the manual leaves open, and there was no answer."""
+    """The frame depends on a question that the manual leaves open, and no answer was given."""
 
     def __init__(self, layout: Layout, names: Iterable[str]) -> None:
         super().__init__(f"'{layout.name}' depends on {' and '.join(names)}, which you must choose")
@@ -287,8 +287,8 @@ def _status_active(frame_parts: Sequence[Part]) -> str:
 def _limit_to_cable(unlimited: Record, metres: int) -> Record:
     """Return the record with the highest clock for this cable length: the table's clock or, if lower, the encoder's.
 
-    If the encoder's is not known, the record has the clocks in use that the table allows. ``cable_row`` is the row of
-    the table if it limits the clock, or None if the encoder does.
+    If the encoder's clock is not known, the record contains the clocks in use that the table allows. ``cable_row`` is
+    the row of the table if it limits the clock, or None if the encoder does.
 
     Raises:
         NoRecord: The table has no such length, or its clock is lower than the encoder's lowest.

@@ -122,7 +122,7 @@ def value_of_setting(rule: Raw, record: Record) -> ValueOfSetting:
 
     Raises:
         UnknownValue: It depends on a number that the spec does not give.
-        UnsupportedFeature: The master has no value for it.
+        UnsupportedFeature: The master offers no value for it.
     """
     if "unknown" in rule:
         raise UnknownValue(rule["unknown"])
@@ -288,7 +288,7 @@ def _filled_if_known(text: str, record: Record) -> str:
     """Return the text with the items in braces filled in.
 
     Raises:
-        UnknownValue: One of them has no value.
+        UnknownValue: One of them is unknown.
     """
     for name in NUMBERS:
         is_in_text = f"{{{name}}}" in text
@@ -353,10 +353,10 @@ def _with_two_parts_of_position(record: Record) -> Sequence[Part]:
 
 
 def _with_neighbours_merged(frame_parts: Sequence[Part], roles: Collection[str]) -> Sequence[Part]:
-    """Return the parts, in which neighbours with the same one of these roles are one part.
+    """Return the parts, with adjacent parts of the same role merged if the role is in ``roles``.
 
-    Two neighbouring parts of 4 and 8 singleturn bits become the part ``singleturn`` of 12 bits. A part with one of the
-    roles is named after it, even if it has no such neighbour.
+    Two neighbouring parts of 4 and 8 singleturn bits become the part ``singleturn`` of 12 bits. Such a part is named
+    after its role, even if it has no such neighbour.
     """
     merged_parts: list[Part] = []
     for part in frame_parts:

@@ -246,7 +246,7 @@ def _settings_and_device_refusals(
 ) -> tuple[list[Setting], list[tuple[Refusal, set[str]]]]:
     """Return the settings, and the refusals of settings that some devices cannot express, with these devices.
 
-    ``uncovered`` names the parts of the frame that the description does not mention. If there are any, settings that
+    ``uncovered`` names the parts of the frame that the description does not mention. If it names any, settings that
     depend on the whole frame are unknown.
     """
     settings: list[Setting] = []
@@ -369,7 +369,7 @@ def _mentioned_items(rule: Any) -> set[str]:
 
 
 def _devices_with_setting(rule: Raw, master: Master) -> set[str]:
-    """Return the names of the devices that have a setting. A place without ``on`` is on all of them."""
+    """Return the names of the devices that have a setting. A place without ``on`` applies to all of them."""
     all_names = [device.name for device in master.devices]
     names_with_setting: set[str] = set()
     for place in rule["places"]:
@@ -392,7 +392,7 @@ def _setting_of_rule(rule: Raw, master: Master, record: Record, unknown_parts: s
     ``unknown_parts`` are names in a text, such as ``'parity' and 'reserved'``, which is empty if there are none.
 
     Raises:
-        UnsupportedFeature: The master has no value for it.
+        UnsupportedFeature: The master offers no value for it.
     """
     try:
         if unknown_parts:

@@ -18,7 +18,7 @@ class Clock:
     """The master's clock: its limits, inclusive, each None if not known, and clocks with which encoders are read.
 
     ``used_hz`` contains the clocks of programs and masters in ascending order. They are not limits. A spec whose clock
-    has not been stated yet has neither.
+    has not been stated yet has neither limits nor clocks in use.
     """
 
     min_hz: int | None = key(

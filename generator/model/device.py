@@ -1,7 +1,7 @@
 """Range of the numbers that an encoder sends as its position.
 
 An offset can shift unsigned positions up to the ``highest`` of the measurement, so all of these are valid.
-Signed positions end at ``highest``, and begin as many numbers before it as the encoder has positions.
+Signed positions end at ``highest``, and their number is the number of positions.
 """
 
 from __future__ import annotations

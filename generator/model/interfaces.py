@@ -151,7 +151,7 @@ class BankSelect:
 
 @dataclass(frozen=True, slots=True)
 class ControlField:
-    """A field of the control frame. The manual does not give the complete layout of that frame."""
+    """A field of the control frame. The manual does not describe the complete layout of that frame."""
 
     name: str
     printed_name: str
@@ -269,7 +269,7 @@ class MemoryAccess:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rs485(Common):
-    """Requests and replies. Those of the T-format have ``data_ids``, all others ``exchanges``."""
+    """Requests and replies. Exchanges of the T-format have ``data_ids``, all others ``exchanges``."""
 
     name: ClassVar[str] = "rs485"
     title: ClassVar[str] = "RS-485"

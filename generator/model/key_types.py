@@ -219,7 +219,7 @@ def key_type(text: str) -> KeyType:
 def data_notation(described: DescribedKey) -> str:
     """Return the notation of a key in the data, such as ``count?``, or ``boolean=false`` with a default.
 
-    It is empty for a key that the data do not have.
+    It is empty for a key that does not occur in the data.
     """
     if described.key.shape:
         return described.key.shape

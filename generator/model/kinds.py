@@ -102,7 +102,7 @@ class Number:
 
     @property
     def value_at_rest(self) -> int:
-        """The number that the bits 0 stand for. They stand for no power of two."""
+        """The number that the bits 0 represent. The bits 0 represent no power of two."""
         return 1 if self.power_of_two else self.zero_means
 
 
@@ -243,7 +243,7 @@ class Parity:
 
 @dataclass(frozen=True, slots=True)
 class Decimal:
-    """A number made of runs of decimal digits, most significant run first."""
+    """A number formed by runs of decimal digits, most significant run first."""
 
     word: ClassVar[str] = "decimal digits"
     role: ClassVar[Role] = "data"
@@ -259,7 +259,7 @@ class Decimal:
 
     @property
     def limit(self) -> int:
-        """Lowest number that has too many digits."""
+        """Lowest number with too many digits."""
         return self.runs[0].divisor * self.runs[0].modulus
 
 

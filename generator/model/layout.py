@@ -69,11 +69,11 @@ class Layout:
         return next((field for field in self.fields if field.name == name), None)
 
     def find_fields(self, names: Iterable[str]) -> list[Field]:
-        """Return the fields with these names that the layout has, in the same order."""
+        """Return the fields with these names that exist in the layout, in the same order."""
         return [field for field in map(self.find_field, names) if field is not None]
 
     def names_in(self, field_or_join: str) -> tuple[str, ...]:
-        """Return the names of the fields of a join, most significant first. For a field, return its own name."""
+        """Return the names of the fields of a join, most significant first. For a field, this is its own name."""
         return next((join.fields for join in self.joins if join.name == field_or_join), (field_or_join,))
 
     @cached_property
@@ -190,7 +190,7 @@ class Layout:
 
     @cached_property
     def crc_fields(self) -> tuple[Field, ...]:
-        """CRCs at the end. With several of them, each order code has at most one."""
+        """CRCs at the end. If there are several, each order code has at most one."""
         return tuple(field for field in self.fields if isinstance(field.kind, CrcValue))
 
     @property
@@ -208,7 +208,7 @@ class Layout:
         return any(isinstance(field.kind, Parity) for field in self.fields)
 
     def is_sent(self, parameters: Mapping[str, int]) -> bool:
-        """Return whether a frame has bits. A layout without bits is absent for these parameters."""
+        """Return whether a frame has any bits. A layout without bits is absent for these parameters."""
         return self.bits.value(parameters) > 0
 
     def place(self, parameters: Mapping[str, int]) -> PlacedLayout:
@@ -296,7 +296,7 @@ class PlacedLayout:
         return None
 
     def find_fields(self, names: Iterable[str]) -> list[PlacedField]:
-        """Return the fields with these names that the order code has, in the same order."""
+        """Return the fields with these names that exist for the order code, in the same order."""
         return [field for field in map(self.find_field, names) if field is not None]
 
     @property
@@ -344,7 +344,7 @@ class PlacedLayout:
     def place_of(self, name: str) -> tuple[int, int]:
         """Return lowest bit and width of a field, or of a join of adjacent fields. An absent field has width 0.
 
-        The field listed last in a join has its lowest bit.
+        The field listed last in a join contains its lowest bit.
         """
         placed_fields = self.find_fields(self.layout.names_in(name))
         if not placed_fields:
@@ -423,7 +423,7 @@ def _parse_condition(layout: Layout, condition: str) -> tuple[str, int]:
 def have_lengths(layouts: Sequence[Layout], sender: str) -> bool:
     """Return True if frames of a sender on one channel have different lengths, so that bytes imply no leading zeros.
 
-    That is so if there are more pairs of channel and length than channels.
+    This is the case if there are more pairs of channel and length than channels.
     """
     frames = [layout for layout in layouts if layout.sender == sender]
     channels = {layout.channel for layout in frames}

@@ -183,7 +183,7 @@ class Measurement:
     def within(self, layout_range: LayoutRange | None) -> Measurement:
         """Return the measurement with the range of one layout. The units are the same in all layouts.
 
-        A position that never wraps around has no range. If the layout gives only ``highest``, turns and modulus stay.
+        A position that never wraps around has no range. If the layout states only ``highest``, turns and modulus stay.
         """
         if layout_range is None:
             return self

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 else:
 
     def dataclass_transform(**_: object) -> Callable[[Any], Any]:
-        """Mark a decorator for type checkers only, because Python 3.10 has no such function."""
+        """Mark a decorator for type checkers only, because Python 3.10 lacks this function."""
         return lambda decorator: decorator
 
 
@@ -179,7 +179,7 @@ def key(about: str, *, default: T, **options: Any) -> T: ...
 @overload
 def key(about: str, **options: Any) -> Any: ...
 def key(about: str, *, default: Any = MISSING, **options: Any) -> Any:
-    """Describe a key of the spec language. Without a ``default``, specs must have it.
+    """Describe a key of the spec language. Without a ``default``, specs must contain the key.
 
     The options are the options of ``Key`` and of ``Member``.
     """
@@ -212,7 +212,7 @@ def name_key(about: str, **options: Any) -> Any:
 
 
 def meaning_key(about: str, **options: Any) -> Any:
-    """Describe the key ``meaning``. Specs must have it, unless a default is given."""
+    """Describe the key ``meaning``. Specs must contain it, unless a default is given."""
     return key(about, data="Meaning or purpose.", rule="words", **options)
 
 
@@ -242,7 +242,7 @@ def only_key(
 
 
 def source_key(**options: Any) -> Any:
-    """Describe the key ``source``, whose type has the description. Specs must have it, unless a default is given."""
+    """Describe the key ``source``, whose type has the description. Specs must contain it, unless a default is given."""
     return key("", **options)
 
 
@@ -293,7 +293,7 @@ class DescribedKey(NamedTuple):
 
     @property
     def is_required(self) -> bool:
-        """True if specs must have the key."""
+        """True if specs must contain the key."""
         return self.default is MISSING
 
 

@@ -29,7 +29,10 @@ class WriteStep(_Step):
 
 @dataclass(frozen=True, slots=True)
 class ModifyStep(_Step):
-    """Write ``value`` to one field and keep the others as read. If it is None, write the argument ``value_name``."""
+    """Write ``value`` to one field and keep the other fields as read.
+
+    If it is None, write the argument ``value_name``.
+    """
 
     do: ClassVar[str] = "write"
     register: str

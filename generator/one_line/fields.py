@@ -37,7 +37,7 @@ def read_field(text: str, column: int, interface: str) -> LineField:
     """Return the field that a text describes, such as ``crc=6:0x43``, where 6 and 0x43 are its values.
 
     Raises:
-        FieldError: The text does not describe one.
+        FieldError: The text does not describe a field.
     """
     name, equals, value_text = text.partition("=")
     name = name.strip()

@@ -116,7 +116,7 @@ class Line:
 
     @property
     def gaps(self) -> Iterator[str]:
-        """The facts that a spec needs, but the line does not state."""
+        """The facts that a spec needs, but that the line does not state."""
         options = self.options
         if self.interface != "rs485" and not options.clock_hz:
             yield "The clock."

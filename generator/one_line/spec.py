@@ -121,7 +121,7 @@ def _write_crc(line: Line) -> Iterator[str]:
 
 
 def _write_interface(line: Line) -> Iterator[str]:
-    """Yield the interface with its layouts. What the line does not state has a placeholder as its source."""
+    """Yield the interface with its layouts. A fact that the line does not state has a placeholder as its source."""
     options = line.options
     yield "interfaces:"
     yield f"  {line.interface}:"
@@ -157,7 +157,7 @@ def _write_clock(line: Line) -> Iterator[str]:
 
 
 def _write_serial_port(line: Line) -> Iterator[str]:
-    """Yield the serial port, and the exchange that has the reply."""
+    """Yield the serial port, and the exchange with the reply."""
     source = _LINE if line.options.baud else _NOT_STATED
     port = f"baud: {line.options.baud or _PLACEHOLDER_BAUD}, data_bits: 8, parity: none, stop_bits: 1"
     yield f"    source: {_LINE}"
@@ -243,7 +243,7 @@ def _byte_names(field: LineField, line: Line) -> list[str]:
 
 
 def _write_joins(line: Line) -> Iterator[str]:
-    """Yield the numbers that consist of several fields: split numbers, and the position made of the turns and the rest.
+    """Yield the numbers that consist of several fields: split numbers, and the position made of turns and the rest.
 
     Their fields are listed most significant first.
     """

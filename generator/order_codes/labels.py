@@ -40,7 +40,7 @@ def has_no_part(name: str) -> str:
 
 
 def family_instead_of_code(text: str, code: str) -> str:
-    """Return the message for the name of a family in place of an order code."""
+    """Return the message for the name of a family instead of an order code."""
     return f"'{text}' is a family; give an order code, such as {code}"
 
 
@@ -245,8 +245,8 @@ def _listed_value(part: CodePart, text: str) -> str | None:
 def _fitting_variant(device: Device, listed_values: Mapping[str, str | None]) -> Variant | None:
     """Return the first listed code with these parts, or None if there is none.
 
-    In ``listed_values``, None stands for an unlisted value, which any listed code fits. There is no such code if a part
-    is unlisted where only listed values are possible.
+    In ``listed_values``, None stands for an unlisted value, which matches any listed code. There is no such code if a
+    part is unlisted where only listed values are possible.
     """
     for part in device.order_code.parts:
         if listed_values[part.name] is None and not _can_be_open(part, listed_values):
@@ -258,9 +258,10 @@ def _fitting_variant(device: Device, listed_values: Mapping[str, str | None]) ->
 
 
 def _can_be_open(part: CodePart, listed_values: Mapping[str, str | None]) -> bool:
-    """Return whether a part can have an unlisted value next to these values of the other parts.
+    """Return whether a part can have an unlisted value in combination with these values of the other parts.
 
-    ``open_only_with`` lists, for some other parts, the values next to which it can. Unlisted values are always allowed.
+    ``open_only_with`` lists, for some other parts, the values that allow an unlisted value. Unlisted values are always
+    allowed.
     """
     for name, allowed_values in part.open_only_with.items():
         if listed_values[name] is not None and listed_values[name] not in allowed_values:
@@ -333,7 +334,8 @@ def _fits_if_changed(device: Device, part: CodePart, listed_values: Mapping[str,
 class _WrongPart(NamedTuple):
     """A part that may be wrong.
 
-    The least one is the likeliest: it has the fewest unlisted other parts and, if several have as few, no text itself.
+    The smallest tuple is the likeliest: it has the fewest unlisted other parts and, if several are equal, no text
+    itself.
     """
 
     unlisted_others: int

@@ -206,7 +206,7 @@ def possible_states(parameters: Sequence[Parameter]) -> Sequence[Sequence[State]
 
 
 def _limits_of_parameter(parameter: Parameter) -> Iterable[int]:
-    """Return the minimum and the maximum of a parameter that it has, each once if they are equal."""
+    """Return the minimum and the maximum of a parameter, as far as they are known, each once if they are equal."""
     return dict.fromkeys(limit for limit in (parameter.min, parameter.max) if limit is not None)
 
 

@@ -105,7 +105,7 @@ def _reduced_values(values: tuple[Any, ...], codes: Collection[str], manual_step
 
 
 def parts_of(part: Any) -> Iterator[tuple[str, Any]]:
-    """Yield name and value of the members of an object of the model that are such objects themselves, or tuples."""
+    """Yield name and value of members that are themselves objects of the model, or tuples."""
     for name in names_of_members(part.__class__):
         value = getattr(part, name)
         if isinstance(value, tuple) or names_of_members(value.__class__):
@@ -292,7 +292,7 @@ def _concerns_interfaces(
 ) -> bool:
     """Return whether an example is about a remaining part, and its order code has one of these interfaces.
 
-    Examples of a CRC have no order code. An order code that is not listed does not matter.
+    Examples of a CRC have no order code. An order code that is not listed is ignored.
     """
     match example:
         case FrameExample():
@@ -318,7 +318,7 @@ _NUMBERED_PARTS = ("interfaces", "registers", "procedures", "measurement")
 def with_quantities(device: Device, variant: Variant) -> Device:
     """Return the device with the quantities of an order code filled in. Questions that the manual leaves open remain.
 
-    Quantities held in registers have their factory defaults.
+    Quantities held in registers get their factory defaults.
     """
     # The answer to a question sets these parameters, so their values stay open.
     open_parameters = {parameter.name for parameter in device.parameters if parameter.alternative}
@@ -396,7 +396,7 @@ def _with_fixed_code(layout: Layout, known_parameters: Mapping[str, int]) -> Lay
 def _without_empty_fields(layout: Layout) -> Layout:
     """Return the layout without zero-width fields, in the layout itself, in its joins and in its parity bits.
 
-    If no field is left that judges the position, reserved bits lead to UNKNOWN instead of a warning.
+    If no remaining field judges the position, reserved bits lead to UNKNOWN instead of a warning.
     """
     empty_names = {field.name for field in layout.fields if field.width == Expression(0)}
     if not empty_names:

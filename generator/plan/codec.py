@@ -254,7 +254,7 @@ def _find_gray(layout: Layout) -> Gray | None:
 
 
 def _yield_joined_numbers(layout: Layout, by_word: bool) -> Iterator[JoinedNumber]:
-    """Yield the numbers made of several fields. If one shift extracts adjacent fields from a word, set ``bits``."""
+    """Yield the numbers formed by several fields. If one shift extracts adjacent fields from a word, set ``bits``."""
     for join in layout.joins:
         fields = tuple(layout.field(name) for name in join.fields)  # most significant first
         total_width = sum((field.width for field in fields), Expression(0))
@@ -385,7 +385,7 @@ def _sent_parity(layout: Layout, parity_bit: Field, parity_kind: Parity) -> Fixe
 
 
 def _sent_number(layout: Layout, field: Field) -> Fixed | ValueOfField:
-    """Return the only value that a field can have, or the field itself if the caller gives its value."""
+    """Return the only value that a field can have, or the field itself if the caller supplies its value."""
     constant = only_value(layout, field)
     return ValueOfField(field) if constant is None else Fixed(constant)
 

@@ -1,6 +1,7 @@
 """CRCs: the functions of a family and their form, tables, undetected errors, and public test vectors.
 
-They are part of the self-test of the C headers. Tests compare them with ``tests/vectors.json``, which has the sources.
+They are part of the self-test of the C headers. Tests compare them with ``tests/vectors.json``, which cites the
+sources.
 """
 
 from __future__ import annotations
@@ -83,7 +84,7 @@ def reflect(value: int, width: int) -> int:
 def byte_table(width: int, poly: int, reflected: bool = False) -> tuple[int, ...]:
     """Return the remainder of each byte from 0 to 255, shifted left by the width of the CRC.
 
-    With ``reflected``, the CRC register has its bits in reverse order, as needed for reflected input.
+    With ``reflected``, the bits of the CRC register are in reverse order, as needed for reflected input.
     """
     poly_with_top_bit = poly | (1 << width)
     if not reflected:

@@ -146,7 +146,7 @@ class Verifies:
 
     @property
     def step(self) -> WriteStep | ModifyStep:
-        """The step that wrote the value. The manual has no step for this operation."""
+        """The step that wrote the value. The manual contains no step for this operation."""
         return self.write.step
 
 
@@ -284,9 +284,9 @@ def _taught_parameters(device: Device, write: Writes, later_operations: Sequence
 def _with_verification(operations: Iterable[Operation]) -> Iterator[Operation]:
     """Yield the operations, with a ``Verifies`` for each write that can be read back before it takes effect.
 
-    The manuals have no such step. On BiSS, however, a disturbed write can be echoed as if it had been stored. A written
-    value takes effect when the procedure writes to a register that cannot be read, such as a command register, makes a
-    closing write, or writes to the same place again.
+    The manuals contain no such step. On BiSS, however, a disturbed write can be echoed as if it had been stored. A
+    written value takes effect when the procedure writes to a register that cannot be read, such as a command register,
+    makes a closing write, or writes to the same place again.
     """
     pending: list[Verifies] = []
     for operation in operations:
@@ -322,7 +322,10 @@ def _can_be_read_back(write: Writes) -> bool:
 
 
 def _meaningful_pieces(write: Writes) -> Iterator[Piece]:
-    """Yield the pieces without reserved bits, which can have any value when read. A whole access keeps all bytes."""
+    """Yield the pieces without reserved bits, which can have any value when they are read.
+
+    A whole access includes all bytes.
+    """
     for piece in write.pieces:
         unused_in_piece = _unused_bits(write.register, piece.byte) >> piece.low_in_byte
         meaningful_mask = piece.mask & ~unused_in_piece

@@ -101,7 +101,7 @@ class Judgement:
 
     @property
     def worst_first(self) -> tuple[tuple[Verdict, tuple[VerdictCause, ...]], ...]:
-        """Verdicts that have causes, worst first, each with its causes."""
+        """Verdicts with causes, worst first, each with its causes."""
         verdicts_with_causes = []
         if self.not_usable:
             verdicts_with_causes.append((Verdict.NOT_USABLE, self.not_usable))
@@ -111,7 +111,7 @@ class Judgement:
 
 
 def _has_bits(cause: Cause, parameters: Mapping[str, int]) -> bool:
-    """Return whether the frames of an order code with these parameters have all bits of a cause.
+    """Return whether the frames of an order code with these parameters contain all bits of a cause.
 
     The order code lacks a field whose width is 0.
     """
@@ -154,7 +154,8 @@ def judgement_of(codec: Codec) -> Judgement:
 def _verdicts_of_flag(cause: Cause, parts: Mapping[str, Part]) -> Iterator[tuple[Verdict, VerdictCause]]:
     """Yield the verdicts to which a flag leads, each with its conditions on the order code and the user's answer.
 
-    A flag that combines others does not count while one of these is active (``unless``), since that one decides.
+    A flag that combines others does not count while one of these is active (``unless``), because the active flag
+    decides.
     """
     for flag, only in _flag_by_order_code(cause.field):
         summed_parts = [parts[name] for name in flag.sums_up if name in parts]
@@ -184,7 +185,7 @@ def _flag_by_order_code(field: Field) -> Iterator[tuple[Flag, Only | None]]:
 def _verdict_by_answer(flag: Flag) -> Iterator[tuple[Verdict, Only | None]]:
     """Yield the verdicts of a flag, each with the condition on the user's answer, or with None if it always applies.
 
-    A flag in a frame without the position has none.
+    A flag in a frame without the position has no verdict.
     """
     if flag.makes_position is None:
         return
@@ -254,7 +255,7 @@ def unexplained_flag(field: Field) -> Field:
 class Report:
     """One report of a family. ``number`` is its bit in the set of all reports.
 
-    ``field`` is the flag, the reserved bits or the flag of a sign, from the first frame that has them.
+    ``field`` is the flag, the reserved bits or the flag of a sign, from the first frame that contains them.
     """
 
     name: str
@@ -330,7 +331,7 @@ def _sent_layouts(device: Device) -> Iterator[tuple[Interface, Layout]]:
 
 
 def codes_with_explanation(field: Field) -> Only | None:
-    """Return the order codes for which the manual explains a flag, or None if it does so for all."""
+    """Return the order codes for which the manual explains a flag, or None if it explains the flag for all."""
     # The first of them is the field as the manual explains it.
     _, explained_codes = next(by_order_code(field))
     return explained_codes
@@ -344,7 +345,7 @@ def combined_flag_names(field: Field) -> tuple[str, ...]:
 def _is_reported(field: Field) -> bool:
     """Return whether the field reports a problem: a flag or reserved bits, unless they leave the position usable.
 
-    Those in a frame without the position have no verdict, and are reported.
+    Fields in a frame without the position have no verdict, and are reported.
     """
     return isinstance(field.kind, (Flag, Unused)) and field.kind.makes_position is not Verdict.USABLE
 
@@ -358,7 +359,7 @@ def _fields_by_code(layout: Layout) -> Iterator[tuple[Field, Only | None]]:
 
 
 class _ReportedField(NamedTuple):
-    """A field that reports a problem, with the names of the interface and frame that have it."""
+    """A field that reports a problem, with the names of its interface and frame."""
 
     interface: str
     frame: str

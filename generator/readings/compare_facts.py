@@ -35,7 +35,7 @@ def compare_facts(
 ) -> Iterator[Disagreement]:
     """Yield the disagreements on facts, which are identified by their keys, and count the facts of the spec.
 
-    A fact that only the spec has counts as read once, and one that only the second reading has is a disagreement. A
+    A fact that only the spec has counts as read once, and a fact that only the second reading has is a disagreement. A
     fact that the spec only implies counts as missing from it. ``place_in_spec`` returns the place of a fact that the
     spec lacks, or None if the spec may lack it.
     """
@@ -55,7 +55,7 @@ def compare_facts(
 def missing_in_spec(second_fact: Fact, nearest_place: Path) -> Disagreement:
     """Return the disagreement on a fact that only the second reading has.
 
-    ``nearest_place`` is where the spec would state it, since it has no place there.
+    ``nearest_place`` is the place where the spec would state the fact.
     """
     return Disagreement(
         sort=second_fact.sort,
@@ -71,7 +71,7 @@ def missing_in_spec(second_fact: Fact, nearest_place: Path) -> Disagreement:
 def _compare_values(comparison: Comparison, spec_fact: Fact, second_fact: Fact) -> Iterator[Disagreement]:
     """Compare the values of a fact: one value, or one for each case. Of several differences, yield the first.
 
-    If all cases of both readings have one value each, only these two are compared. Printed names are the same if the
+    If all cases of both readings have one value each, only these two are compared. Printed names count as equal if the
     readings have an alternative in common.
     """
     spec_value, second_value = _common_value(spec_fact.value), _common_value(second_fact.value)

@@ -229,7 +229,7 @@ def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]
 
 
 def _range_facts(measured: Subject, interface: Interface, layout: Layout) -> Iterator[Fact]:
-    """Yield the facts about the range of the position that a layout states for itself, which most do not."""
+    """Yield the facts about the range of the position in a layout, if the layout states its own."""
     if layout.position_range is None:
         return
     place: Path = ("interfaces", interface.name, "layouts", layout.name, "position_range")

@@ -153,7 +153,7 @@ class Facts:
     """All facts of a reading. ``derived`` counts the facts that follow from other facts.
 
     ``names`` contains the names of items of one kind, by interface if they belong to an interface. A second reading can
-    give the numbers of a text in ``printed_numbers`` by its path, and the sections of everything under a path in
+    list the numbers of a text in ``printed_numbers`` by its path, and the sections of everything under a path in
     ``sections``. ``decided`` contains the paths and classes of facts that no manual prints.
     """
 
@@ -323,7 +323,7 @@ class Reading:
         return f"{self.bits_at(path)} is {number_text}"
 
     def _field_at(self, path: str) -> tuple[Register | None, Field | None]:
-        """Return the register and the field of ``register.field``, each None if there is no such one."""
+        """Return the register and the field of ``register.field``, each None if it does not exist."""
         register_name, _, field_name = path.partition(".")
         register = self.register(register_name)
         if register is None:
@@ -429,7 +429,7 @@ def as_delivered(register: Register) -> int | None:
 
 
 def _documented_number(field: Field) -> int | None:
-    """Return the value that a field always has as a number, or None if it has none or the order code decides it."""
+    """Return the constant value of a field as a number, or None if it has none or the order code decides it."""
     documented_value = field.equals
     if isinstance(documented_value, str):
         return int.from_bytes(documented_value.encode("ascii"), "big")

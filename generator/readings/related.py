@@ -121,8 +121,8 @@ def _own_cause(disagreement: Disagreement) -> object:
 def _changed_values(disagreement: Disagreement) -> object:
     """Return the numbers in which the values differ, in any unit, or the two signals of a contact, or None.
 
-    ``("numbers", {"3"}, {"5"})`` stands for 30 ms in the spec and 50 ms in the second reading, and also for times of
-    30,000 and 50,000 µs. Numbers of positions, addresses and the like mean nothing elsewhere.
+    ``("numbers", {"3"}, {"5"})`` means 30 ms in the spec and 50 ms in the second reading, and also times of 30,000 and
+    50,000 µs. Numbers of positions, addresses and the like mean nothing elsewhere.
     """
     spec_digits = _digits_of_numbers(disagreement.spec_value)
     second_digits = _digits_of_numbers(disagreement.second_value)
@@ -157,7 +157,7 @@ def _digits_of_numbers(text: str) -> Set[str]:
 def _known_renaming_of_entry(disagreement: Disagreement, known_causes: Iterable[object]) -> object:
     """Return a known renaming, ``(spec name, second name)``, that explains an entry of the contents, or None.
 
-    Only the second reading has the entry, under the second name.
+    Only the second reading contains the entry, under the second name.
     """
     if disagreement.sort is not Sort.CONTENTS or disagreement.spec_value != NOTHING:
         return None

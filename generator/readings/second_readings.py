@@ -165,7 +165,7 @@ def compare_readings(
 
     ``sound`` are the files of specs without problems. Derived families are left out, and so are families without a
     second reading and families with problems in one of the two files. A second reading is checked even if its spec has
-    some. ``read`` returns the second reading of a family.
+    problems. ``read`` returns the second reading of a family.
     """
     coverages = []
     for loaded_family in families:
@@ -220,7 +220,7 @@ class _Explanation:
     spec_value: str
 
     def explains(self, disagreement: Disagreement) -> bool:
-        """Return whether a disagreement has exactly these two values, at an affected place or near it."""
+        """Return whether a disagreement consists of exactly these two values, at an affected place or near it."""
         if (self.second_value, self.spec_value) != (disagreement.second_value, disagreement.spec_value):
             return False
         return any(touches(path, disagreement.spec_place_or_nearest) for path in self.affected_paths)
@@ -302,7 +302,7 @@ def _others_text(disagreements: Related, spec: Document, second: Document) -> st
 def _check_explanation(explanation: _Explanation, spec: Document, report: Report, *, is_used: bool) -> None:
     """Report an erratum that explains no disagreement, or whose printed text has other values.
 
-    In the second case, the printed text has values with the same unit, but not the number of the second reading.
+    In the second case, the printed text contains values with the same unit, but not the number of the second reading.
     """
     second_value = explanation.second_value
     if not is_used:
@@ -316,7 +316,7 @@ def _check_explanation(explanation: _Explanation, spec: Document, report: Report
 
 
 def _lacks_number(printed_text: str, value_with_unit: str) -> bool:
-    """Return whether a text lacks the number of a value such as ``5 ms``, but has another value with its unit.
+    """Return whether a text lacks the number of a value such as ``5 ms``, but contains another value with its unit.
 
     A value without a unit is not checked.
     """
@@ -331,7 +331,7 @@ def _lacks_number(printed_text: str, value_with_unit: str) -> bool:
 
 
 def _parse_number(number_text: str) -> Decimal:
-    """Return the number that a text such as ``1,000.5`` stands for."""
+    """Return the number that a text such as ``1,000.5`` represents."""
     return Decimal(number_text.replace(",", ""))
 
 

@@ -127,7 +127,7 @@ def _characteristic_facts(reading: Reading) -> Iterator[Fact]:
 
 
 def _table_facts(reading: Reading) -> Iterator[Fact]:
-    """Yield every table, identified by its name, and the numbers of each cell that has some, by row and column."""
+    """Yield every table, identified by its name, and the numbers of each cell with numbers, by row and column."""
     for table in reading.device.tables:
         subject = Subject(
             reading, key=("table", table.name), place=("tables", table.name), description=f"the table '{table.name}'"

@@ -39,7 +39,7 @@ UNUSED = "unused"
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """An error in a frame, with the field that has it."""
+    """An error in a frame, with the field in error."""
 
     fault: Fault
     field: str
@@ -50,7 +50,7 @@ class DecodedField(NamedTuple):
     """A field of a decoded frame.
 
     ``raw`` is the number on the wire. ``value`` is its meaning: a number, a Boolean, the name of a value, or a string.
-    ``scale`` gives the quantity that a number stands for.
+    ``scale`` converts a number to a quantity.
     """
 
     name: str
@@ -218,7 +218,7 @@ def _problems_with_other_fields(
 
 
 def _problems_of_position(device: Device, placed: PlacedLayout, binary_number: int) -> Iterator[Problem]:
-    """Yield the problem if the frame has a position that this encoder does not have.
+    """Yield the problem if the frame contains a position that this encoder does not have.
 
     ``binary_number`` is the frame with its Gray code converted to binary.
     """
@@ -362,7 +362,7 @@ def _encode_fields(device: Device, placed: PlacedLayout, values: Values) -> int:
 
 
 def _check_names(placed: PlacedLayout, values: Values) -> None:
-    """Check that each value belongs to a field, and that the fields that this order code lacks have none but 0.
+    """Check that each value belongs to a field, and that fields that this order code lacks are 0 if given.
 
     Raises:
         EncodeError: A name is unknown, or this order code has no such field.
@@ -408,7 +408,7 @@ def _split_join(placed: PlacedLayout, join: Join, joined_value: int, values: Val
     Fields that this order code lacks are 0.
 
     Raises:
-        EncodeError: The value does not fit in the fields, or differs from theirs.
+        EncodeError: The value does not fit in the fields, or differs from the values of the fields.
     """
     value_by_field: dict[str, int] = {}
     remaining_bits = joined_value

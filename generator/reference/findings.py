@@ -68,7 +68,8 @@ class Findings:
 def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
     """Return the findings in ``decoded``, a frame of the encoder or a register.
 
-    An invalid frame has no findings, since none of its bits can be trusted. A frame of the master has none either.
+    An invalid frame has no findings, since none of its bits can be trusted. A frame of the master has no findings
+    either.
     """
     if decoded.problems or decoded.layout is None or decoded.layout.layout.sender == "master":
         return Findings()
@@ -120,7 +121,7 @@ def _reports_of_register(
 
 
 def _alarm_for(device: Device, variant: Variant, field: Field, register: str) -> Alarm | None:
-    """Return the alarm of a flag, or None if the manual has none for this order code.
+    """Return the alarm of a flag, or None if the manual describes none for this order code.
 
     In a frame, ``register`` is empty.
     """
@@ -143,7 +144,7 @@ def _is_active_field(placed_field: PlacedField, decoded_field: DecodedField) -> 
 
 
 def _is_active_sign(sign: Sign, layout: Layout, decoded_fields: Mapping[str, DecodedField]) -> bool:
-    """Return whether all fields of a sign have the values that its conditions name."""
+    """Return whether all fields of a sign have the values in its conditions."""
     for name, number in sign.conditions:
         required_value = _decoded_value(layout.field(name), number)
         if name not in decoded_fields or decoded_fields[name].value != required_value:

@@ -33,7 +33,7 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
     """Return the value of a register from its bytes in ascending order of address.
 
     Raises:
-        RegisterError: This interface has no such register, or the register has a different length.
+        RegisterError: This interface does not have the register, or the register has a different length.
     """
     registers = {register.name: register for register in device.registers_over(variant.interface)}
     if name.lower() not in registers:

@@ -30,14 +30,14 @@ class EncodeError(ValueError):
 
 
 def number_of_text(text: str) -> int:
-    """Return the bits of a text field as one number. Latin-1 has a character for every byte."""
+    """Return the bits of a text field as one number. Latin-1 contains a character for every byte."""
     return int.from_bytes(text.encode("latin-1", "replace"), "big")
 
 
 def value_and_meaning(field: Field, raw: int, width: int) -> tuple[int | str | bool, str]:
     """Return the value and the meaning of a number in a field: ``("ready", "the encoder is ready")`` for a choice.
 
-    Numbers that are not valid stand for themselves.
+    Invalid numbers are returned unchanged.
     """
     match field.kind:
         case Number() as number:
@@ -60,7 +60,7 @@ def value_and_meaning(field: Field, raw: int, width: int) -> tuple[int | str | b
 
 
 def signed_or_plain(number: Number, raw: int, width: int) -> int:
-    """Return the value of these bits: two's complement if the field is signed. Zero may stand for another value.
+    """Return the value of these bits: two's complement if the field is signed. Zero may represent another value.
 
     0b111 of 3 bits is -1 in a signed field, and else 7. ``zero_means`` is 0 unless the manual gives 0 another meaning.
     """
@@ -71,7 +71,7 @@ def signed_or_plain(number: Number, raw: int, width: int) -> int:
 
 
 def encode_value(kind: DataKind, placed_field: PlacedField, value: int | str | bool) -> int:
-    """Return the number that stands for a value of a field. Named values and texts may also be given as numbers."""
+    """Return the number that represents a value of a field. Named values and texts may also be given as numbers."""
     match kind:
         case Number():
             return _encode_number(kind, placed_field, checked_number(value))

@@ -68,7 +68,7 @@ def _without_equal_ends(old: Sequence[str], new: Sequence[str], ranges: Ranges) 
 def _has_few_equal_pairs(old: Sequence[str], new: Sequence[str], ranges: Ranges, most_pairs: int) -> bool:
     """Return whether two ranges have at most ``most_pairs`` pairs of equal words.
 
-    A word that occurs 3 times in one range and twice in the other gives 6 pairs.
+    A word that occurs 3 times in one range and twice in the other leads to 6 pairs.
     """
     old_counts = Counter(old[ranges.low : ranges.high])
     new_counts = Counter(new[ranges.new_low : ranges.new_high])

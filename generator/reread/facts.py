@@ -109,7 +109,7 @@ class Citing:
     def is_at(self, sections: Collection[str], passage: Passage) -> bool:
         """Return whether it cites one of the sections, or is an option of the order code that the passage names.
 
-        Manuals print order codes in many sections, and in headings, of which a spec cites few. A fact of the edition is
+        Manuals print order codes in many sections and headings, few of which a spec cites. A fact of the edition is
         instead at a passage that changes it on the cover, has a date, or adds a row to the history below its own row.
         """
         if self.is_of_edition:
@@ -186,8 +186,8 @@ def _relative_path(file: str) -> str:
 def _printed_words(value: object) -> Iterator[str]:
     """Yield the words of a value in lower case. A truth value has none.
 
-    A number can be printed in hexadecimal, with separators, or in a larger unit. For example, 4000 gives ``4,000``,
-    ``4.000``, ``4``, ``400.0`` and ``fa0h``.
+    A number can be printed in hexadecimal, with separators, or in a larger unit. For example, 4000 is printed as
+    ``4,000``, ``4.000``, ``4``, ``400.0`` or ``fa0h``.
     """
     if isinstance(value, bool) or value is None:
         return
@@ -210,7 +210,7 @@ def _printed_words(value: object) -> Iterator[str]:
 def _with_top_bit(polynomial: object) -> frozenset[str]:
     """Return a polynomial as manuals print it with its top bit, in hexadecimal or binary.
 
-    The spec leaves out the top bit, whose place is the width of the CRC. Each width up to 32 is tried.
+    The spec leaves out the top bit, whose position is the width of the CRC. Each width up to 32 is tried.
     """
     if not isinstance(polynomial, int):
         return frozenset()
@@ -288,7 +288,7 @@ def _source_of_member(item: Mapping[str, Any], path: Path, member_name: str, in_
 
 
 def _surroundings_in(item: Mapping[str, Any], path: Path, around: _Surroundings) -> _Surroundings:
-    """Return what the facts in a map have from it and from the items around it.
+    """Return the context of the facts in a map: from the map and from the items around it.
 
     An item is a map in a list, with a source, or in a map of items. Other maps belong to the item around them.
     """

@@ -159,7 +159,8 @@ def _shown_text(words: Sequence[str], low: int, high: int) -> str:
 def numbers_changed(old: Manual, new: Manual) -> Iterator[Passage]:
     """Yield a passage for each section in which other numbers occur, for editions in two languages.
 
-    Only the numbers are compared, without their order, so ``old`` and ``new`` contain those that only one edition has.
+    Only the numbers are compared, without their order, so ``old`` and ``new`` contain the numbers that only one edition
+    has.
     """
     for old_section, new_section in pair_sections(old, new):
         if old_section is None or new_section is None:

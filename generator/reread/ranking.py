@@ -50,7 +50,7 @@ class _PassageWords(NamedTuple):
 
 
 class SectionFacts:
-    """The facts that cite a section, with the number of those that have each word."""
+    """The facts that cite a section, with the number of facts that contain each word."""
 
     def __init__(self, facts: Sequence[Citing], section_words: Iterable[str]) -> None:
         self.facts = facts
@@ -60,7 +60,7 @@ class SectionFacts:
     def likely_facts(self, passage: Passage) -> list[tuple[float, Citing]]:
         """Return the facts whose value or name occurs in a passage with their scores, the highest first.
 
-        A word counts more if fewer of the facts have it, and more in the old words than in those near them (see
+        A word counts more if fewer of the facts contain it, and more in the old words than near them (see
         ``_score_of_fact``). Facts with the same score are in the order of the spec.
         """
         passage_words = _PassageWords(
@@ -140,9 +140,9 @@ class TouchedFacts:
     ) -> list[Citing]:
         """Return facts in the order of display, each path once.
 
-        First facts that are or have the changed text, and differing values. Then for each likely item its first facts:
-        6 of the first item, 4 of the second, and 2 of each other item. Facts that refer to the first item follow it.
-        All other likely facts are last.
+        First facts that contain or equal the changed text, and differing values. Then for each likely item its first
+        facts: 6 of the first item, 4 of the second, and 2 of each other item. Facts that refer to the first item follow
+        it. All other likely facts are last.
         """
         likely_by_item: dict[str, list[Citing]] = {}
         for fact in likely_facts:
@@ -282,13 +282,13 @@ class _Change:
         return is_number_in_text or is_text_in_text or has_label or self._is_named_before(fact)
 
     def _is_named_before(self, fact: Citing) -> bool:
-        """Return whether the words right before the change are the name of a fact, if that has several words."""
+        """Return whether the words right before the change are the name of a fact, if the name has several words."""
         name = fact.own_name_text
         return " " in name.strip() and self._before.endswith(name)
 
 
 def _differing_values(likely_by_item: Mapping[str, Sequence[Citing]], passage: Passage) -> list[Citing]:
-    """Return the likeliest fact of each item that has an old word in its value, or its whole name in the old words.
+    """Return the likeliest fact of each item whose value contains an old word, or whose whole name is in the old words.
 
     At most 4 facts are returned. ``likely_by_item`` contains the facts of each item, the most likely first.
     """
@@ -329,8 +329,8 @@ def _score_of_fact(fact: Citing, passage: _PassageWords, fact_counts: Mapping[st
 def _comparable_words(words: Iterable[str]) -> set[str]:
     """Return all spellings of printed words under which they are compared, in lower case.
 
-    ``10MHz`` gives ``10mhz`` and ``10``, ``2,5`` gives ``2,5`` and ``2.5``, ``1Ah`` gives ``1ah`` and ``1a``, and an
-    order code ``XY24`` gives ``xy24`` and ``24``.
+    ``10MHz`` becomes ``10mhz`` and ``10``, ``2,5`` becomes ``2,5`` and ``2.5``, ``1Ah`` becomes ``1ah`` and ``1a``, and
+    an order code ``XY24`` becomes ``xy24`` and ``24``.
     """
     # Each step adds the spellings that follow from the spellings before it.
     comparable_words = {word.casefold() for word in words}
@@ -346,7 +346,7 @@ def _comparable_words(words: Iterable[str]) -> set[str]:
 
 
 def _weight_by_rarity(words: Set[str], fact_counts: Mapping[str, int]) -> float:
-    """Return the sum of the weights of words. The weight is 1 divided by the number of facts that have the word."""
+    """Return the sum of the weights of words. The weight is 1 divided by the number of facts that contain the word."""
     return sum(1 / fact_counts[word] for word in words)
 
 
@@ -355,7 +355,7 @@ def _share_near_passage(
 ) -> float:
     """Return the share of a fact's words that are near a passage, weighted by rarity, from 0 to 1.
 
-    Only words that its section prints count, so that a word that the manual does not use does not lower the share.
+    Only words printed in its section count, so that a word that the manual does not use does not lower the share.
     """
     words_in_section = words & section
     rarity_in_section = _weight_by_rarity(words_in_section, fact_counts)

@@ -86,7 +86,8 @@ class Manual:
     def without_heading_after(self, number: str) -> set[str]:
         """Return the sections whose heading is missing, and whose text therefore counts as part of ``number``.
 
-        Their numbers are between ``number`` and the next number in the text. A section without a number has none.
+        Their numbers are between ``number`` and the next number in the text. A section without a number has no such
+        sections.
         """
         section_numbers = [section.number for section in self.sections if _NUMBER.fullmatch(section.number)]
         if number not in section_numbers:
@@ -261,7 +262,7 @@ def _join_entry_lines(lines: Sequence[str]) -> list[str]:
 def _continues_entry(line_before: str, first_line: str, second_line: str) -> bool:
     """Return whether two lines are one entry of the contents.
 
-    The line before them is an entry with a page. The first line has a number but no page, the second one a page only.
+    The line before them is an entry with a page. The first line has a number but no page, the second line only a page.
     """
     is_after_entry = bool(_IN_CONTENTS.search(line_before))
     begins_entry = _numbered_heading(first_line) is not None and not _IN_CONTENTS.search(first_line)
@@ -349,8 +350,8 @@ def _is_skipped_in_contents(
 def _contents_lines(lines: Sequence[str], numbered_lines: Mapping[int, _Heading]) -> set[int]:
     """Return the numbered lines of the contents.
 
-    With 12 or more lines that have a page, these are all. Otherwise they are all lines from the first line up to the
-    first lower chapter, since there the text begins again with chapter 1.
+    If 12 or more lines have a page, these are all lines of the contents. Otherwise they are all lines from the first
+    line up to the first lower chapter, since there the text begins again with chapter 1.
     """
     lines_with_page = {index for index in numbered_lines if _IN_CONTENTS.search(lines[index])}
     if len(lines_with_page) >= _LEAST_COMPLETE_CONTENTS:
@@ -430,7 +431,7 @@ def pair_sections(old: Manual, new: Manual) -> Iterator[tuple[Section | None, Se
 
 
 def _same_number_and_title(old_section: Section, new_sections: Mapping[str, Section]) -> str | None:
-    """Return the number of a section if a new one, by number, has the same number and title, or None."""
+    """Return the number of a section if a new section by this number has the same title, or None."""
     new_section = new_sections.get(old_section.number)
     if new_section is None or new_section.title.casefold() != old_section.title.casefold():
         return None

@@ -55,7 +55,7 @@ def heading(name: str) -> str:
 
 
 def title(titled: Titled) -> str:
-    """Return the name used in the manual, or our name if the manual has none."""
+    """Return the name used in the manual, or our name if the manual gives none."""
     return titled.printed_name or heading(titled.name)
 
 

@@ -40,7 +40,7 @@ def decimal(value: Fraction) -> str:
 
 
 def quantity(scale: Scale, value: int) -> str:
-    """Return the quantity that a number stands for: ``26.9 °C``. Begin with ``≈`` if the decimals are rounded."""
+    """Return the quantity that a number represents: ``26.9 °C``. Begin with ``≈`` if the decimals are rounded."""
     text = f"{scale.decimal(value)} {scale.unit}"
     return text if scale.is_exact(value) else f"≈ {text}"
 

@@ -349,7 +349,7 @@ def _flag_verdict(flag: Flag) -> Iterator[Statement]:
 
 
 def _flag_levels(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
-    """Yield the meaning of each level of a flag. Nothing if it is not implemented and the manual gives none."""
+    """Yield the meaning of each level of a flag. Empty if it is not implemented and the manual states no level."""
     has_meaning = bool(flag.when_active or flag.when_inactive)
     if not is_implemented and not has_meaning:
         return
@@ -371,7 +371,7 @@ def _hex_digits_for(bits: int) -> int:
 
 
 def _expected_value(value: Expression | int | str, bits: int) -> Part:
-    """Return the value that a field of ``bits`` bits always has, as text or as a hexadecimal number."""
+    """Return the constant value of a field of ``bits`` bits, as text or as a hexadecimal number."""
     if isinstance(value, str):
         return Code(value)
     number = value if isinstance(value, Expression) else Expression(value)

@@ -1,4 +1,4 @@
-"""Statements about a device, made of parts without markup, and the wording of numbers with units."""
+"""Statements about a device, composed of parts without markup, and the wording of numbers with units."""
 
 from __future__ import annotations
 
@@ -233,7 +233,7 @@ class Style:
         return f"{label}{phrase} {source}" if ends_with_punctuation else f"{label}{phrase} {source}."
 
     def head(self, statement: Statement) -> str:
-        """Return the label and source of a statement that has others below it: ``Erratum start (open) [5.3]``."""
+        """Return the label and source of a statement with other statements below it: ``Erratum start (open) [5.3]``."""
         return f"{self.text(statement.label)} {self.cited(statement.source)}".strip(" ")
 
     def lines(self, statement: Statement) -> list[str]:
@@ -247,7 +247,7 @@ class Style:
         return " ".join(filter(None, map(self.sentence, items)))
 
     def number(self, expression: Expression) -> str:
-        """Return a number, or as code an expression that still has parameters after known values are filled in."""
+        """Return a number, or as code an expression that still contains parameters after known values are filled in."""
         resolved = self.resolve(expression)
         if resolved.is_constant:
             return number(resolved.constant)

@@ -34,7 +34,7 @@ class Library:
         devices: The devices that the target writes, sorted by name.
         own_templates: Folder of the user's templates for this target. Pass it to ``Templates.render``.
         stored_part: Returns the part of a device from the cache, or else calls its second argument.
-        only_paths: Names of devices whose files have no text, because only the number of their files is needed.
+        only_paths: Names of devices whose files have no content, because only their number is needed.
     """
 
     devices: tuple[Device, ...]
@@ -73,7 +73,8 @@ def manufacturers(devices: Iterable[Device]) -> list[Manufacturer]:
 
 
 def main_manufacturer(makers: Sequence[Manufacturer]) -> Manufacturer | None:
-    """Return the manufacturer whose name a folder with the packages of ``makers`` has, or None if no single one has."""
+    """Return the manufacturer after whom a folder with the packages of ``makers`` is named, or None for no single
+    one."""
     if len(makers) == 1:
         return makers[0]
     main_makers = [manufacturer for manufacturer in makers if manufacturer.main]
@@ -164,7 +165,7 @@ class Target:
             and by ``check --target``, and only with devices whose specs have no other problems.
         options: Settings of the target.
         templates: Templates of the target, for ``--templates`` and the page about templates.
-        family: Function that returns what the target makes from one device alone. ``files`` calls it through
+        family: Function that returns the target's result for one device alone. ``files`` calls it through
             ``Library.part`` if the result is data that JSON can express, and through ``Library.files_of`` if it yields
             files. Of the built-in targets, results for unchanged specs come from the cache.
 

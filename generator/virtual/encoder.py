@@ -52,8 +52,8 @@ class VirtualEncoder:
         faults: The faults, and the number of times that each was injected.
 
     Raises:
-        ValueError: There is no such order code, edition, register, answer or fault, the interface cannot have this
-            fault, or an answer is missing.
+        ValueError: The order code, edition, register, answer or fault does not exist, the interface cannot have this
+        fault, or an answer is missing.
     """
 
     def __init__(
@@ -365,7 +365,7 @@ class VirtualEncoder:
         return measurement.of if measurement is not None else "position"
 
     def _carries_position(self, layout: Layout) -> bool:
-        """Return whether a layout has the position, as a join of several fields or as one field."""
+        """Return whether a layout contains the position, as a join of several fields or as one field."""
         name = self._position_name
         is_joined = layout.names_in(name) != (name,)
         return is_joined or self.place(layout).find_field(name) is not None
@@ -426,7 +426,7 @@ class VirtualEncoder:
 
 
 def _number_from_bits(placed_field: PlacedField, bits: int) -> int:
-    """Return the number that the bits of a field stand for: -1 for 0b111 in a signed field of 3 bits."""
+    """Return the number that the bits of a field represent: -1 for 0b111 in a signed field of 3 bits."""
     sign_bit = bits >> (placed_field.width - 1)
     if placed_field.field.number.signed and sign_bit:
         return bits - (1 << placed_field.width)

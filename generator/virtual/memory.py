@@ -140,7 +140,10 @@ class Memory:
         return True
 
     def write(self, address: int, value: int) -> bool:
-        """Write the byte at an address, and return whether the encoder accepts it. The last byte has the effects."""
+        """Write the byte at an address, and return whether the encoder accepts it.
+
+        The last byte triggers the effects.
+        """
         register = self._writable_register_at(address)
         if register is None or not self._is_open(register):
             return False
@@ -173,7 +176,7 @@ class Memory:
         return None
 
     def _registers_at(self, address: int) -> Iterator[Register]:
-        """Yield the registers that have a byte at this address in the selected bank."""
+        """Yield the registers with a byte at this address in the selected bank."""
         for register in self.registers.values():
             if register.address <= address <= register.last_address:
                 # Name of the register with the number of the selected bank, or "" for a register in no bank.
@@ -233,7 +236,8 @@ class Memory:
     def _react_to_write(self, register: Register) -> None:
         """Do what follows from the new value of a register: correct it, execute a command, and save it.
 
-        The constant bits keep their value. A number above the highest becomes the default if the encoder does so.
+        The constant bits keep their value. A number above the highest becomes the default if the encoder behaves in
+        this way.
         """
         content = self.value(register.name)
         for placed_field in self._encoder.place(register.layout).fields:
@@ -262,7 +266,7 @@ class Memory:
     def _apply_to_parameters(self, register: Register) -> None:
         """Set the parameters of the encoder that the register holds, such as the width of a field.
 
-        If it holds none, nothing changes.
+        If it holds no parameters, nothing changes.
         """
         encoder = self._encoder
         encoder.variant = after_write(encoder.device, encoder.variant, register, self.value(register.name))
@@ -333,7 +337,7 @@ class Memory:
             self._encoder.set_position(argument)
 
     def _current_meaning(self, register: Register) -> str:
-        """Return the meaning that a register has while a field of another has its present value, or an empty string.
+        """Return the meaning of a register while a field of another register has its present value, or an empty string.
 
         ``meaning.when`` is the place of that field, such as ``mode.preset_type``, and ``meaning.value`` a named value.
         """

@@ -272,7 +272,10 @@ class Rs485Line:
         self._reset_requests = (-1, 0, 0.0)
 
     def _is_last_request(self, control: int, step: SendStep) -> bool:
-        """Count a request of a reset, and return whether it is the last one. One that comes too soon begins again."""
+        """Count a request of a reset, and return whether it is the last one.
+
+        A request that comes too soon starts the count again.
+        """
         now = self.encoder.clock()
         last_control, previous_count, last_time = self._reset_requests
         is_too_soon = now - last_time < step.microseconds / 1e6 - _TOLERANCE_S
@@ -289,10 +292,10 @@ class Rs485Line:
 
 
 class SpiLine:
-    """SPI with one encoder. As bytes, each word has the bytes that hold its bits, most significant first.
+    """SPI with one encoder. As bytes, each word consists of the bytes that hold its bits, most significant first.
 
-    Bytes have no chip select. If words have several lengths, the request shows where a word ends. Of two requests that
-    begin alike, the longer one counts if all its bytes have been received.
+    Bytes have no chip select. If words have several lengths, the request shows where a word ends. If two requests begin
+    alike, the longer request counts if all its bytes have been received.
 
     Args:
         encoder: The encoder.
@@ -323,8 +326,8 @@ class SpiLine:
 
         Args:
             word: The word, whose first bit is the most significant.
-            bits: Number of bits of the word. Default: ``word_bits`` of the interface, or the shortest length if no
-                word has that one.
+            bits: Number of bits of the word. Default: ``word_bits`` of the interface, or the shortest length if no word
+            has ``word_bits``.
 
         Raises:
             ValueError: The encoder has no words of this length, or the word does not fit.
@@ -402,9 +405,9 @@ class SpiLine:
         return self.encoder.frame(layout, {**repeated_values, "data": register_value})
 
     def _complete_write(self) -> int | None:
-        """Carry out a write once its address and data have come, and return the value of the register.
+        """Carry out a write once its address and data have arrived, and return the value of the register.
 
-        Return None if there is no register, or it cannot be written. Before the data come, the value is the old one.
+        Return None if there is no register, or it cannot be written. Before the data arrive, this is the old value.
         """
         address = self._written_fields.get("address", -1)  # No register has the address -1.
         if self._written_fields.keys() >= {"address", "data"}:
@@ -417,7 +420,8 @@ class SpiLine:
     def _find_request(self, word: int, length: int) -> tuple[Exchange, dict[str, int | str | bool]] | None:
         """Return the request in a word with its values, or None if no possible request fits.
 
-        A write can have several words. If one has begun, only its later words are possible. Before that, they are not.
+        A write can have several words. If a write has begun, only its later words are possible. Before that, they are
+        not.
         """
         later_words_of_write = self._write_exchanges[1:]
         if self._written_fields:

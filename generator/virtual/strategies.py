@@ -76,7 +76,7 @@ def _frame_layout(encoder: VirtualEncoder, name: str) -> Layout:
 def _frame_or_bytes(encoder: VirtualEncoder, layout: Layout) -> Any:
     """Return the current frame with this layout as bytes over RS-485, otherwise as a number.
 
-    The selector has the first of the values that identify the frame.
+    The selector has the first value that identifies the frame.
     """
     selector_values = {layout.selector: layout.selects[0]} if layout.selector else {}
     number = encoder.frame(layout, selector_values)

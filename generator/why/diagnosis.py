@@ -28,8 +28,8 @@ class Explanation:
     It matches one of ``one_in`` random frames. ``reads`` are the numbers in the frame without the mistake, if that
     changes the frame, and ``or_reads`` the numbers with another value of a lost bit. ``codes`` are the order codes that
     would send it. ``twice`` is true if two mistakes are needed. ``parts`` are the parts of a recording, each with its
-    bits. ``template`` is the text without the details of this frame, if it has any. With ``hides_shift``, the CRC of
-    the explanation does not detect every shift.
+    bits. ``template`` is the text without the details of this frame, if the text has details. With ``hides_shift``, the
+    CRC of the explanation does not detect every shift.
     """
 
     kind: str
@@ -142,7 +142,7 @@ def _grouped_by_mistake(hypotheses: Iterable[Hypothesis]) -> Iterable[list[Hypot
 def _explanation_of_all(device: Device, same_mistake: Sequence[Hypothesis]) -> Explanation:
     """Return one explanation for hypotheses that differ only in the value of a lost bit.
 
-    Each of them has half the evidence, since one of two values fits more often by chance.
+    Each explanation has half the evidence, since one of two values fits more often by chance.
     """
     explanations = [
         _explain_hypothesis(device, hypothesis, undecided_parameters=frozenset()) for hypothesis in same_mistake
@@ -326,7 +326,7 @@ def _hides_shift(hypothesis: Hypothesis) -> bool:
     """Return whether the CRC is also valid for every second frame that is shifted by one bit.
 
     Without start value and inversion, a frame and its CRC are a multiple of the polynomial. If its last bit is 0, it is
-    also one without this bit, and if its first bit is 0, with a 0 behind it.
+    also valid without this bit, and if its first bit is 0, with an additional last 0.
     """
     crc = hypothesis.crc
     if hypothesis.kind != NOT_INVERTED or crc is None or hypothesis.is_crc_over_bytes:

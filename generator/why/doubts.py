@@ -71,7 +71,7 @@ def _recorded_frames(
 ) -> Iterator[tuple[str, int]]:
     """Yield the frames in a word of SSI with more typed bits than the frame, if its leading zeros were received.
 
-    Each comes with a text, such as ``if the word comes first, and the other clocks read 0``.
+    Each frame comes with a text, such as ``if the word comes first, and the other clocks read 0``.
     """
     interface = device.interface(variant.interface)
     if not isinstance(interface, Ssi) or typed_frame.exact or typed_frame.written <= placed_layout.bits:
@@ -85,9 +85,9 @@ def _recorded_frames(
 
 
 def _frames_without_mistake(placed_layout: PlacedLayout, position_name: str, frame: int) -> Iterator[int | None]:
-    """Yield the frame without each mistake in ``READINGS``, in this order, or None if it cannot have the mistake.
+    """Yield the frame without each mistake in ``READINGS``, in this order, or None if the mistake is impossible.
 
-    A frame that was read early has a bit too many at its start and lacks its last bit. One that was read late is the
+    A frame that was read early has an additional first bit and lacks its last bit. One that was read late is the
     reverse.
     """
     # One item for each text of ``READINGS``, in the same order.

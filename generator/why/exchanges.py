@@ -32,7 +32,7 @@ WORD_ECHO_TEXT = (
 
 @dataclass(frozen=True, slots=True)
 class ExchangedFrame:
-    """A valid frame among the bytes. ``evidence`` is the number of its bits that have the one value to expect."""
+    """A valid frame among the bytes. ``evidence`` is the number of its bits that have the only expected value."""
 
     placed_layout: PlacedLayout
     data: bytes
@@ -211,7 +211,7 @@ def usual_values_of(device: Device, interface: str, layout: Layout) -> dict[str,
     """Return the values that fields of a frame usually have: ``{"address": [0x15]}``.
 
     These are their defaults in any frame, since a reply repeats the address in the request. In a request over SPI, they
-    are also the addresses of registers, and the content that the manual gives for unused fields.
+    are also the addresses of registers, and the documented content of unused fields.
     """
     field_names = {field.name for field in layout.fields}
     values_by_field: dict[str, list[int]] = {}
@@ -234,7 +234,7 @@ def usual_values_of(device: Device, interface: str, layout: Layout) -> dict[str,
 def _expected_bits(
     device: Device, placed_layout: PlacedLayout, frame: int, usual_values: Mapping[str, Sequence[int]]
 ) -> int:
-    """Return the number of bits in a valid frame that have the value to expect.
+    """Return the number of bits in a valid frame that have the expected value.
 
     These bits are the CRC, the constants, and fields with one of their usual values. A field that may have one of 4
     values has 2 free bits, which do not count.

@@ -2,7 +2,7 @@
 
 For each mistake, the CRC is computed as if it had been made. All that match are listed, most likely first. A mistake
 may match by coincidence: with a 6-bit CRC, one random frame in 64 does. So each explanation, and the list as a whole,
-comes with its chance.
+states its chance.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ from ..reference.bits import compute_bits, compute_bytes, parity_bit
 
 @dataclass(frozen=True, slots=True)
 class TypedFrame:
-    """A frame as typed, with ``bits`` bits, or at least that many if the text does not show leading zeros.
+    """A frame as typed, with ``bits`` bits, or at least ``bits`` bits if the text does not show leading zeros.
 
     ``written`` is the number of bits of all digits, leading zeros included.
     """
@@ -96,8 +96,8 @@ class Hypothesis:
     ``received_crc`` are the first ``received_crc_bits`` bits of the received CRC. ``determined_bits`` is the number of
     other bits whose value the mistake determines, and ``are_determined_right`` is true if they have it.
 
-    ``right_constant_bits`` is the number of frame bits that have their constant value. They prove nothing, but make
-    one reading more likely than another, as do inactive flags (``likelihood``).
+    ``right_constant_bits`` is the number of frame bits that have their constant value. They prove nothing, but make one
+    reading more likely than another, just as inactive flags do (``likelihood``).
 
     ``frame`` is the frame without the mistake, with the layout ``frame_layout``, if the mistake changes the frame.
     ``order_codes`` are those that would send it. ``recording_parts`` are the parts of the recording that contains the

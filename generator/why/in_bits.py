@@ -77,10 +77,10 @@ def _possible_lengths(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> l
 def moved_frame_hypotheses(
     device: Device, variant: Variant, placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses with bits around the frame, or without its first or last bits, or an own request in its place.
+    """Yield hypotheses with bits around the frame, or without its first or last bits, or with the user's own request.
 
-    The offsets and recordings of the line are tried. Only if none of them fits, and there is a CRC, the frame is
-    searched at every bit.
+    The offsets and recordings of the line are tried. If none of them fits and there is a CRC, the frame is searched at
+    every bit.
     """
     line = LINES.get(line_name(device.interface(variant.interface)))
     if line is None:
@@ -156,7 +156,7 @@ def _offset_hypotheses(
 
     The bits are, in the order received: bits before the frame, the received part of the frame, bits after it. Bits
     before the frame that must be 1 count as determined, and those that are mostly 0 change the likelihood. Without a
-    CRC, there is a hypothesis for each value of the lost last bits. With one, these belong to it and are 0 here.
+    CRC, there is a hypothesis for each value of the lost last bits. With a CRC, these bits belong to it and are 0 here.
     """
     frame_part_length = length - len(offset.front) - offset.behind
     front_and_frame_part = number >> offset.behind

@@ -111,7 +111,7 @@ def _missing_first_byte_hypotheses(
 ) -> Iterator[Hypothesis]:
     """Yield hypotheses with each possible first byte before the received bytes.
 
-    ``{0}`` in ``template`` stands for the byte.
+    ``{0}`` in ``template`` is replaced by the byte.
     """
     for first_byte in first_bytes:
         frame = bytes([first_byte]) + received_bytes

@@ -67,7 +67,7 @@ def other_crc_hypotheses(
 def other_crcs_over_bits(crc: Crc) -> Iterator[OtherCrc]:
     """Yield a CRC over bits with its inversion changed, with each other start value, and with its polynomial reversed.
 
-    Each comes with the kind of mistake and its description, such as ``the start value of the CRC is 0x3f``.
+    Each CRC comes with the kind of mistake and its description, such as ``the start value of the CRC is 0x3f``.
     """
     inversion_text = "the CRC is not inverted" if crc.xorout else "the CRC is inverted"
     yield NOT_INVERTED, inversion_text, replace(crc, xorout=crc.xorout ^ crc.mask)
@@ -110,9 +110,9 @@ def other_crcs_over_bytes(crc: Crc) -> Iterator[OtherCrc]:
 
 
 def _status_hypotheses(without_mistake: Hypothesis, placed_layout: PlacedLayout, frame: int) -> Iterator[Hypothesis]:
-    """Yield hypotheses in which the CRC does not cover error and warning, or they were inverted after it was computed.
+    """Yield hypotheses in which the CRC does not cover error and warning, or these were inverted after it was computed.
 
-    Nothing is yielded if the frame has neither.
+    Nothing is yielded if the frame has neither error nor warning.
     """
     frame_status_mask = status_mask(placed_layout)
     if not frame_status_mask:
@@ -232,10 +232,10 @@ def _start_bit_hypotheses(without_mistake: Hypothesis) -> Iterator[Hypothesis]:
 def other_polynomial_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_frame: TypedFrame) -> Iterator[Hypothesis]:
     """Yield hypotheses with data of the right length before a CRC of another length.
 
-    With two bits of data (d) and an expected CRC of four bits, a CRC of three bits (c) gives ``ddccc``, or ``ddccc0``
-    if the reader takes the expected length. A CRC of five bits gives ``ddccccc``, or ``ddcccc`` in the expected length.
-    The zero is the stop bit. The master holds SLI at 0, so with one slave the bits after the stop bit are 0, too.
-    The typed frame must have one of these lengths, or lack only leading zeros.
+    With two bits of data (d) and an expected CRC of four bits, a CRC of three bits (c) leads to ``ddccc``, or
+    ``ddccc0`` if the reader takes the expected length. A CRC of five bits leads to ``ddccccc``, or ``ddcccc`` in the
+    expected length. The zero is the stop bit. The master holds SLI at 0, so with one slave the bits after the stop bit
+    are 0, too. The typed frame must have one of these lengths, or lack only leading zeros.
     """
     data_bits = placed_layout.bits - crc.width
     for polynomial in POLYNOMIALS:

@@ -58,7 +58,7 @@ def _hypotheses_with_crc(
 def _too_long_hypothesis(
     variant: Variant, shapes: Sequence[FrameShape], crc: Crc, number: int, extra_bits: int
 ) -> Hypothesis:
-    """Return the hypothesis that ``number`` is a shorter frame with ``extra_bits`` bits behind it.
+    """Return the hypothesis that ``number`` is a shorter frame followed by ``extra_bits`` bits.
 
     ``shapes`` are the layouts with the length of the shorter frame.
     """
@@ -116,7 +116,8 @@ def _complete_frame_hypotheses(
 ) -> Iterator[Hypothesis]:
     """Yield a hypothesis with the complete frame of another order code or other register values, if possible.
 
-    If leading zeros are not known, several lengths are possible. The shortest one stands for all, with all order codes.
+    If leading zeros are not known, several lengths are possible. The shortest hypothesis represents all, with all order
+    codes.
     """
     # A text without leading zeros that fits into the expected frame is not explained by a longer frame.
     has_known_length = typed_frame.exact or typed_frame.bits > placed_layout.bits

@@ -38,7 +38,7 @@ class FrameOffset:
 
     ``front`` are extra bits before the frame (``?`` is any bit, ``~`` is mostly 0, like CDS), ``missing`` are missing
     first bits of the frame, ``lost`` is the number of missing last bits, and ``behind`` is the number of extra bits
-    after it. ``{0}`` in the text stands for ``missing``.
+    after it. ``{0}`` in the text is replaced by ``missing``.
     """
 
     kind: str
@@ -284,7 +284,7 @@ def recording_hypotheses(
 def window_hypotheses(placed_layout: PlacedLayout, crc: Crc, received_bits: str) -> Iterator[Hypothesis]:
     """Yield a hypothesis with the frame at each bit of a recording, with the bits before and behind it.
 
-    Of many places, one matches by chance more often, so their number is part of each hypothesis.
+    Among many places, a match by chance is more likely, so their number is part of each hypothesis.
     """
     frame_length = placed_layout.bits
     place_count = len(received_bits) - frame_length + 1
@@ -322,5 +322,5 @@ def missing_part(line: Line, frame_length: int, received_bits: str) -> str:
 
 @lru_cache(maxsize=1024)
 def _compile_for_length(pattern: str, frame_length: int) -> re.Pattern[str]:
-    """Return the regular expression with the length of the frame in the place of ``#``."""
+    """Return the regular expression with the length of the frame instead of ``#``."""
     return re.compile(pattern.replace("#", f"{frame_length}"))

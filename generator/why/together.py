@@ -1,4 +1,7 @@
-"""Judge several frames together. The mistake that was made explains all of them, and a coincidence only some."""
+"""Judge several frames together.
+
+The mistake that was made explains all frames, and a coincidence explains only some.
+"""
 
 from __future__ import annotations
 

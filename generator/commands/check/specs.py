@@ -121,7 +121,7 @@ def check_families(
 ) -> Checked:
     """Check families against the targets, and against the second readings and sheets of words next to their specs.
 
-    ``read`` and ``read_words`` return the second reading and the sheet of a family, or None if it has none. Problems
+    ``read`` and ``read_words`` return the second reading and the sheet of a family, or None if there is none. Problems
     are added to ``report``. The readings of the result are the coverage of each family with a second reading.
 
     Raises:
@@ -143,7 +143,7 @@ _OUT_OF_DATE = "the counts do not match the readings; update them with codewheel
 def check_counts(checked: Checked, *, write: bool) -> None:
     """Report files with counts of readings, next to the specs, that are out of date. With ``write``, write them all.
 
-    A family without such a file has no counts to report.
+    A family without such a file has no counts.
     """
     for family_coverage in checked.readings:
         counts_path = coverage_path(Path(family_coverage.spec.file))

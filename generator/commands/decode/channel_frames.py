@@ -59,7 +59,7 @@ class ChannelDecoder:
         """Return the frame in a text, or None if it is a single channel.
 
         It is a single channel if it has no more bits than the longest channel. The digits of a number may lack leading
-        zeros, so they are a single channel only if they are as many as a channel has, in bits or in bytes.
+        zeros, so they form a single channel only if their number fits a channel, in bits or in bytes.
 
         Raises:
             FrameTextError: The text cannot be read as a number.

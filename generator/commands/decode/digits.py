@@ -1,6 +1,6 @@
-"""Digits without a prefix, as programs and logs print them: give them the only meaning that they can have.
+"""Digits without a prefix, as programs and logs print them: find the only meaning that they can have.
 
-The page has the same rules.
+The page follows the same rules.
 """
 
 from __future__ import annotations
@@ -110,7 +110,8 @@ def possible_meanings(digits: str, bits: int) -> Iterator[str]:
     """Yield how to write digits without a prefix, for each meaning that they can have in a frame of ``bits`` bits.
 
     For ``10``: ``0xA if it is decimal``, ``0x10 if it is hex``, ``0b10 if it is bits``. A decimal or hexadecimal number
-    must fit into the frame. Bits may be of any number, since the length is checked later. The page has the same rule.
+    must fit into the frame. Bits may be of any number, since the length is checked later. The page follows the same
+    rule.
     """
     largest = (1 << bits) - 1
     if _DECIMAL.fullmatch(digits) and int(digits) <= largest:

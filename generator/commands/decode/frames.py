@@ -108,7 +108,7 @@ def undecorated(frame_text: str) -> str:
 
 
 def frame_bytes(frame_text: str) -> bytes:
-    """Return the bytes of hex text, such as ``1F 2A`` or ``1F2A``. Each piece between spaces has whole bytes.
+    """Return the bytes of hex text, such as ``1F 2A`` or ``1F2A``. Each piece between spaces consists of whole bytes.
 
     A piece may begin with ``0x``. A single digit is a byte after ``0x``, or if all pieces lack their leading zeros.
 
@@ -135,8 +135,8 @@ def frame_bytes(frame_text: str) -> bytes:
 def placed_bytes(placed_layout: PlacedLayout, variant: Variant, frame_text: str) -> bytes:
     """Return the bytes of a frame whose layout is in bytes. The text is hex bytes, or one binary number.
 
-    If the line carries bits, the number must have every bit sent. If it carries bytes, the layout's byte order puts the
-    number into bytes, and its leading zeros may be missing.
+    If the line carries bits, the number must contain every bit sent. If it carries bytes, the layout's byte order puts
+    the number into bytes, and its leading zeros may be missing.
 
     Raises:
         FrameTextError: The text has another form, or another number of bits.
@@ -159,9 +159,9 @@ def placed_bytes(placed_layout: PlacedLayout, variant: Variant, frame_text: str)
 def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exact: bool = False) -> TypedFrame:
     """Return a frame written as one number: ``0b`` and every bit, ``0x`` and hex digits, or bytes such as ``01 2A``.
 
-    ``0b`` gives the exact number of bits. Hex digits do not, because the frame may begin with further zeros. With
-    ``exact``, which means that frames of the sender have different lengths, hex bytes give it too if they are more or
-    fewer than the layout has. Digits without a prefix are accepted if only one reading of them fits.
+    ``0b`` states the exact number of bits. Hex digits do not, because the frame may begin with further zeros. With
+    ``exact``, which means that frames of the sender have different lengths, hex bytes also state it if their number
+    differs from the layout's. Digits without a prefix are accepted if only one reading of them fits.
 
     Raises:
         FrameTextError: The text has another form.
@@ -229,7 +229,7 @@ def decode_text(device: Device, variant: Variant, sender: str, text: str, layout
         else the sender's first.
 
     Raises:
-        FrameTextError: The text cannot be read as a frame, or there is no such layout.
+        FrameTextError: The text cannot be read as a frame, or the layout does not exist.
     """
     return text_decoder(device, variant, sender, layout)(text)
 
@@ -237,7 +237,7 @@ def decode_text(device: Device, variant: Variant, sender: str, text: str, layout
 def text_decoder(device: Device, variant: Variant, sender: str, layout: str | None) -> Callable[[str], codec.Decoded]:
     """Return a function that decodes the text of one frame, with the layout that ``decode_text`` would choose.
 
-    ``layout`` is the name of the layout, or None to let each frame identify its own. If there is no such layout, the
+    ``layout`` is the name of the layout, or None to let each frame identify its own. If the layout does not exist, the
     function raises FrameTextError for every frame.
     """
     layouts = _layouts_of(device, variant, sender)
@@ -288,7 +288,7 @@ def decode_register_text(device: Device, variant: Variant, name: str, frame_text
 
     Raises:
         FrameTextError: The text is not hex bytes.
-        RegisterError: There is no such register, or it has another length.
+        RegisterError: The register does not exist, or has another length.
     """
     return decode_register(device, variant, name, frame_bytes(undecorated(frame_text)))
 
@@ -298,7 +298,8 @@ def _layout_of_length(
 ) -> PlacedLayout:
     """Return the layout that has the length of the text: ``first`` or else the only other one.
 
-    If no other layout or several have this length, it is also ``first``. The decoder then reports the wrong length.
+    If no other layout or several have this length, the result is also ``first``. The decoder then reports the wrong
+    length.
     """
     if _has_length(first, frame_text):
         return first
@@ -311,7 +312,8 @@ def _has_length(placed_layout: PlacedLayout, frame_text: str) -> bool:
     """Return whether the text can be a frame of this layout by its number of bits.
 
     For a layout of 24 bits, these are ``0b`` with 24 digits, three bytes such as ``1F 2A 3B``, and numbers such as
-    ``0x1F2A`` of at most 24 bits, since their leading zeros may be missing. ``1F 2A`` has 16 bits, so it cannot be one.
+    ``0x1F2A`` of at most 24 bits, since their leading zeros may be missing. ``1F 2A`` has 16 bits, so it cannot have
+    another length.
     """
     # The sender has frames of different lengths, so another number of hex bytes means another length.
     frame = frame_number(placed_layout, frame_text, exact=True)
@@ -325,7 +327,8 @@ def decode_as(
 ) -> codec.Decoded:
     """Decode text that ``undecorated`` returned, with a known layout.
 
-    ``exact`` means that frames of the sender have different lengths, so that hex bytes have no further zeros in front.
+    ``exact`` means that frames of the sender have different lengths, so that hex bytes have no additional leading
+    zeros.
 
     Raises:
         FrameTextError: The text cannot be read as a frame.

@@ -300,8 +300,8 @@ def _lowest_joined_field(device: Device, variant: Variant, name: str) -> str:
 def _angle_text(measurement: Measurement, variant: Variant, name: str, counts: int) -> str:
     """Return the angle for a position in counts: ``singleturn: 90.0°``, ``position: 90.0° of revolution 3``.
 
-    Only the whole position of a multiturn encoder has its revolution. The text is empty if the counts per turn are not
-    known.
+    Only the whole position of a multiturn encoder includes its revolution. The text is empty if the counts per turn are
+    not known.
     """
     counts_per_turn = _value_or_zero(measurement.counts_per_turn, variant)
     turns = _value_or_zero(measurement.turns, variant)
@@ -405,7 +405,7 @@ def together_lines(mistakes: Sequence[CommonMistake], failed_frames: int) -> Ite
 
 
 def _introduction_sentence(diagnosis: Diagnosis, chance: str) -> str:
-    """Return the sentence in front of the explanations. Only with a CRC does it give their ``chance``."""
+    """Return the sentence before the explanations. It gives their ``chance`` only for a frame with a CRC."""
     if not diagnosis.has_crc:
         return f"{UNCERTAIN_READINGS}:"
     needs_two = diagnosis.explanations[-1].twice

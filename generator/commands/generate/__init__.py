@@ -189,7 +189,7 @@ def _result_of_earlier_run(arguments: argparse.Namespace, selection: Selection, 
 
 
 def _refuse_misused_options(arguments: argparse.Namespace, targets: Sequence[Target]) -> None:
-    """Refuse a folder of templates that does not exist, and a document type without the target that it is for.
+    """Refuse a folder of templates that does not exist, and a document type without its target.
 
     Raises:
         Stop: The exit code is 2.

@@ -217,7 +217,7 @@ def _have_same_model(device: Device, other_device: Device) -> bool:
 
 
 def _rendered_files(devices: Sequence[Device], parts: FamilyParts, filters: FamilyFilters) -> Mapping[str, str]:
-    """Return the files of all built-in targets, as texts by path, without families that a filter does not accept."""
+    """Return the files of all built-in targets, as texts by path, without families that a filter excludes."""
     files: dict[str, str] = {}
     for name in BUILT_IN:
         accepted = accepted_devices(name, devices, filters)

@@ -234,7 +234,7 @@ def _whole_length(measurement: Measurement, parameters: Mapping[str, int] | None
 
 
 def _range_lines(device: Device, interface: str, parameters: Mapping[str, int] | None) -> list[str]:
-    """Return a line for each layout in which the position has another range, such as ``in short  4,096 counts …``."""
+    """Return a line for each layout with another range of the position, such as ``in short 4,096 counts …``."""
     style = style_with(parameters)
     range_rows = []
     for layout_name, own_range in say_measurement.own_ranges(device, interface):
@@ -256,7 +256,7 @@ def interface_lines(device: Device, interface: Interface) -> list[str]:
 def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[str]:
     """Return the lines about a frame of a family: a row for each field or group of fields, with their widths.
 
-    The row of a group has all of its fields: ``status  error 1, warning 1``.
+    The row of a group contains all of its fields: ``status error 1, warning 1``.
     """
     widths_by_name: dict[str, list[str]] = {}
     for field in layout.fields:

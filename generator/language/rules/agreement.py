@@ -231,7 +231,7 @@ def check_unused_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 
 
 def _bits_at(at: int | str | None) -> range:
-    """Return the bits of a place such as ``7:6`` or ``5``, or none if it is not a place."""
+    """Return the bits of a place such as ``7:6`` or ``5``, or no bits if it is not a place."""
     high_text, _, low_text = str(at).partition(":")
     if not high_text.isdigit():
         return range(0)
@@ -324,7 +324,7 @@ def _number_of(cell_text: str) -> int:
 def check_repeated_tables(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Report two tables with common columns whose numbers agree in all cells but one.
 
-    Rows belong together if a column whose cells are all different in each table has the same cell in both.
+    Rows belong together if a column whose cells are all different in each table contains the same cell in both.
     """
     tables = spec.tables[:_MOST_TABLES]
     for index, located_table in enumerate(tables):
@@ -361,7 +361,7 @@ def _only_difference(table: Table, earlier_table: Table) -> _CellPair | None:
     """Return the only pair of numbers that differs in the common columns of two tables, or None.
 
     Rows are paired by each possible key column in turn. A column in which most pairs differ is left out, and enough
-    pairs must be left to compare.
+    pairs must remain for a comparison.
     """
     common_columns = [name for name in table.columns if name in earlier_table.columns]
     for key_column in common_columns:

@@ -98,7 +98,8 @@ def check_taken_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
 def _taken_place(register: WrittenRegister) -> str | None:
     """Return the name of the register that BiSS has at the addresses of another register.
 
-    Return None if there is none, or if a register may be there: a part of that register, or any register at 41h.
+    Return None if there is no such register, or if the other register may be there: a part of that register, or any
+    register at 41h.
     """
     first_address = register.address
     end_address = register.address + register.length
@@ -230,7 +231,7 @@ def _all_ones(width: int) -> int:
 def _crc_faults(located_crc: Located[Crc]) -> Iterator[tuple[str, str]]:
     """Yield the keys of a CRC that contradict BiSS, each with the message: not inverted, or reflected.
 
-    The data may have any shape.
+    The data may have any structure.
     """
     crc = located_crc.part
     is_valid = 0 < crc.width <= 64 and located_crc.is_valid("xorout")

@@ -87,7 +87,7 @@ def _check_supply(code_value: WrittenCodeValue, says: str, report: DocumentRepor
 def _lengths_named(meaning: str) -> dict[Fraction, str]:
     """Return the lengths in a meaning in nanometres, each with its text.
 
-    A quotient such as ``20/1024 mm`` stands for its result and also for its dividend, 20 mm.
+    A quotient such as ``20/1024 mm`` represents its result and also its dividend, 20 mm.
     """
     lengths = {}
     for dividend, number, unit in _LENGTH.findall(meaning):

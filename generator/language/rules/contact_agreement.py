@@ -103,8 +103,8 @@ def check_interfaces_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: D
 def check_wires_of_contacts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a contact and a wire with the same line have the same line over every interface.
 
-    A signal that a connector and a cable both have once belongs to a contact and a wire of one line. If another
-    connector and cable of the spec have the same titles, these two must have the same signal there too.
+    A signal that occurs once in a connector and once in a cable belongs to a contact and a wire of one line. If another
+    connector and cable of the spec have the same titles, these two must also have the same signal there.
     """
     # A connector and a cable with the same titles occur once for each interface.
     for connections in _connections_by_titles(spec).values():
@@ -131,7 +131,7 @@ def _connections_by_titles(spec: WrittenSpec) -> dict[tuple[str, str], list[_Con
 
 
 def _wires_by_contact(connector: Connector, cable: Connector) -> dict[str, str]:
-    """Return the wire of each contact, by the signals that both have once: ``{"2": "Pink"}``."""
+    """Return the wire of each contact, by the signals that occur once in both: ``{"2": "Pink"}``."""
     counts_of_contacts = Counter(_plain_signal(contact.signal) for contact in connector.contacts)
     counts_of_wires = Counter(_plain_signal(wire.signal) for wire in cable.contacts)
     wire_by_signal = {_plain_signal(wire.signal): wire.contact for wire in cable.contacts}

@@ -23,7 +23,7 @@ _FLAGS_OF_GROUP = 4
 
 
 def check_lone_levels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no flag alone has another active level than at least four others of its list, unless a text gives it.
+    """Check that no single flag has another active level than at least four others of its list, unless a text says so.
 
     Flags that combine others are not counted.
     """
@@ -46,7 +46,7 @@ def check_lone_levels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 
 
 def _gives_level(flag: WrittenField) -> bool:
-    """Return True if a text gives the level of a flag, or its name negates what the bit says."""
+    """Return True if a text states the level of a flag, or its name negates the meaning of the bit."""
     if flag.name.startswith("not_"):
         return True
     texts = (flag.meaning, flag.note, flag.when_active, flag.when_inactive)
@@ -112,7 +112,7 @@ def check_implemented_alarms(spec: WrittenSpec, as_read: WrittenSpec, report: Do
 
 
 def _flag_of(spec: WrittenSpec, alarm: Located[Alarm]) -> WrittenField | None:
-    """Return the flag of an alarm in its group or register, or None if it has none there."""
+    """Return the flag of an alarm in its group or register, or None if there is none."""
     owner = owner_of_alarm(spec, alarm)
     for field in owner.fields if owner is not None else ():
         if alarm.part.field and field.name == alarm.part.field:
@@ -278,7 +278,7 @@ def check_returning_registers(spec: WrittenSpec, as_read: WrittenSpec, report: D
 
 
 def check_equal_answers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the two answers of an alternative, if it has two, do not set the same numbers."""
+    """Check that the answers of an alternative with two answers do not set the same numbers."""
     for alternative in spec.alternatives:
         answers = list(alternative.values.items())
         if len(answers) != 2:

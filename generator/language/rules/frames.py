@@ -88,7 +88,7 @@ def _can_change_parity(field: WrittenField) -> bool:
 
 
 def _covered_fields(layout: WrittenLayout, parity_of: Sequence[str]) -> Iterator[str]:
-    """Yield the fields that a parity bit covers. A joined number stands for its fields."""
+    """Yield the fields that a parity bit covers. A joined number represents its fields."""
     for name in parity_of:
         yield from layout.join.get(name, [name])
 

@@ -106,7 +106,7 @@ def _check_words(
 ) -> None:
     """Report the first part whose number differs from the number that ``pattern`` finds in the text.
 
-    A text without a match says nothing about the number. A part whose number is None has none to compare.
+    A text without a match says nothing about the number. A part whose number is None is not compared.
     """
     match = pattern.search(text)
     if match is None:
@@ -131,7 +131,8 @@ def _parse_number(text: str) -> int:
 def _bytes_of(register: WrittenRegister) -> str:
     """Return the default of a register as hexadecimal digits in byte order, such as ``"3412"`` for 0x1234.
 
-    The result is empty if there is no default, if several bytes have no byte order, or if the default does not fit.
+    The result is empty if there is no default, if there are several bytes without a byte order, or if the default does
+    not fit.
     """
     length = register.length
     default = register.default
@@ -222,7 +223,7 @@ def _split_pattern(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[s
 
     For ``X-{bits}-{output}`` these are ``("", <bits>)`` and ``("-", <output>)``: the text before the first part is
     empty, because the start of the order code is matched separately. The expression is None if the part is unknown, has
-    no labels or an empty one, or is open with an invalid expression. The text is not checked from there on.
+    no labels or an empty label, or is open with an invalid expression. The text is not checked from there on.
     """
     parts = by_name(order_code.parts)
     literals_and_names = _BRACES.split(order_code.pattern)  # Literals are at even indices, names at odd indices.

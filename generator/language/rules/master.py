@@ -41,7 +41,7 @@ _BRACES = re.compile(r"\{([^{}]*)\}")
 
 
 class _CitedPart(WrittenPart):
-    """A part of a master of any kind, with its source and its places if it has them."""
+    """A part of a master of any kind, with its source and its places, if any."""
 
     source: Prose = described_key("Source.", default="")
     places: tuple[WrittenPlace, ...] = described_key("Places.", default=())
@@ -137,7 +137,7 @@ def _is_item(item_name: str, path: Path, report: DocumentReport, valid_items: tu
 
 
 def _check_limit(condition: WrittenCondition, report: DocumentReport) -> None:
-    """Check that a condition or limit gives words for a word, and bounds or numbers for a number."""
+    """Check that a condition or limit lists words for a text, and bounds or numbers for a number."""
     name = condition.item
     path = condition.path
     if not _is_item(name, condition.place_of("item"), report):
@@ -225,7 +225,7 @@ def _check_clocks(clocks: WrittenAnyClock, report: DocumentReport) -> None:
 
 
 def _check_place(place: WrittenPlace, master: WrittenMaster, report: DocumentReport) -> None:
-    """Check that a place is given on known devices, and that there is no ``where``, which says that none is known."""
+    """Check that a place is given on known devices, and has no ``where``, which says that no place is known."""
     path = place.path
     place_keys = [key for key in _PLACES if place.has(key)]
     if not place_keys:
@@ -255,7 +255,7 @@ def _check_object_and_bits(place: WrittenPlace, report: DocumentReport) -> None:
 
 
 def _check_channels(place: WrittenPlace, master: WrittenMaster, report: DocumentReport) -> None:
-    """Check that a place is on known devices, and that a list has one entry for each channel of each of them."""
+    """Check that a place is on known devices, and that a list has an entry for each channel of each device."""
     channel_counts: dict[str, int] = {}
     for device in master.devices:
         channel_counts[device.name] = 1 if device.channels is None else len(device.channels)
@@ -283,7 +283,7 @@ def _check_devices(names: Sequence[str], path: Path, devices: Sequence[str], rep
 
 
 def _check_file(file: WrittenMasterFile, master: WrittenMaster, report: DocumentReport) -> None:
-    """Check that a file names existing devices and settings, and has names if and only if its format needs them."""
+    """Check that a file names existing devices and settings, and states names if and only if its format needs them."""
     devices = [device.name for device in master.devices] or [master.title]  # Without devices, the master is one.
     _check_devices(file.on, file.place_of("on"), devices, report)
     for key, names in (("names", file.names), ("words", file.words)):

@@ -50,7 +50,7 @@ class NameResolver:
 
         ``thing`` is the kind in the message: ``register``, or ``field of 'preset' called`` with ``known_names``.
         If one of the known names is itself broken, it is reported already, and ``name`` may be the correct spelling.
-        Then the place is only marked as faulty, unless an intact name is similar.
+        Then the place is only marked as faulty, unless a valid name is similar.
         """
         choices = self._known[thing] if known_names is None else known_names
         if name in choices:

@@ -273,7 +273,7 @@ def _check_values(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _other_origin(spec: WrittenSpec, parameter: WrittenParameter) -> str | None:
-    """Return the key ('equals', …) because of which an order code cannot set a parameter, or None if it can.
+    """Return the key ('equals', …) that prevents an order code from setting a parameter, or None if there is none.
 
     It can set a parameter that is read from a register, if the register has no default.
     """

@@ -224,7 +224,7 @@ def _count_of_terms(parameter_name: str, parameters: Mapping[str, WrittenParamet
 
 
 def check_parameter_origin(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the value of a parameter has at most one origin, and that ``by_code`` is next to ``read_from`` alone.
+    """Check that the value of a parameter has at most one origin, and that ``by_code`` occurs only with ``read_from``.
 
     ``by_code`` lists the value for each code in the register, so it excludes limits.
     """
@@ -330,8 +330,8 @@ def check_alternative_use(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 def check_units(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the units of fields that equal a parameter, and of the parameters in expressions.
 
-    A field and its parameter have units of the same quantity, and an unknown unit is a quantity of its own. Exponents
-    and widths are in bits, and numbers of a measurement in its units. There, unknown units are not checked.
+    A field and its parameter have units of the same quantity, and each unknown unit counts as a separate quantity.
+    Exponents and widths are in bits, and numbers of a measurement in its units. There, unknown units are not checked.
     """
     for field_list in field_lists(spec):
         for field in field_list.fields:

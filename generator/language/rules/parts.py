@@ -287,7 +287,7 @@ def position_names(spec: WrittenSpec, interface: str) -> set[str]:
 def constant_width(field: WrittenField) -> int | None:
     """Return the width of a field if it is constant, or None if it depends on others or another rule reports it.
 
-    A flag has one bit, and so has a field at the number of a bit.
+    A flag has one bit, and so has a field whose place is a single bit.
     """
     if field.has("bits"):
         # A width that is a text is an expression over parameters.
@@ -308,7 +308,7 @@ def bits_of(register: WrittenRegister, groups: Groups) -> list[str]:
 
 
 def owner_of_alarm(spec: WrittenSpec, alarm: Located[Alarm]) -> WrittenFieldGroup | WrittenRegister | None:
-    """Return the group of an alarm's flag or, if it names none, the register. None if it does not exist."""
+    """Return the group of an alarm's flag or, if it names none, the register. Return None if there is no such owner."""
     if alarm.part.group:
         return by_name(spec.field_groups).get(alarm.part.group)
     return by_name(spec.registers).get(alarm.part.register)

@@ -243,7 +243,7 @@ def _own_verdicts(
 ) -> Iterator[tuple[str, str]]:
     """Yield the verdict of each flag and value of a combination by itself, with a text that names it.
 
-    The verdict is empty if there is none. An inactive flag has none and is omitted.
+    The verdict is empty if there is none. An inactive flag has no verdict and is omitted.
     """
     for name, value_name in combination.when.items():
         field = fields_by_name[name]
@@ -326,7 +326,7 @@ def _check_settings(alternative: WrittenAlternative, report: DocumentReport) -> 
 
 
 def check_verdicts_by_answer(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check the verdicts in ``makes_position_if``, which a flag has instead if an answer sets a parameter to 1.
+    """Check the verdicts in ``makes_position_if``, which replaces ``makes_position`` for some answers.
 
     Each belongs to a parameter of an alternative with a default, and differs from the verdict without a choice.
     """

@@ -131,7 +131,7 @@ def _field_faults(
 
 
 def _parse_bit_range(at: int | str | None) -> tuple[int, int] | None:
-    """Return the highest and the lowest bit of a place such as ``7:6`` or 5, or None if it is not one."""
+    """Return the highest and the lowest bit of a place such as ``7:6`` or 5, or None if it is not a place."""
     if isinstance(at, int):
         is_bit_number = 0 <= at < 1024  # No register has more bits.
         return (at, at) if is_bit_number else None

@@ -88,7 +88,7 @@ def check_step_access(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 
 
 def _register_of(step: WrittenStep, registers: Registers) -> WrittenRegister:
-    """Return the register of a step, or one without keys if it has none that exists."""
+    """Return the register of a step, or an empty register if it has no existing register."""
     return registers.get(step.register, _NO_REGISTER)
 
 
@@ -139,10 +139,12 @@ def check_step_waits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
 
 
 def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], needed_ms: int) -> tuple[Path, str] | None:
-    """Return the place of a wait that is too short or missing after a write, and what is there. None if it is enough.
+    """Return the place of a wait that is too short or missing after a write, and a text about the wait.
 
-    All waits before the next write count together. Polling is enough, and without a wait so is the end of a procedure.
-    The text is ``there is no wait here`` or ``the wait here is 5 ms``.
+    None if it is enough.
+
+    All waits before the next write count together. Polling is enough, and without a wait, the end of a procedure is
+    enough as well. The text is ``there is no wait here`` or ``the wait here is 5 ms``.
     """
     until_write = list(takewhile(lambda step: step.do != "write", later_steps))
     waits = [step for step in until_write if step.do == "wait"]

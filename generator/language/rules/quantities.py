@@ -125,7 +125,7 @@ def _plain_numbers(characteristic_text: str, unit: str) -> Iterator[Decimal]:
 
 
 def _possible_numbers(characteristic_text: str, unit: str) -> Iterator[Decimal]:
-    """Yield each number with a unit in a text, and the bounds that its tolerances, in the unit or in percent, give."""
+    """Yield each number with a unit in a text, and the bounds of its tolerances, in the unit or in percent."""
     plain_numbers = list(_plain_numbers(characteristic_text, unit))
     yield from plain_numbers
     tolerances = [number for sign, number in _signed_numbers(characteristic_text, unit) if sign == "±"]
@@ -305,7 +305,7 @@ class _Elsewhere:
 def _compare_times(
     text: str, expected_times: set[int], elsewhere: _Elsewhere, path: Path, report: DocumentReport
 ) -> None:
-    """Report the first time to keep in a text that is neither expected nor elsewhere, if any times are expected."""
+    """Report the first time in a text that is neither expected nor elsewhere, if any times are expected."""
     if not expected_times:
         return
     for match in _KEPT_TIME.finditer(text):

@@ -263,7 +263,7 @@ def _check_clocks_of_timeouts(timeout: Located[Timeout], clock: Clock, report: D
 
 
 def _check_timeout_rule(timeout: Located[Timeout], report: DocumentReport) -> None:
-    """Check that a time-out has the numbers for its rule: a time if it is fixed, or half clock periods.
+    """Check that a time-out has the numbers for its rule: a fixed time, or half clock periods.
 
     Without half clock periods, a time-out that follows the clock needs a time or printed examples.
     """

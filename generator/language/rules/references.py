@@ -139,7 +139,7 @@ def _check_meaning(meaning: WrittenRegisterMeaning, resolver: NameResolver) -> N
 def check_device_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of parameters, hardware inputs, measurements and the register that selects banks.
 
-    A measurement names a field or joined number that some frame has.
+    A measurement names a field or joined number that occurs in some frame.
     """
     resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
     for parameter in spec.parameters.values():

@@ -1,4 +1,4 @@
-"""Rules for facts about an encoder as a whole that a spec has in several places."""
+"""Rules for facts about an encoder as a whole that a spec states in several places."""
 
 from __future__ import annotations
 
@@ -133,7 +133,7 @@ _HEX_CELL = re.compile(r"(?:0x)?([0-9A-F]+)h?")
 def check_address_tables(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a table with first and last addresses has ranges in ascending order, with equally many digits.
 
-    Rows in which one of the two is not a hexadecimal number are skipped.
+    Rows in which the first or last address is not a hexadecimal number are skipped.
     """
     for table in spec.tables:
         address_columns: list[int] = []

@@ -77,7 +77,7 @@ def check_repeated_text(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
 
 
 def _check_values(field: WrittenField, report: DocumentReport) -> None:
-    """Check that the values of a field do not have the same printed name or the same meaning of several words."""
+    """Check that the values of a field do not have the same printed name or the same meaning with several words."""
     printed_names = []
     meanings = []
     for name, value in field.values.items():

@@ -40,7 +40,7 @@ def check_exchanges(
     """Check that the frames of exchanges exist, and that no two have the same request.
 
     A request for the position needs a measurement, because without one no output has a position. Problems are reported
-    under ``rule``. ``raw_interface`` and ``as_read`` also have the parts that were removed as invalid.
+    under ``rule``. ``raw_interface`` and ``as_read`` also contain the parts that were removed as invalid.
     """
     _check_layouts(interface.exchanges, by_name(raw_interface.layouts), report)
     has_measurement = as_read.has("measurement") or raw_interface.has("measurement")
@@ -88,7 +88,7 @@ _OF_DATA_IDS = ("data_ids", "memory_access")
 def check_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an RS-485 interface describes its requests: by data IDs, or by exchanges of a request and its reply.
 
-    A character of a frame has 8 data bits.
+    A character of a frame must have 8 data bits.
     """
     interface, raw_interface = spec.interfaces.rs485, as_read.interfaces.rs485
     if interface is None or raw_interface is None or not interface.is_given:
@@ -295,8 +295,8 @@ def check_requests_that_write(spec: WrittenSpec, as_read: WrittenSpec, report: D
     """Check that constants distinguish each request from those that write, unless a note of its layout explains it.
 
     Two words can be equal if they have the same length and no constant bit differs. Only a write with constants and an
-    address that the user chooses is compared: a second word of a write has no address, and the encoder knows it by the
-    word before.
+    address that the user chooses is compared: a second word of a write has no address, and the encoder recognises it by
+    the word before.
     """
     interface = spec.interfaces.spi
     # A second reading repeats printed facts, without the notes that may explain them.

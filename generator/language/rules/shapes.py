@@ -97,7 +97,7 @@ def _check_field(field: WrittenField, report: DocumentReport) -> None:
 
 
 def _check_kind(field: WrittenField, report: DocumentReport) -> None:
-    """Check that a field has one of ``KIND_KEYS`` or none, which makes it a number, and only keys of that kind."""
+    """Check that a field has at most one of ``KIND_KEYS`` (none makes it a number), and only keys of that kind."""
     name = quoted(field.name)
     kinds = [key for key in KIND_KEYS if field.has(key)]
     if len(kinds) > 1:
@@ -167,8 +167,8 @@ def _check_others(fields: FieldList, field: WrittenField, report: DocumentReport
 def _problem_with_others(fields: FieldList, field: WrittenField) -> str:
     """Return the reason that a field cannot have ``others``, and the fix. Empty if it can.
 
-    It needs listed values and a small constant width, cannot be written by a master, and gives the unlisted values
-    names such as ``reserved_5``. A listed value may only have such a name if it has this number.
+    It needs listed values and a small constant width, must not be written by a master, and names the unlisted values,
+    for example ``reserved_5``. A listed value may only have such a name with this number.
     """
     name = quoted(field.name)
     width = constant_width(field)

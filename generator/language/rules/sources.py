@@ -141,7 +141,7 @@ def _page_of_section(section: WrittenSection, default: int) -> int:
 def _printed_names(root: object, path: Path) -> tuple[list[str], list[str]]:
     """Return the printed names of the item with a source, and of all items around it, the innermost first.
 
-    The first list is empty if the innermost map has none. Names are in lower case, for comparison.
+    The first list is empty if the innermost map has no printed names. Names are in lower case, for comparison.
     """
     enclosing_names: list[str] = []
     own_names: list[str] = []
@@ -200,7 +200,7 @@ _SOURCE = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?(.*?)\s*", re.DOTALL)
 def check_evidence(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the evidence supports the grade and lists each source once, and that each fact cites enough of them.
 
-    Only the grades ``quoted`` and ``corroborated`` make demands on the source of each fact.
+    Only the grades ``quoted`` and ``corroborated`` require a source for each fact.
     """
     stated = spec.evidence.part
     for index, key in enumerate(stated.implementations):
@@ -289,7 +289,7 @@ def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _suggest_source(cited_place: str, documents: Collection[str]) -> str:
-    """Return how to write a source whose place has no key of a document, or an empty string without such a place."""
+    """Return how to write a source whose place lacks the key of a document, or an empty string without such a place."""
     if not cited_place:
         return ""
     if cited_place in documents:
@@ -342,7 +342,7 @@ _SUPPLY = _LimitKeys(("min_mv", "max_mv"), "list the voltage in use under 'chara
 
 
 def check_limit_sources(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that limits cite a document of the manufacturer if the grade does not demand it of every fact."""
+    """Check that limits cite a document of the manufacturer if the grade does not require it for every fact."""
     grade = spec.evidence.part.grade
     documents_read = spec.evidence.part.documents
     if not spec.evidence.is_valid("grade") or grade in _IN_THE_MANUFACTURERS_WORDS:

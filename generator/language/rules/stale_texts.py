@@ -44,8 +44,8 @@ _ELSEWHERE = frozenset(("documents", "manual", "editions", "evidence", "lost_fig
 def check_erratum_quantities(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the quantities in an erratum's ``used`` match the facts that it affects.
 
-    An erratum without quantities under 'used' uses those that are printed. A quantity is compared with all of its kind
-    in the facts, if there are any. Overlays and older editions change facts without changing every text.
+    An erratum without quantities under 'used' uses those that are printed. A quantity is compared with all quantities
+    of its kind in the facts, if there are any. Overlays and older editions change facts without changing every text.
     """
     if report.document.family or report.document.other_files:
         return
@@ -85,7 +85,7 @@ def _stated_quantities(facts: Iterable[object]) -> Iterator[tuple[str, Decimal, 
     """Yield the kind of each quantity in facts, its number in the smallest unit, and its text.
 
     For the key ``min_mv`` these are ``("voltage", Decimal(4500), "'min_mv: 4500'")``. The values of characteristics
-    have their unit under a key of its own.
+    state their unit under a separate key.
     """
     for fact in facts:
         for path, value in leaves(fact):

@@ -59,7 +59,7 @@ def _frequency_column(table: Table, word: str) -> int | None:
 
 
 def _number_in_cell(row: tuple[str, ...], column: int) -> Decimal | None:
-    """Return the number in a cell, or None if the cell is missing or has another text."""
+    """Return the number in a cell, or None if the cell is missing or contains other text."""
     cell = row[column] if column < len(row) else ""
     return Decimal(cell) if _NUMBER.fullmatch(cell) else None
 

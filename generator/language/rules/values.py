@@ -262,7 +262,7 @@ def _parse_date(date_text: str) -> datetime.date | None:
 
 
 def check_supply_range(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that not both the device and order code values have a supply, and that each has its voltages in order."""
+    """Check that only the device or only order code values have a supply, and that the voltages are in order."""
     supplies: list[Located[Supply]] = []
     if spec.supply is not None and spec.supply.is_given:
         supplies.append(spec.supply)

@@ -1,6 +1,6 @@
 """Iterators over the plain data of a spec, for rules about any text or number.
 
-The data may have any shape, so every function here checks shapes. ``parts.py`` contains the iterators over typed parts.
+The data may have any structure, so every function here checks it. ``parts.py`` contains the iterators over typed parts.
 """
 
 from __future__ import annotations

@@ -73,14 +73,14 @@ class Member:
         return unit if unit in _UNITS else ""
 
     def is_stated(self, value: object) -> bool:
-        """Return True if the manual gives a value, which is not just the default."""
+        """Return True if the manual states a value, and not just the default."""
         _, _, default = self.shape.partition("=")  # ``false`` of ``boolean=false``.
         is_default = bool(default) and str(value).lower() == default
         return value not in (None, "", ()) and not is_default
 
     @property
     def is_limit(self) -> bool:
-        """True if a change that allows more and one that allows less have different rules."""
+        """True if changes in the two directions, allowing more and allowing less, have different rules."""
         return self.rule in WIDER
 
     @property

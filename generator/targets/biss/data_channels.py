@@ -121,7 +121,7 @@ def channels_by_length(
 
 
 def _number_of_lengths(lengths: Sequence[DataLength]) -> int:
-    """Return how many different numbers of data bits there are."""
+    """Return the number of different data lengths in bits."""
     return len({length.data_bits for length in lengths})
 
 

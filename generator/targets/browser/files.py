@@ -164,7 +164,7 @@ def _order_code_row(variant: Variant, interface_names: Sequence[str], parameter_
 
 
 def _held_parameter_data(device: Device, register_parameter: HeldParameter) -> Data:
-    """Return a parameter that is held in a register: the register, its limits, and the values that codes stand for."""
+    """Return a parameter held in a register: the register, its limits, and the values of its codes."""
     parameter = register_parameter.parameter
     return without_empty(
         name=parameter.name,
@@ -223,7 +223,7 @@ def _crc_parameters(crc: Crc) -> Data:
 
 
 def _interface_data(device: Device, interface: Interface, shared: SharedParts) -> Data:
-    """Return an interface with its frames and registers. Their parts are in ``shared``, and indexes in place of them.
+    """Return an interface with its frames and registers. Their parts are in ``shared``, and indexes refer to them.
 
     ``exact`` contains the senders whose frames differ in length: a number of bytes then stands for a frame of this
     length, not for a longer frame without its leading zeros. ``told`` contains the selectors that distinguish frames.
@@ -247,7 +247,7 @@ def _interface_data(device: Device, interface: Interface, shared: SharedParts) -
 
 
 def _position_unit(device: Device, interface: Interface) -> Data:
-    """Return the unit of the position, empty if the manual has none.
+    """Return the unit of the position, empty if the manual gives none.
 
     If the position is a join, ``part`` is its last field, the angle within a turn.
     """

@@ -92,7 +92,7 @@ def optional_expression_data(value: Expression | None) -> Any:
 def plain_data(value: Any) -> Any:
     """Return any part of the plan's description as plain data, a dataclass by the names of its members.
 
-    Members that have their default or are 0, empty or False are left out. So are those that ``==`` ignores.
+    Members that equal their default, or are 0, empty or False, are left out. So are those that ``==`` ignores.
     """
     match value:
         case Expression():
@@ -129,7 +129,7 @@ class SharedParts:
         self._indexes: dict[str, int] = {}
 
     def with_indexes(self, layout: Data) -> Data:
-        """Return the layout with indexes in place of its fields, checks and reports: ``{"fields": [0, 4], …}``."""
+        """Return the layout with indexes instead of its fields, checks and reports: ``{"fields": [0, 4], …}``."""
         names = [name for name in ("fields", "checks", "tells") if name in layout]
         return layout | {name: list(map(self._index_of_part, layout[name])) for name in names}
 
@@ -318,7 +318,7 @@ def _without_empty_end(*row: Any) -> list[Any]:
 def _documented_value(field: Field) -> Any:
     """Return the documented value of a field: a string, or a number or expression in a list such as ``[27]``, or None.
 
-    A 0 of its own would be left out as empty, unlike ``[0]``.
+    A plain 0 would be left out as empty, unlike ``[0]``.
     """
     value = field.equals
     if value is None or isinstance(value, str):

@@ -59,7 +59,7 @@ def _paragraphs_with_heading(name: str, items: Iterable[Statement]) -> list[Para
 
 
 def about_order_codes(device: Device) -> list[Paragraph]:
-    """Return the comment on the order codes, with the parts of which only the listed values are known.
+    """Return the comment on the order codes, with the parts for which only the listed values are known.
 
     For these parts, the statements about other values are left out.
     """
@@ -183,7 +183,7 @@ def place_of_field(frame_layout: Layout, placed_field: Field) -> str:
 def _facts_without_member(struct: Struct, field: Field) -> str:
     """Return the facts of a field that no member shows, and its width unless its place shows it.
 
-    The comment on a member has the facts of that field. Constants and the selector have no member.
+    The comment on a member contains the facts of its field. Constants and the selector have no member.
     """
     is_member = field.carries_data and field is not struct.plan.selector
     about = () if is_member else say_field.field(struct.device, field)
@@ -276,9 +276,9 @@ def about_run(device: Device, run: Run, read_state: str) -> Iterator[Paragraph]:
 
 
 def note_of_step(device: Device, operation: Operation) -> str:
-    """Return the purpose of a step, if the spec has one. Its row already has the address, the bytes and the times.
+    """Return the purpose of a step, if the spec has one. Its row already contains the address, the bytes and the times.
 
-    Without one, it is the place in the register, the value written, or the time.
+    Without a meaning, it is the place in the register, the value written, or the time.
     """
     meaning = operation.step.meaning
     match operation:

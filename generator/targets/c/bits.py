@@ -1,6 +1,6 @@
 """Expressions that extract the bits of fields, and the unused bits of a layout.
 
-In bytes, each bit keeps its place in its byte, so that only whole bytes are shifted.
+In bytes, each bit stays at its place in its byte, so that only whole bytes are shifted.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def of_bytes(pieces: tuple[Piece, ...]) -> tuple[str, Expr]:
     """Return the type and the bits in these pieces of ``bytes``, as one number.
 
     For one piece, this is ``uint8_t`` and ``(uint8_t)(bytes[1] >> 4)``. Without pieces, when no order code has such
-    bits, it is 0.
+    bits, the number is 0.
     """
     if not pieces:
         return unsigned(1), Number(0)
@@ -146,7 +146,7 @@ class Reader:
         return number if joined_number.widest > 32 else Cast(unsigned(joined_number.widest), number)
 
     def number_from_fields(self, joined_number: JoinedNumber, name_of: Callable[[Field], Expr]) -> Expr:
-        """Return the fields of a join as one number of the join's type. The first field has the highest bits."""
+        """Return the fields of a join as one number of the join's type. The first field forms the highest bits."""
         highest_field, *lower_fields = joined_number.fields
         type_ = unsigned(joined_number.widest)
         is_short = size_of(joined_number.widest) < 32

@@ -32,7 +32,7 @@ from ...say.evidence import document
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """A frame as a number, its source, and the values of its fields as far as these are given."""
+    """A frame as a number, its source, and the values of its fields, as far as they are known."""
 
     layout: Layout
     wire: int
@@ -114,7 +114,7 @@ class Chosen:
     def procedure(self) -> tuple[Procedure, ProcedureExample | None] | None:
         """Worked procedure with the most writes and its example, or the first that clears an alarm by a request.
 
-        The latter has None in place of an example. The result is None if there is neither.
+        For a request, None replaces the example. The result is None if there is neither.
         """
         examples = (example for example in self.examples if isinstance(example, ProcedureExample))
         procedures_and_examples: list[tuple[Procedure, ProcedureExample]] = []
@@ -141,7 +141,7 @@ class Chosen:
     # -- the frame
 
     def _choose_frame(self) -> Frame:
-        """Return a worked frame, or a made-up one if there is none.
+        """Return a worked frame, or a made-up frame if there is none.
 
         A frame used as printed is preferred, and a frame from the manual is preferred to a frame from another source.
         """
@@ -161,7 +161,7 @@ class Chosen:
         """Return a made-up frame, if possible one with the position.
 
         Raises:
-            NoFrame: The device has no sample of the frame.
+            NoFrame: The device provides no sample of the frame.
         """
         layouts = [layout for layout in self.interface.layouts if layout.sender == "encoder"]
         # Prefer one with the position, and then one that needs no choice by the user. Order codes have the first answer

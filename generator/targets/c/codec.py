@@ -77,7 +77,7 @@ class StructCodec:
     def position_member(self) -> str:
         """The field or join with the position that a function returns, or an empty string if there is no such function.
 
-        A frame has it if its verdict is known.
+        A frame has this function if its verdict is known.
         """
         context = self.struct.context
         layout = self.struct.layout
@@ -126,7 +126,7 @@ class StructCodec:
 
     @property
     def word_has_length(self) -> bool:
-        """True if the decoder takes a word with its length, because not all words of the frame have the same length."""
+        """True if the decoder takes a word with its length, because the length of the frame varies."""
         return self.is_received and not self.plan.layout.bits.is_constant
 
     @property
@@ -290,7 +290,7 @@ class StructCodec:
         return join_operands("&&", tuple(conditions))
 
     def _has_expected_value(self, field: Field) -> Iterator[Expr]:
-        """Yield the conditions under which a member has the value in the manual.
+        """Yield the conditions under which a member equals the value in the manual.
 
         A string has one piece per character.
         """

@@ -43,7 +43,7 @@ def _separate_comment_marks(text: str) -> str:
 def comment(paragraphs: Sequence[Paragraph] | str, indent: int = 0) -> str:
     """Format paragraphs as a comment, on one line if it fits. Empty paragraphs are omitted.
 
-    ``indent`` is the number of spaces before each line. A long lead has its text on the lines below.
+    ``indent`` is the number of spaces before each line. If the lead is long, its text is on the lines below.
     """
     if isinstance(paragraphs, str):
         leads_and_texts = [("", paragraphs)]
@@ -214,7 +214,8 @@ def break_lines(text: str) -> str:
 def _broken_lines(line: str, *, continues_previous: bool) -> Iterator[str]:
     """Yield a long line of code as several, with the comment at its end, as in ``x = y; /* why */``, above them.
 
-    No line that is only a comment comes here. The head of a function has its parameters on the next line.
+    Lines that are only comments are not passed to this function. The parameters of a function's head are on the next
+    line.
     """
     code, mark, note = line.rpartition(" /*") if line.endswith("*/") else (line, "", "")
     margin = " " * (len(code) - len(code.lstrip()))
@@ -235,7 +236,7 @@ def _broken_code(c_code: str, margin: str, further_margin: str) -> Sequence[str]
     """Break code after a question mark or an assignment if that is enough, else between conditions or anywhere.
 
     ``further_margin`` begins all lines but the first. A question mark inside two or more brackets does not count, and
-    neither does any if parts are joined by ``|``.
+    if parts are joined by ``|``, none counts.
     """
     # It has the length of the code, so that places in it are places in the code.
     without_strings = _STRING.sub(lambda string: "x" * len(string[0]), c_code)

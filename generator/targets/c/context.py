@@ -45,7 +45,10 @@ class Context:
         self.reports = Reports(device, self.prefix, self.choices, self.scope)
 
     def crc_name(self, crc: Crc, carried_as: str) -> str:
-        """Return the name of the function of a CRC over bits or bytes. A CRC needed for both has two functions."""
+        """Return the name of the function of a CRC over bits or bytes.
+
+        A CRC needed for both bits and bytes has two functions.
+        """
         is_second_function = carried_as == "bits" and len(carriers(self.device, crc)) > 1
         ending = "_bits" if is_second_function else ""
         return f"{self.prefix}_crc_{crc.name}{ending}"

@@ -97,7 +97,7 @@ def declarations_in(header: str) -> list[Declaration]:
 def _parse_declarations(lines: Sequence[str]) -> Iterator[Declaration]:
     """Yield the declarations in these lines, each with the comment directly above it.
 
-    A comment with a blank line or another comment below it is an item of its own, without code.
+    A comment followed by a blank line or another comment is a separate item without code.
     """
     comment = ""
     index = 0
@@ -215,7 +215,7 @@ def declarations_needed_by(roots: Iterable[str], declarations: Sequence[Declarat
 
 
 def _select_titled(declarations: Iterable[Declaration], needed_names: Set[str]) -> Iterator[Declaration]:
-    """Yield the needed declarations, and each title that has one of them below it."""
+    """Yield the needed declarations, and each title above one of them."""
     title: Declaration | None = None
     for declaration in declarations:
         if declaration.is_title:

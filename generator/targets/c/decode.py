@@ -232,7 +232,7 @@ class Decoder:
         return mask if is_same_for_all_codes and mask.bit_length() <= 32 else 0
 
     def _names_beyond_codes(self) -> set[str]:
-        """Return the names of the parameters that an order code alone does not set."""
+        """Return the names of the parameters that need more than an order code."""
         device = self.struct.device
         names = {parameter.name for parameter in device.run_time_parameters}
         for alternative in device.alternatives:
@@ -279,7 +279,7 @@ class Decoder:
     ) -> Iterator[UnusedIn | UnusedAre]:
         """Yield the unused bits of a byte, and after the last such byte the whole member.
 
-        The byte is removed from ``ungathered``, which has the unused bits of each byte that is still to come.
+        The byte is removed from ``ungathered``, which contains the unused bits of each remaining byte.
         """
         unused = self.struct.unused
         # None of the bytes has been removed.
@@ -305,7 +305,7 @@ class Decoder:
     def _first_flags_of_bytes(self) -> dict[str, FlagsIn]:
         """Return the bytes of flags, by the name of the first flag of each run of flags in the same byte.
 
-        A byte comes again if flags of another byte are between its flags.
+        A byte occurs again if flags of another byte are between its flags.
         """
         byte_by_first_flag: dict[str, int] = {}
         previous_byte = -1
@@ -353,7 +353,7 @@ class Decoder:
                 assert_never(never)
 
     def _is_active(self, part: Part, bit: Expr, *, low_is_active: bool) -> Expr:
-        """Return the condition that a flag is active. A flag that the order code does not have is inactive.
+        """Return the condition that a flag is active. A flag that does not exist for the order code is inactive.
 
         An active-low flag is compared with its width, which is 1, or 0 if there is no flag.
         """
@@ -411,7 +411,7 @@ def _mask_for_code(parity: ParityIs, parameters: Mapping[str, int]) -> int:
 def _bits_mask(bits: Bits, parameters: Mapping[str, int], mask: int) -> int:
     """Return the mask of bits in the word, or of the bits in ``mask`` if it is not 0.
 
-    ``mask`` is relative to the lowest of the bits: at bit 8, a mask of 0b11 gives 0x300.
+    ``mask`` is relative to the lowest of the bits: at bit 8, a mask of 0b11 becomes 0x300.
     """
     all_bits = (1 << bits.width.value(parameters)) - 1
     selected_bits = all_bits & mask if mask else all_bits

@@ -48,7 +48,7 @@ class _Declaring(Protocol):
 class Usage:
     """The names for reading a position: the frame, its verdict function, the member, and the request for the frame.
 
-    The request is a macro, or a frame of its own, ``request_for_reply``. ``reads_twice`` is true if no CRC protects the
+    The request is a macro, or a separate frame, ``request_for_reply``. ``reads_twice`` is true if no CRC protects the
     frame, so that two frames must agree.
     """
 
@@ -271,7 +271,7 @@ class DeviceView:
         return first_of(codecs, f"frame received over {self.context.interface.title}")
 
     def modulus(self, encoder: str, layout: Layout | None = None) -> str:
-        """Return the call for the counts after which the position wraps around, or ``0U`` if it does not or may not.
+        """Return the call for the counts after which the position wraps around, or ``0U`` if it may never wrap around.
 
         ``encoder`` is the argument for the order code. Without a frame, the first range that wraps counts.
         """
@@ -323,7 +323,7 @@ def _bank_selectors_first(device: Device) -> list[Register]:
 
 
 def _has_source_with_key(text: str, key: str) -> bool:
-    """Return True if a text has a source such as ``data sheet: page 4`` with this key."""
+    """Return True if a text cites a source such as ``data sheet: page 4`` with this key."""
     # The first test is much faster, and few documents pass it.
     return f"{key}:" in text and re.search(rf"\b{key}:", text) is not None
 
@@ -364,7 +364,7 @@ _LATEST: deque[tuple[Device, Passing, Sequence[DeviceView]]] = deque(maxlen=8)
 
 
 def _views_of(device: Device, passing: Passing) -> Iterator[DeviceView]:
-    """Yield each interface with its own order codes, registers and parameters only."""
+    """Yield each interface with only its own order codes, registers and parameters."""
     for interface in device.interfaces:
         codes = {variant.code for variant in device.variants_over(interface.name)}
         narrowed_device = for_codes(device, codes)

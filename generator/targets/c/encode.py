@@ -179,7 +179,7 @@ class Encoder:
         return self.reader.parity(bits_and_widths, parity.mask)
 
     def _unsigned_bits_of_member(self, field: Field) -> Expr:
-        """Return the bits of a member as an unsigned number. Some compilers give an enumeration a sign."""
+        """Return the bits of a member as an unsigned number. Some compilers make an enumeration signed."""
         bits = self._bits_of_member(field)
         return Cast(unsigned(field.widest), bits) if isinstance(meaning_of(field), Named) else bits
 

@@ -161,7 +161,7 @@ _TAKEN = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class AnsweredBy:
-    """A parameter that follows from the answer: the function that gives it, and its value."""
+    """A parameter that follows from the answer: the function that returns it, and its value."""
 
     name: str
     about: str

@@ -71,7 +71,7 @@ def _family_errata(device: Device) -> FamilyErrata:
 
 
 def _erratum_text(erratum: Erratum) -> ErratumText:
-    """Return the text of an erratum, without the rows that have no content."""
+    """Return the text of an erratum, without empty rows."""
     severity = erratum.severity.replace("_", " ")
     labelled_texts = (
         ("Affects", ", ".join(map(paths_in_words, erratum.affects))),

@@ -192,7 +192,8 @@ class Program(Family):
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return the headers, their README, examples, self-test and package files, by path.
 
-    Form ``single`` consists only of the headers for order codes. Passing by address has only headers and the licence.
+    Form ``single`` consists only of the headers for order codes. Passing by address only writes headers and the
+    licence.
 
     Raises:
         OptionError: The option ``only`` has an unknown name.
@@ -246,7 +247,7 @@ def _choose_passing(options: Options) -> Passing:
 def _yield_family_files(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path of each header, self-test and example program of a family, and a function for its text.
 
-    Form ``single`` consists only of the headers for order codes. Passing by address has only the headers for C.
+    Form ``single`` consists only of the headers for order codes. Passing by address only writes the headers for C.
     """
 
     def later(template: str, template_values: Mapping[str, object]) -> Callable[[], str]:

@@ -294,14 +294,14 @@ class InterfaceCode:
                 pass  # Code needs no number from it.
 
     def _yield_clock_macros(self, clock: Clock, statement: Statement) -> Iterator[Macro]:
-        """Yield the limits, and the fastest clock in use. The first macro has the comment on all of them."""
+        """Yield the limits, and the fastest clock in use. The first macro carries the comment on all of them."""
         has_comment_on_all = False
         for name, clock_hz, note in clock_limits(clock):
             yield self._define_macro(name, clock_hz, about=note if has_comment_on_all else statement)
             has_comment_on_all = True
 
     def _yield_port_macros(self, port: Port, statement: Statement) -> Iterator[Macro]:
-        """Yield the settings of a serial port. The first macro has the comment on all of them."""
+        """Yield the settings of a serial port. The first macro carries the comment on all of them."""
         yield self._define_macro("BAUD", port.baud, about=statement)
         yield self._define_macro("DATA_BITS", port.data_bits, about="number of data bits")
         yield Macro(f"{self.upper}_PARITY", _PARITIES[port.parity], f"parity: {port.parity}")
@@ -316,7 +316,7 @@ class InterfaceCode:
                 yield self._define_macro(name, value.value, about=f"{title(field)}: {title(value)}", hexadecimal=True)
 
     def _yield_timeout_macros(self, timeout: Timeout, statement: Statement) -> Iterator[Macro]:
-        """Yield the typical and the longest time-out. The first macro has the comment on all of them.
+        """Yield the typical and the longest time-out. The first macro carries the comment on all of them.
 
         If the time-out is not a number of clock periods, those printed for each clock follow.
         """

@@ -146,14 +146,14 @@ def string(text: object) -> str:
 
 
 def _escape_character(byte: int) -> str:
-    """Return a byte as a character of a string literal, in octal if C or a trigraph gives it another meaning."""
+    """Return a byte as a character of a string literal, in octal if it has another meaning in C or in a trigraph."""
     return chr(byte) if chr(byte) in _PLAIN else f"\\{byte:03o}"
 
 
 def number(value: int, hexadecimal: bool = False, digits: int = 2) -> str:
     """Return ``value`` as an unsigned constant, such as ``24U``, ``0x1BU`` or ``UINT64_C(4294967296)``.
 
-    ``digits`` is the least number of hexadecimal digits. More than 8 also make it a constant of 64 bits.
+    ``digits`` is the least number of hexadecimal digits. More than 8 digits also make it a constant of 64 bits.
     """
     literal = f"0x{value:0{digits}X}" if hexadecimal else str(value)
     has_64_bits = value > 0xFFFFFFFF or (hexadecimal and digits > 8)

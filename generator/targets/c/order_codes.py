@@ -106,7 +106,7 @@ def _repeat_unit(match: re.Match[str], *, is_last: bool) -> tuple[str, ...]:
 def _mark_of_characters(unit: str) -> str:
     """Return the mark for a class of characters, or the character itself: ``#`` for ``[0-9]``, ``-`` for ``\\-``.
 
-    Another class has no mark, and the result is empty.
+    Another class has no mark and returns an empty string.
     """
     is_escaped_sign = unit[0] == "\\" and not unit[1:].isalnum()
     stands_for_itself = len(unit) == 1 or is_escaped_sign
@@ -115,7 +115,7 @@ def _mark_of_characters(unit: str) -> str:
 
 
 def unknown_parts(device: Device) -> tuple[str, ...]:
-    """Return the names of the open parts of which the table has only the listed values, since none can be expanded."""
+    """Return the names of the open parts whose unlisted values the table lacks, since none can be expanded."""
     return tuple(part.name for part in device.order_code.parts if part.open and not written_out(part.open))
 
 
@@ -251,7 +251,7 @@ def _list_choices(part: CodePart) -> list[_Choice]:
 def _open_combinations(parts: Sequence[CodePart], chosen: Mapping[str, _Choice], variant: Variant) -> Iterator[bool]:
     """Yield, for each condition of an open part on another part, whether an order code meets it.
 
-    The condition is that the other part is open too, or has one of certain values.
+    The condition is that the other part is open too, or has certain values.
     """
     for part in parts:
         if chosen[part.name].is_open:

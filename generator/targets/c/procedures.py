@@ -196,7 +196,7 @@ class ProcedureCode:
                 yield name, ("procedures", self.run.procedure.name)
 
     def _document_parameters(self) -> Iterator[Paragraph]:
-        """Yield the parameters of the function that carries it out, or nothing if the procedure has no arguments."""
+        """Yield the parameters of the procedure's function, or nothing if the procedure has no arguments."""
         if self.arguments:
             yield "@param transport ", "Your bus access functions."
             yield "@param variant ", "The order code."
@@ -291,7 +291,7 @@ class ProcedureCode:
     # -- steps
 
     def _yield_rows(self) -> Iterator[Row | FilledRows]:
-        """Yield the steps with their index in the list. One on several bytes of a register takes several indices."""
+        """Yield the steps with their index in the list. A step on several bytes of a register takes several indices."""
         index = 0
         for step in self.run.operations:
             note = note_of_step(self.context.device, step)

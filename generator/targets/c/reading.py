@@ -15,8 +15,8 @@ from .variants import LengthCode
 class ReadCode:
     """The values that the templates print for the macros that read a position.
 
-    ``frame`` is the frame with the position, None if the interface has none whose verdict is known. ``reads_twice`` is
-    true if no CRC protects it, so that two frames must agree.
+    ``frame`` is the frame with the position, None if the interface has no such frame with a known verdict.
+    ``reads_twice`` is true if no CRC protects it, so that two frames must agree.
     """
 
     def __init__(self, context: Context, frame: StructCodec | None, lengths: LengthCode, *, reads_twice: bool) -> None:
@@ -27,7 +27,7 @@ class ReadCode:
         self.macro = f"{context.PREFIX}_READ"
 
     def declared(self) -> Iterator[Declared]:
-        """Yield the names of the macros and of the function that reads twice. Without a frame, there are none."""
+        """Yield the names of the macros and of the function that reads twice. Without a frame, there are no macros."""
         if self.frame is not None:
             path = ("interfaces", self._context.interface.name)
             names = [self.macro, f"{self.macro}_BYTES"]

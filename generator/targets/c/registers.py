@@ -77,7 +77,7 @@ class Access:
     def _build_comment(self, *, writes: bool) -> tuple[Paragraph, ...]:
         """Return the comment on the function that reads, or on the function that writes.
 
-        If the register holds a part of the variant, the latter tells users to read that part again.
+        If the register holds a part of the variant, the comment on writing tells users to read that part again.
         """
         context = self._layout.context
         changes_variant = writes and self.register.name in state_registers(context.device)
@@ -368,7 +368,7 @@ class RegisterCode:
 
 
 def _is_byte(plan: Codec) -> bool:
-    """Return True if the first field has a whole byte as its number or as a named value.
+    """Return True if the first field is a whole byte, as a number or as a named value.
 
     A field that only allows powers of two does not count, since the byte needs a check.
     """

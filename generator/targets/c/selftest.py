@@ -210,7 +210,7 @@ class SelfTest:
 
     @property
     def writes_whole(self) -> bool:
-        """True if a write has all bytes of a register."""
+        """True if a write covers all bytes of a register."""
         return not self.view.context.interface.byte_addresses
 
     def _find_variant(self, order_code: str) -> str:
@@ -221,7 +221,7 @@ class SelfTest:
         return self.view.variants.rows[index].macro
 
     def _yield_codecs(self, example: FrameExample) -> Iterator[StructCodec]:
-        """Yield the codec of the example's layout, or all of its sender if it has no layout."""
+        """Yield the codec of the example's layout, or all codecs of its sender if the example has no layout."""
         for codec in self.view.interface.codecs:
             layout = codec.struct.layout
             is_from_sender = not example.layout and layout.sender == example.sender
@@ -266,7 +266,7 @@ class SelfTest:
     def _express_length(self, codec: StructCodec, example: FrameExample) -> str:
         """Return the number of bits in the word of an example, as C.
 
-        It is a literal if the example gives bits, or else a call such as ``acme_x24_bits(variant, WIDE)``.
+        It is a literal if the example states bits, or else a call such as ``acme_x24_bits(variant, WIDE)``.
         """
         if example.bits:
             return number(len(example.bits))
@@ -395,7 +395,7 @@ class AllTests(TypedDict):
 def own_test(
     view: DeviceView, later: Callable[[str, Mapping[str, object]], Callable[[], str]]
 ) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the path in the C folder of the self-test of an interface, if it has any, and a function for its text."""
+    """Yield the path in the C folder of the self-test of an interface, if there is one, and a function for its text."""
     test = SelfTest(view)
     if test.checks:
         family: FamilyTest = {"maker": view.maker, "t": test}

@@ -306,7 +306,7 @@ class SingleCode:
         return is_elsewhere is not None or any(map(self._is_absent, _WORD.findall(sentence)))
 
     def _is_absent(self, name: str) -> bool:
-        """Return True if a name is one of the tree that this header does not have."""
+        """Return True if a name occurs in the tree but not in this header."""
         is_of_tree = name.startswith((f"{self.view.prefix}_", f"{self.view.PREFIX}_", "cw_"))
         return is_of_tree and name not in self._renamed and name not in self._shared_names
 
@@ -422,7 +422,7 @@ def _comment_lines(comment: str) -> list[str]:
 
 
 def _split_paragraphs(lines: Iterable[str]) -> Iterator[list[str]]:
-    """Yield the lines of each paragraph. Lines that begin with a space or @ are paragraphs of their own.
+    """Yield the lines of each paragraph. Lines that begin with a space or @ are separate paragraphs.
 
     A line ends a paragraph if the first word of the next line would have fit.
     """

@@ -166,7 +166,7 @@ class Struct:
     def initial(self, parameters: Mapping[str, int], values: Mapping[str, int] = MappingProxyType({})) -> str:
         """Return the initialiser of a struct without its braces, such as ``true, 0x1BU, 0U``.
 
-        ``values`` are numbers by the names of fields and joins. Other fields have the default of the spec, or else a
+        ``values`` are numbers by the names of fields and joins. Other fields get the default of the spec, or else a
         value that an encoder accepts, mostly 0. ``parameters`` are the parameters of an order code. The bits of a
         member ``unused`` that is 0 are as documented.
         """
@@ -216,7 +216,8 @@ class Struct:
     def is_none_of(self, field: Field, name: Expr, values: Sequence[int], is_raw: bool = False) -> Expr:
         """Return the condition that ``name`` has none of these values, such as ``kind != 0x01U && kind != 0x02U``.
 
-        ``is_raw`` is True if it holds the bits as read, which are a number rather than of the field's enumeration.
+        ``is_raw`` is True if ``name`` contains the bits as read, as a number rather than as a member of the
+        enumeration.
         """
         choice = self.choice(field)
         constants = choice.names if choice is not None else {}

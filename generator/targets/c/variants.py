@@ -55,7 +55,8 @@ class HeldValue:
     def _yield_locals(self) -> Iterator[tuple[str, str, Expr]]:
         """Yield the type, the name and the initial value of each local, such as ``("uint8_t", "turns", bytes[0])``.
 
-        If 0 stands for a number, a local with the bits as read comes first. A code has a local that ends in ``_code``.
+        If 0 represents another number, a local with the bits as read comes first. A code has a local that ends in
+        ``_code``.
         """
         type_, bits = of_bytes(self.held_parameter.bits.pieces)
         match self.held_parameter.meaning:
@@ -116,7 +117,7 @@ def _codes_of_held_value(held_value: HeldValue) -> set[int]:
 
 
 def _switch_case(code: int, held_values: Sequence[HeldValue]) -> tuple[str, tuple[tuple[str, str], ...]]:
-    """Return a code, and the assignments that it stands for, such as ``("2U", (("position_bits", "24U"),))``."""
+    """Return a code, and the assignments that it leads to, such as ``("2U", (("position_bits", "24U"),))``."""
     return str(Number(code)), tuple((value.local, value.for_code(code)) for value in held_values)
 
 
@@ -267,7 +268,7 @@ def _parameter_value(parameter: Parameter, variant: Variant) -> str:
 
 
 class LengthCode:
-    """The lengths of one interface, empty if a peripheral receives its frames by itself."""
+    """The lengths of one interface, empty if a peripheral receives its frames."""
 
     def __init__(
         self, context: Context, interface: Interface, code_rows: Sequence[CodeRow], sample_row: CodeRow

@@ -114,7 +114,7 @@ def _introduction_for_biss(
 ) -> Iterator[str]:
     """Yield what the rows of commands show over BiSS, or without rows, what is known about commands.
 
-    The sentence that there are no commands needs a spec of a whole manual. Without one, the encoder may have some.
+    The sentence that there are no commands needs a spec of a whole manual. Otherwise the encoder may have commands.
     """
     if has_preset:
         # The script of the site changes this sentence together with the bytes.
@@ -354,7 +354,7 @@ def _bits_of_field(register: Register, name: str, variant: Variant) -> str:
 def bytes_of_zero_position(device: Device, register: Register, variant: Variant) -> bytes | None:
     """Return the bytes of a preset register for the position 0, or None if they are unknown.
 
-    Constants have their values, and numbers are 0. With any other field, the bytes are unknown. They are also None for
+    Constants keep their values, and numbers are 0. With any other field, the bytes are unknown. They are also None for
     a register that is not a preset.
     """
     if register not in _preset_registers(device):

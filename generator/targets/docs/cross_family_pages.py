@@ -52,7 +52,7 @@ class AlarmsPage(TypedDict):
 
 
 def identification_page_values(devices: Sequence[Device]) -> WhichPage:
-    """Return the values of the page that tells encoders of different families apart."""
+    """Return the values of the page that distinguishes encoders of different families."""
     return {
         "label_rows": [_label_row(device) for device in devices],
         "told_rows": _rows_of_all(devices, _identity_rows),
@@ -125,7 +125,7 @@ def _identity_rows(device: Device) -> Iterator[Row]:
 
 
 def _documented_content(field: Field) -> str:
-    """Return the content of an identifying field, such as ```1Bh```, or an empty string if the manual gives none."""
+    """Return the content of an identifying field, such as ```1Bh```, or an empty string if it is not in the manual."""
     match field.equals:
         case int():
             # A hexadecimal digit for each 4 bits, rounded up.

@@ -161,7 +161,7 @@ def _subject_links(device: Device, interface: Interface) -> Iterator[str]:
 
 
 def _order_code_links(family_codes: OrderCodes) -> Iterator[tuple[str, list[str]]]:
-    """Yield the number of order codes of each interface that has any, with links to their pages."""
+    """Yield the number of order codes of each interface with order codes, with links to their pages."""
     for interface in family_codes.device.interfaces:
         order_codes = [variant.code for variant in family_codes.device.variants_over(interface.name)]
         if order_codes:
@@ -196,7 +196,7 @@ def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
 
 
 def _position_frame_links(device: Device) -> Iterator[str]:
-    """Yield a link to each frame with the position, with its name if its interface has several of them."""
+    """Yield a link to each frame with the position, with its name if its interface has several such frames."""
     for interface in device.interfaces:
         layouts = [layout for layout in interface.layouts if device.sends_position(interface.name, layout)]
         for layout in layouts:
@@ -270,7 +270,7 @@ def _history_row(revision: Revision) -> tuple[str, ...]:
 
 
 def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
-    """Yield the facts about the manual, each with its label. The content is empty if the spec does not give it."""
+    """Yield the facts about the manual, each with its label. The content is empty if the spec does not state it."""
     manual = device.manual
     yield "Manual", escape(manual.title)
     yield "Revision", revision_and_date(manual)

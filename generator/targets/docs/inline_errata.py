@@ -187,7 +187,7 @@ def _edition_phrase(difference: Erratum) -> str:
 def erratum_line(listed_erratum: Erratum, page: str) -> str:
     """Return the status and title of an erratum, and the value used. The link leads to the full text on ``page``.
 
-    A change by an overlay has its reason and source, because the user of a special model needs them.
+    A change by an overlay comes with its reason and source, because the user of a special model needs them.
     """
     name = listed_erratum.name
     title_link = f"{status_badge(listed_erratum)} {link(escape(listed_erratum.title), f'{page}#erratum-{name}')}"

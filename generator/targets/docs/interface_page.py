@@ -116,7 +116,7 @@ def _example_section(device: Device, example: Example) -> Section:
 
 
 def _led_rows(led: Led) -> Iterator[tuple[str, ...]]:
-    """Yield a row for each state of an LED. The first row has the name and the source of the LED."""
+    """Yield a row for each state of an LED. The first row contains the name and the source of the LED."""
     name_cell, source_cell = escape(led.title), citation(led.source)
     for state in led.states:
         meaning = join_filled([escape(state.meaning), *links_to_steps("", state.by_hand)])
@@ -227,7 +227,7 @@ def _group_title(field_group: FieldGroup) -> str:
 def _layout_section(device: Device, interface: Interface, layout: Layout) -> Section:
     """Return a frame with the rows of its fields and its places by order code.
 
-    ``delivered`` is true if registers can change the places or the code, so that those shown are factory defaults.
+    ``delivered`` is true if registers can change the places or the code, so that the factory defaults are shown.
     """
     return {
         "layout": layout,
@@ -243,7 +243,7 @@ def _layout_section(device: Device, interface: Interface, layout: Layout) -> Sec
 def _register_section(device: Device, register: Register) -> Section:
     """Return a register with its facts, fields and named values.
 
-    A single field with the name of the register has no row if the row says nothing that the register does not.
+    A single field named after the register has no row if the row would say nothing more than the register.
     """
     fields = register.layout.fields
     rows = list(layout_tables.field_rows(device, register.layout))

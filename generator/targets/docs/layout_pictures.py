@@ -1,8 +1,8 @@
 """Elements shared by all pictures: a card with a title, text, and colours for light and dark screens.
 
 A picture is as wide as the screen of a phone, so that its text is readable there and next to a table. Every picture has
-a background card in the light or dark scheme of the screen. A name that does not fit into its box is below the row with
-its bit number, and so is each active-low bit. ``text_alternative`` returns a description in words.
+a background in the light or dark colour scheme of the screen. A name that does not fit into its box is below the row
+with its bit number, and so is each active-low bit. ``text_alternative`` returns a description in words.
 """
 
 from __future__ import annotations

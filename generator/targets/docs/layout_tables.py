@@ -218,7 +218,7 @@ def _has_group(layout: Layout, name: str) -> bool:
 
 
 def _decides_place_of_any(fields: Iterable[Field], alternative: Alternative) -> bool:
-    """Return whether an alternative decides the place of any of these fields."""
+    """Return whether an alternative determines the place of one of these fields."""
     # All answers set the same parameters.
     parameters = alternative.answers[0].sets.keys()
     return any(not parameters.isdisjoint((*field.low.parameters, *field.width.parameters)) for field in fields)
@@ -300,7 +300,7 @@ def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
 
 
 def _fields_moved_by_order_code(device: Device, layout: Layout) -> list[Field]:
-    """Return the fields, except padding, whose place or width depends on more than answers to questions."""
+    """Return the fields, except padding, whose place or width depends on anything other than answers to questions."""
     set_by_answers: set[str] = set()
     for alternative in device.alternatives:
         set_by_answers.update(alternative.answers[0].sets)
@@ -375,7 +375,7 @@ def _stacks_of_shapes(layout: Layout, shapes: Sequence[Placement]) -> Iterator[S
 
 
 def captioned_shapes(device: Device, interface: Interface, layout: Layout) -> list[tuple[str, PlacedLayout]]:
-    """Return each shape of a layout for one order code, with the answers that lead to it as a caption.
+    """Return each shape of a layout for one order code, with its answers as a caption.
 
     A single shape has an empty caption.
     """

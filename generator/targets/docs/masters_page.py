@@ -65,7 +65,7 @@ def page_links(device: Device) -> list[str]:
 
 
 def page_values(device: Device, interface_name: str, masters: Sequence[Master]) -> MastersPage:
-    """Return the values of the page with the settings of all masters for an interface, which has some."""
+    """Return the values of the page with the settings of all masters for an interface, which has such settings."""
     interface_sheets = sheets_of(device, masters)
     group_sheets = first_of(
         (group for group in interface_sheets if group.interface.name == interface_name), f"sheets of {interface_name}"
@@ -156,7 +156,7 @@ def _follows_supply(fact_key: Any, columns: Columns) -> bool:
 
 
 def _table_of_differences(keys: Sequence[Any], columns: Columns) -> Table:
-    """Return the column heads, and one row for all groups that have the same values.
+    """Return the column heads, and one row for all groups with the same values.
 
     A group without a value has a dash.
     """

@@ -1,4 +1,7 @@
-"""Page of an order code. Texts of the family have its widths in place of ranges such as 17 to 39 bits."""
+"""Page of an order code.
+
+Texts of the family show the width of the order code instead of ranges such as 17 to 39 bits.
+"""
 
 from __future__ import annotations
 
@@ -46,7 +49,7 @@ from .wiring_tables import no_leds, no_supply
 
 
 def range_of_widths(family_device: Device, parameter: Parameter) -> str:
-    """Return the range of a width over the order codes of a family: ``17 to 39``. Empty if all have the same."""
+    """Return the range of a width over the order codes of a family: ``17 to 39``. Empty if all have the same width."""
     if parameter.unit != "bits":
         return ""
     variants = [variant for variant in family_device.variants if parameter.name in variant.parameters]
@@ -61,7 +64,7 @@ def meaning_without_range(family_device: Device, parameter: Parameter) -> str:
 
 
 def with_widths_of_order_code(family_device: Device, device: Device, variant: Variant) -> Device:
-    """Return the device whose notes on frames have the width of the order code in place of the range."""
+    """Return the device whose notes on frames show the width of the order code instead of the range."""
     parameters = [parameter for parameter in family_device.parameters if parameter.name in variant.parameters]
     ranges = [range_of_widths(family_device, parameter) for parameter in parameters]
     widths: dict[str, str] = {}
@@ -248,7 +251,7 @@ def _clock_limits_of(interface: Interface, order_code: str) -> Hashable:
 
 
 def _position_text(device: Device, interface: Interface) -> str:
-    """Return the unit and range of the position, and the ranges that single frames have."""
+    """Return the unit and range of the position, and the ranges of single frames."""
     position_measurement = device.measurement_of(interface.name)
     if position_measurement is None:
         return ""
@@ -386,7 +389,7 @@ def _quantity_rows(code_group: CodeGroup) -> Iterator[Row]:
     """Yield rows of value, meaning of the quantities set by the order code or by registers.
 
     The values of those that registers set are their factory defaults. Quantities that are 0 are left out, and so are
-    those that answers set.
+    quantities that answers set.
     """
     run_time_parameters = run_time_names(code_group.family)
     for parameter in parameters_of(code_group.family, code_group.interface.name):

@@ -287,7 +287,10 @@ _EXPONENT = re.compile(r"\^([0-9]*)")
 
 
 def position_frame(family_device: Device, interface: Interface) -> Layout | None:
-    """Return the frame with the most parts of the position. With a tie, it has the most flags, then is shortest."""
+    """Return the frame with the most parts of the position.
+
+    If several tie, it is the frame with the most flags, then the shortest.
+    """
     family_layouts = family_device.interface(interface.name).layouts
     position_frames = {layout.name for layout in family_layouts if family_device.sends_position(interface.name, layout)}
     candidates = [layout for layout in interface.layouts if layout.name in position_frames]

@@ -210,7 +210,7 @@ def _biss_diagram(device: Device, interface: Biss) -> TimingDiagram:
 
 
 def _words_without_timeout(device: Device, interface: Biss) -> str:
-    """Return the words in place of the time-out. A text of the manual may have it."""
+    """Return the words instead of the time-out. A text of the manual may contain the time-out."""
     return "see the times" if mentions(device, interface, Subject.TIMEOUT) else f"not in the {document(device)}"
 
 

@@ -38,7 +38,7 @@ def verdict_table(family_device: Device, device: Device, layout: Layout, variant
     """Return the head and the rows of the table. Columns without any content are left out.
 
     The rows are the causes of each verdict, then all other flags, then the verdict without any cause. ``device`` is the
-    family with the order codes of the page, and has the alarms and remedies for these only.
+    family with only the order codes of the page, and their alarms and remedies.
     """
     judgement = judgement_in_family(family_device, layout)
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {}

@@ -65,7 +65,7 @@ class FileValue:
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """The values for one channel of a device. The first channel also has the values that all channels share."""
+    """The values for one channel of a device. The first channel also contains the values that all channels share."""
 
     name: str
     entries: tuple[FileValue, ...]
@@ -109,7 +109,8 @@ class Content:
 def content_of_file(sheet: Sheet, rule: Raw, device: str) -> Content:
     """Return the content of a file for a device. ``rule`` is the entry of ``files`` in the description of the master.
 
-    A setting that the file leaves out gets a sentence with the reason. So does a value without a place in the format.
+    A setting that the file leaves out gets a sentence with the reason. The same applies to a value without a place in
+    the format.
     """
     format_ = FILE_FORMATS[rule["format"]]
     file_values: list[FileValue] = []
@@ -204,7 +205,7 @@ def _file_values(setting_or_write: Setting | Write, rule: Raw, device: str) -> l
 
 
 def _value_word(setting_or_write: Setting | Write, rule: Raw) -> str:
-    """Return a value in the notation of the file: a word that the rule gives for it, or else a number or text."""
+    """Return a value in the notation of the file: a word from the rule, or else a number or text."""
     value = _setting_value(setting_or_write)
     words_by_value = rule.get("words", {}).get(_setting_name(setting_or_write), {})
     number_or_text = int(value) if isinstance(value, bool) else value
@@ -252,7 +253,7 @@ def _reason_for_misfit_at(place: Place, value: Value, key: str, format_: FileFor
 def _channels_of_device(sheet: Sheet, device: str, file_values: Sequence[FileValue]) -> tuple[Channel, ...]:
     """Return the channels of a device with their values, or one channel if all values are shared, or none without any.
 
-    That one channel has a name only if the device has a single channel.
+    This one channel has a name only if the device has a single channel.
     """
     if not file_values:
         return ()

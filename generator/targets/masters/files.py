@@ -89,7 +89,7 @@ def file_text(
 def _first_paragraphs(
     device: Device, order_codes: Sequence[str], sheet: Sheet, rule: Raw, master_device: str
 ) -> Iterator[str]:
-    """Yield what the file is for, and where its values come from."""
+    """Yield the purpose of the file, and the origin of its values."""
     format_ = FILE_FORMATS[rule["format"]]
     yield f"{master_device} with {', '.join(order_codes)}. For {format_.title}."
     yield from _paragraphs_on_origin(device, [sheet], rule, master_device)
@@ -225,7 +225,7 @@ def _usable_sheets(interface_sheets: Sequence[GroupSheets], number: int) -> Iter
 
 
 def _format_page(library: Library, files: Iterable[str]) -> str:
-    """Return the page about the formats of masters. Formats of which ``files`` contains no path are left out."""
+    """Return the page about the formats of masters. Formats without a path in ``files`` are left out."""
     folders = {path.rpartition("/")[0].removeprefix("masters/") for path in files}
     rows: list[dict[str, str]] = []
     for master in shipped_masters():
@@ -306,7 +306,7 @@ def _joined_blocks(
 ) -> str:
     """Return the files as comments, or as children of one element in XML. Each block is a title and its text.
 
-    ``sheets`` give the documents and conditions in the comment at the top.
+    ``sheets`` provide the documents and conditions for the comment at the top.
     """
     format_ = FILE_FORMATS[rule["format"]]
     head = [

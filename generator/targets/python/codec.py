@@ -191,7 +191,7 @@ class Coder:
                 yield self._number_attribute(field, self._request_default(field))
 
     def _stated_number(self, field: Field) -> int | None:
-        """Return the value that the manual gives for a number in a frame, or None. The selector has none."""
+        """Return the value in the manual for a number in a frame, or None. The selector has none."""
         if self.register is not None or self.selects(field):
             return None
         return field.equals if isinstance(field.equals, int) else None
@@ -264,7 +264,7 @@ class Coder:
 
     @property
     def expected(self) -> list[Field]:
-        """Fields for which the manual gives a value."""
+        """Fields whose value the manual states."""
         return [field for field in self.layout.fields if field.equals is not None]
 
     @property
@@ -287,7 +287,7 @@ class Coder:
         return ", ".join(conditions)
 
     def documented_value(self, field: Field) -> Expr:
-        """Return the value that the manual gives for a field."""
+        """Return the value in the manual for a field."""
         match field.equals:
             case Expression() as value:
                 return self._scope_of_attributes(lambda name: f"self.{name}").expression_of(value)

@@ -79,7 +79,7 @@ class Decoder:
         return ""
 
     def assign(self, field: Field, expression: Expr) -> str:
-        """Return the statement that reads a field. Empty if it has a variable."""
+        """Return the statement that reads a field. Empty if the field already has a variable."""
         if field.name in self.assigned:
             return ""
         self.assigned.add(field.name)
@@ -114,7 +114,7 @@ class Decoder:
         """Number of bits before the CRC of a word, for its tables.
 
         None for a frame of bytes, if order codes differ in the CRC, or if an answer decides the number. With the start
-        value 0, zeros before the word do not change the CRC, so the longest word has tables for all.
+        value 0, zeros before the word do not change the CRC, so the tables for the longest word serve all words.
         """
         frame_crc = self.codec.only_crc
         if frame_crc is None or self.codec.in_bytes:
@@ -261,7 +261,7 @@ class Decoder:
         return _text_of_number(part.field, self.bits(part))
 
     def _is_active(self, part: Part, *, low_is_active: bool) -> Expr:
-        """Return the condition that a flag is active. A flag that the order code does not have is inactive.
+        """Return the condition that a flag is active. A flag that does not exist for the order code is inactive.
 
         Such a flag has a width of 0 or 1, and its bits are 0 without it.
         """

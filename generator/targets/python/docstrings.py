@@ -158,7 +158,7 @@ def _split_label(statement: Statement) -> tuple[str, str]:
 def _short_erratum(statement: Statement) -> tuple[str, str]:
     """Return the title of an erratum, and the value that is used instead.
 
-    A change by an overlay or another edition has no such value. Instead, return the first sentence of its first
+    A change by an overlay or another edition has no value used. Instead, return the first sentence of its first
     statement, with the label.
     """
     title_of_erratum = statement.label.removeprefix("Erratum: ")
@@ -262,7 +262,7 @@ def of_layout(device: Device, interface: Interface, frame: Layout) -> tuple[str,
 def of_register(device: Device, device_register: Register) -> tuple[str, list[Block]]:
     """Return the summary of a register, and the paragraphs below it: meaning, facts with the rules, note and errata.
 
-    A register that is a single choice also has the rules of its only field.
+    A register that is a single choice also follows the rules of its only field.
     """
     facts = [*say_register.facts(device, device_register)]
     if is_one_choice(device_register):

@@ -185,7 +185,7 @@ def _clock_members(interface: Clocked) -> Mapping[str, Literal]:
 def _field_record(codec: Codec, field: Field) -> Call:
     """Return the record ``FieldFacts`` of a field.
 
-    ``constant`` and ``unused`` are the values that the manual gives for a constant or for unused bits.
+    ``constant`` and ``unused`` are the manual's values for a constant or for unused bits.
     """
     when_active, when_inactive = states(field)
     unused_values = {reserved.field.name: reserved.value for reserved in codec.reserved}

@@ -343,7 +343,7 @@ def _source_code(value: Code | Hex | Member | Call | ConditionalItem) -> str:
 
 
 def of_number(meaning: Meaning) -> dict[str, Literal]:
-    """Return the member that a record has for the meaning of an unsigned number: ``zero_means``, or none."""
+    """Return the record's member for the meaning of an unsigned number: ``zero_means``, or none."""
     return {"zero_means": meaning.number} if isinstance(meaning, ZeroMeans) else {}
 
 

@@ -19,7 +19,7 @@ class NamedValues(Scope):
     ``values_by_name`` contains the code of each value by its name, such as ``{"position_mask": "(1 <<
     variant.position_bits) - 1"}``. ``preferred`` contains the names to use, by the kind of the value (``size`` or
     ``ones``) and its code. Values that depend on the parameters ``answered_parameters`` are not assigned once, since a
-    caller can give other answers.
+    caller can choose other answers.
     """
 
     answered_parameters: frozenset[str] = frozenset()
@@ -37,7 +37,7 @@ class NamedValues(Scope):
     def _use_name(self, kind: str, value: Expression, expression: Expr) -> Expr:
         """Return the name of a value that depends on the order code, and otherwise ``expression``.
 
-        A value with the code of an earlier value has its name. A new one has its preferred name, or one such as
+        A value with the code of an earlier value has its name. A new value has its preferred name, or a name such as
         ``size_3``. Values that depend on an answer have no name.
         """
         depends_on_answer = not self.answered_parameters.isdisjoint(value.parameters)

@@ -204,7 +204,7 @@ class Steps:
         return f"{self.register(refusal.register)}.{function}({argument})"
 
     def _limits_differ(self, refusal: OutsideArgumentLimits) -> bool:
-        """Return True if the limits depend on the order code, or if their function takes it anyway."""
+        """Return True if the limits depend on the order code, or if their function takes the order code in any case."""
         register_class = self.coders.get(refusal.register.name)
         if register_class is not None and refusal.meaning is None:
             return register_class.takes_variant

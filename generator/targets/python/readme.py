@@ -138,7 +138,7 @@ class Readme:
     def frames(self) -> list[ReadmeExample]:
         """An example of each kind of frame for which the model has a sample, with invented values.
 
-        ``kind`` is set for kinds that a dispatching decoder tells apart.
+        ``kind`` is set for kinds that a dispatching decoder distinguishes.
         """
         examples: list[ReadmeExample] = []
         for kind in self._kinds:

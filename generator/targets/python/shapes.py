@@ -238,7 +238,7 @@ class Shape:
     def _call_of(self, description_part: Any) -> Call:
         """Return the call of the class in the runtime, with the members that differ from their defaults.
 
-        Conditions are left out. A cause that is a mask or a combination of values has no ``flag``.
+        Conditions are left out. A cause that consists of a mask or a combination of values has no ``flag``.
         """
         planned_class_name = type(description_part).__name__
         class_name = _RUNTIME_NAMES.get(planned_class_name, planned_class_name)

@@ -122,7 +122,8 @@ class Variants:
     def derived_parameters(self) -> list[tuple[str, str, Expr]]:
         """Name, meaning and value of each parameter that is derived from other parameters.
 
-        Those that always equal a quantity of the measurement are left out, since the class has that quantity.
+        Parameters that always equal a quantity of the measurement are left out, since the class already has that
+        quantity.
         """
         derived = []
         names_in_measurement = parameters_in_measurement(self.device)
@@ -148,13 +149,13 @@ class Variants:
         return self.device.measurement_of(interface.name)
 
     def _code_of(self, value: Expression | None) -> Expr | None:
-        """Return a number of the encoder in Python, such as ``1 << self.bits``, or None if the spec has none."""
+        """Return a number of the encoder in Python, such as ``1 << self.bits``, or None if it is not in the spec."""
         return self._scope.expression_of(value) if value is not None else None
 
     def _cases_by_interface(self, quantity_of: Callable[[Measurement], Expr | None]) -> Cases[Expr]:
         """Return a quantity of the measurement, such as ``1 << self.bits``, with the interfaces to which it applies.
 
-        ``quantity_of`` returns it for a measurement, or None if the measurement has none.
+        ``quantity_of`` returns it for a measurement, or None if the measurement lacks it.
         """
 
         def quantity_over(interface: Interface) -> Expr | None:
@@ -233,7 +234,7 @@ class Variants:
     def modulus_of(self, interface: Interface) -> Expr | None:
         """Return the number of counts after which all positions over an interface wrap around.
 
-        Return None if the spec does not give it or if it depends on the frame.
+        Return None if the spec does not state it or if it depends on the frame.
         """
         only_range = self._only_range(interface)
         return self._modulus_expression(only_range.measurement) if only_range is not None else None
@@ -253,7 +254,7 @@ class Variants:
         return ranges
 
     def _range_values(self, position_range: PositionRange, layout: Layout) -> tuple[Expr | None, ...]:
-        """Return the lowest and the highest position in a frame, and the modulus, or None if it has none.
+        """Return the lowest and the highest position in a frame, and the modulus, or None if there is none.
 
         An unsigned position without a highest value in the spec ends at ``modulus - 1``, or without a modulus at the
         highest number that its fields can hold. A signed position with a highest value in the spec spans ``modulus``
@@ -426,7 +427,7 @@ class Variants:
     def _held_record(self, register: Register, held_parameter: HeldParameter) -> Call:
         """Return the record of a parameter in a register: its place, its default, its limits or its codes.
 
-        A register without a default has zeros, and ``by_order_code`` marks it.
+        A register without a default contains zeros, and ``by_order_code`` marks it.
         """
         parameter = held_parameter.parameter
         record_members: dict[str, Literal] = {

@@ -140,7 +140,7 @@ def crc(value: int, bits: int) -> int:
 
 
 def bit_at(bits: int, place: int) -> int:
-    """Return a bit of a number. The lowest one is at place 0."""
+    """Return a bit of a number. The lowest bit is at place 0."""
     return (bits >> place) & 1
 
 
@@ -797,7 +797,7 @@ class Slave:
     def _answer_id_bit(self, upstream: int) -> int:
         """Return the CDS bit of an IDL bit: 1 to take it as the ID, otherwise the bit that arrives at SLI.
 
-        The IDL bits stand for the IDs 0, 1, 2 and so on. A slave takes the first one that no slave further from the
+        The IDL bits stand for the IDs 0, 1, 2 and so on. A slave takes the first ID that no slave further from the
         master has taken.
         """
         if upstream or self._has_taken_id or self._bit_count > IDS:
@@ -825,7 +825,7 @@ class Slave:
     def _take_address(self) -> None:
         """Take the address of the register from the header. Leave the frame if it is not for this slave.
 
-        It is not if it is a command (CTS = 0), has another ID, or has a CRC error.
+        The request is for another slave if it is a command (CTS = 0), has another ID, or has a CRC error.
         """
         head = ControlHead.decode_with_crc(self._received)
         is_for_this_slave = head is not None and head.is_register_access and head.slave_id == self.slave_id

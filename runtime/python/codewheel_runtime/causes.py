@@ -23,8 +23,8 @@ def why(encoder: Sender, frame: object) -> tuple[str, ...]:
 
     An example is ``"with all bits inverted: check for swapped wires of the data line"``. If the line is dead, this is
     the only answer. A short CRC is sometimes correct by chance. A CRC of 6 bits is correct in 1 of 64 cases, and in
-    most cases there is a bit whose inversion makes it correct. Check several frames, and look for the mistake that
-    explains all of them.
+    most cases inverting a single bit makes it correct. Check several frames, and look for the mistake that explains all
+    of them.
     """
     # Without a CRC or another check, every frame is valid, so nothing can be concluded.
     can_be_invalid = _can_be_invalid(encoder)
@@ -204,7 +204,7 @@ def _try_flipped_bits(
 
 
 def _count_frame_bits(encoder: Sender) -> int:
-    """Return the number of bits in a frame, or 0 if it is made of bytes or the order code does not determine it."""
+    """Return the number of bits in a frame, or 0 for a frame of bytes or if the order code does not determine it."""
     try:
         return cast(int, getattr(encoder, "frame_bits", 0))
     except ValueError:

@@ -144,7 +144,7 @@ def _extract_bits(rows: Any, low_bit: int, width: int) -> Any:
 def _compare_fields(layout: Any, channels: tuple[Table, ...]) -> Any:
     """Return True for each frame whose compared fields agree, whether it is valid or not.
 
-    Of fields with different widths, only the highest bits are compared, as many as the narrowest field has.
+    Of fields with different widths, only the highest bits are compared, up to the width of the narrowest field.
     """
     compared_values: list[Any] = []
     for field in layout.compared:

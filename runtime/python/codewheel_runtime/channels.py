@@ -148,7 +148,7 @@ class ChannelLayout:
 
         Args:
             frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
-            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show missing bits.
 
         Returns:
             The frame. Check its ``verdict`` before you use the position.

@@ -162,7 +162,9 @@ def as_word(frame: Word, length: int, bits: int | None) -> int:
 
 
 def _take_binary_digits(text: str) -> str:
-    """Return the binary digits of a frame, without ``0b`` in front. Raises RangeError if there are other characters.
+    """Return the binary digits of a frame, without a leading ``0b``.
+
+    Raises RangeError if the text contains other characters.
 
     Underscores and spaces between digits are accepted: they make long frames readable.
     """
@@ -275,8 +277,8 @@ def as_member(kind: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
 def text_number(field: str, text: str, length: int) -> int:
     """Return ``length`` characters as one number, with the first one most significant: ``0x4142`` for ``"AB"``.
 
-    Latin-1 has a character for each byte, so every decoded text can be encoded again. Raises RangeError for another
-    length or other characters.
+    Latin-1 contains a character for each byte, so every decoded text can be encoded again. Raises RangeError for
+    another length or other characters.
     """
     try:
         data = text.encode("latin-1")
@@ -451,7 +453,7 @@ def make_crc_tables(
 def _make_table(first: int, changes: Sequence[int]) -> Sequence[int]:
     """Return a table with an entry for each number: ``first``, XORed with the change of each bit that is 1.
 
-    Each bit doubles the table: its second half has the entries with this bit set.
+    Each bit doubles the table: its second half contains the entries with this bit set.
     """
     table = [first]
     for change in changes:

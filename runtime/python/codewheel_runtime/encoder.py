@@ -195,7 +195,7 @@ class Encoder:
             arguments, answers: Further arguments of the class for the family and the interface.
 
         Returns:
-            The frame. It is a :class:`PositionFrame` if it has a position.
+            The frame. It is a :class:`PositionFrame` if it contains a position.
 
         Raises:
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.

@@ -56,7 +56,10 @@ class Transport(Protocol):
         ...
 
     def read(self, timeout_s: float, /) -> bytes:
-        """Return all bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``."""
+        """Return all bytes that have arrived.
+
+        If no bytes have arrived, wait for the first byte for at most ``timeout_s``.
+        """
         ...
 
 
@@ -249,7 +252,10 @@ class SerialTransport:
         self._port.write(data)
 
     def read(self, timeout_s: float, /) -> bytes:
-        """Return all bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``."""
+        """Return all bytes that have arrived.
+
+        If no bytes have arrived, wait for the first byte for at most ``timeout_s``.
+        """
         try:
             handle = self._port.fileno()
         except (OSError, AttributeError):  # Windows has no file number that can be waited for.
@@ -349,10 +355,9 @@ class Ports:
 
         Args:
             port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
-            label: Order code on the label, or an encoder whose class shows that it has RS-485.
-            timeout_s: Time in seconds in which a reply must be complete.
-            retries: Number of further attempts after a failure.
-            settle_s: Time in seconds for which the line must be quiet after a reply. The default depends on the baud
+            label: Order code on the label, or an encoder whose class has RS-485. timeout_s: Time in seconds in which a
+            reply must be complete. retries: Number of further attempts after a failure. settle_s: Time in seconds for
+            which the line must be quiet after a reply. The default depends on the baud
                 rate and the measured reply times. With 0, a request of another kind is sent before each request
                 instead.
             rs485: Let the driver of the port switch the direction of the line. Few adapters need this.

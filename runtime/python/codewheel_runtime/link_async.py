@@ -39,7 +39,10 @@ class AsyncTransport(Protocol):
         ...
 
     async def read(self, timeout_s: float, /) -> bytes:
-        """Return all bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``."""
+        """Return all bytes that have arrived.
+
+        If no bytes have arrived, wait for the first byte for at most ``timeout_s``.
+        """
         ...
 
 
@@ -56,7 +59,10 @@ class StreamTransport:
         await self._writer.drain()
 
     async def read(self, timeout_s: float, /) -> bytes:
-        """Return all bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``."""
+        """Return all bytes that have arrived.
+
+        If no bytes have arrived, wait for the first byte for at most ``timeout_s``.
+        """
         try:
             return await wait_for(self._reader.read(4096), max(timeout_s, 0.0005))
         except (Late, TimeoutError):
@@ -78,7 +84,10 @@ class ThreadTransport:
         await _finish_in_thread(self._transport.write, data)
 
     async def read(self, timeout_s: float, /) -> bytes:
-        """Return all bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``."""
+        """Return all bytes that have arrived.
+
+        If no bytes have arrived, wait for the first byte for at most ``timeout_s``.
+        """
         return await _finish_in_thread(self._transport.read, timeout_s)
 
     def close(self) -> None:
@@ -243,10 +252,9 @@ class AsyncPorts:
 
         Args:
             port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
-            label: Order code on the label, or an encoder whose class shows that it has RS-485.
-            timeout_s: Time in seconds in which a reply must be complete.
-            retries: Number of further attempts after a failure.
-            settle_s: Time in seconds for which the line must be quiet after a reply. The default depends on the baud
+            label: Order code on the label, or an encoder whose class has RS-485. timeout_s: Time in seconds in which a
+            reply must be complete. retries: Number of further attempts after a failure. settle_s: Time in seconds for
+            which the line must be quiet after a reply. The default depends on the baud
                 rate and the measured reply times. With 0, a request of another kind is sent before each request
                 instead.
 

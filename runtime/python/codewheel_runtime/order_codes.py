@@ -97,7 +97,7 @@ class Spelling(NamedTuple):
     source: str = ""
 
     def listed_text(self, part: str, text: str) -> str:
-        """Return the text of a part in the usual spelling. Texts that are spelled alike are returned unchanged."""
+        """Return the text of a part in the usual spelling. Texts with the same spelling are returned unchanged."""
         for spelled in self.values:
             if spelled.part == part and spelled.text.upper() == text.upper():
                 return spelled.value
@@ -130,10 +130,8 @@ class OrderCode(NamedTuple):
         pattern: The order code, with the names of the parts in braces.
         parts: The parts.
         special: Meaning of the ``/Sxxx`` suffix.
-        not_on_label: For made-up order codes: what the label shows instead, and what the code stands for.
-        note: Note on the order code.
-        source: Section and page of the manual.
-        also_written: Alternative spellings.
+        not_on_label: For made-up order codes: what the label shows instead, and the meaning of the code. note: Note on
+        the order code. source: Section and page of the manual. also_written: Alternative spellings.
     """
 
     pattern: str
@@ -178,12 +176,11 @@ class OrderCode(NamedTuple):
 
         Args:
             text: The label.
-            match: Match of the expression for the code, which has the tail and the suffix.
-            texts: Text of each part, by its name.
+            match: Match of the expression for the code, with the tail and the suffix. Text of each part, by its name.
             codes: Listed order codes with their parts.
 
         Raises:
-            OrderCodeError: No listed code has these values together.
+            OrderCodeError: No listed code combines these values.
         """
         # None for a value that the manual does not list.
         listed_values = {part.name: _find_listed(part, texts[part.name]) for part in self.parts}
@@ -243,7 +240,7 @@ class OrderCode(NamedTuple):
     def _make_expression(self, any_for: str = "") -> str:
         """Return a regular expression for the whole code, with a named group for each part.
 
-        The part with the name ``any_for`` may have any text, also none.
+        The part with the name ``any_for`` may have any text, including none.
         """
         expressions = {part.name: _match_values(part) for part in self.parts}
         if any_for:
@@ -265,7 +262,7 @@ class OrderCode(NamedTuple):
         """Return the error for a text that is not an order code.
 
         It names the wrong part: with any text for this part, the label would be an order code. If there is no such
-        part, the message names none.
+        part, the message names no part.
         """
         nearest_codes = find_nearest(codes, text)
         candidates: list[_WrongPart] = []
@@ -316,14 +313,14 @@ def check_label(label: str) -> str:
 def find_nearest(codes: Iterable[str], text: str) -> tuple[str, ...]:
     """Return the three codes most similar to ``text``, or to the part of it before a tail.
 
-    ``X-24-TAIL`` is compared with the code ``X-25`` as ``X-24``, because this code has two pieces.
+    ``X-24-TAIL`` is compared with the code ``X-25`` as ``X-24``, because the code has two pieces.
     """
     from difflib import SequenceMatcher
 
     pieces = text.upper().split("-")
 
     def likeness(code: str) -> float:
-        """Return the similarity of a code, from 0 to 1, to as many pieces of the text as the code has."""
+        """Return the similarity, from 0 to 1, of a code to the same number of pieces of the text."""
         piece_count = code.count("-") + 1
         text_without_tail = "-".join(pieces[:piece_count])
         return SequenceMatcher(None, code, text_without_tail).ratio()

@@ -83,7 +83,7 @@ _BUSY_S, _BUSY_PAUSE_S = 1.0, 0.001
 _LATE = 4
 #: Seconds to wait for more bytes after a reply that follows other bytes.
 _QUIET_S = 0.002
-#: Seconds in which an encoder begins to reply, for the default of ``settle_s``. The manuals give no reply time.
+#: Seconds in which an encoder begins to reply, for the default of ``settle_s``. The manuals state no reply time.
 _TURNAROUND_S = 0.00025
 #: Number of kinds of requests that ``settle_s=0`` needs.
 _KINDS = 3
@@ -101,7 +101,8 @@ _SINGLE_REPLIES = 2
 class Ask(NamedTuple):
     """Action of a session: send ``send``, then return the bytes that arrive.
 
-    All bytes that have arrived are returned. If there are none, wait for the first for at most ``wait_s`` seconds.
+    All bytes that have arrived are returned. If no bytes have arrived, wait for the first byte for at most ``wait_s``
+    seconds.
     """
 
     send: bytes
@@ -136,14 +137,15 @@ class Session:
 
     Args:
         encoder: The encoder, with RS-485.
-        timeout_s: Time in seconds in which a reply must be complete. The manuals give no reply time. The default allows
+        timeout_s: Time in seconds in which a reply must be complete. The manuals state no reply time. The default
+        allows
             for the latency of USB adapters.
         retries: Number of further attempts after a failure.
         settle_s: Time in seconds for which the line must be quiet after a reply. The default is 0.25 ms plus the time
             that the request and the reply take at the baud rate, or the usual time of the last replies if that is
             longer. With 0, a request of another kind is sent before each request instead, so an extra reply can be
-            taken for the reply to at most one other request, and a second device is not detected.
-        clock: Function that returns the time in seconds.
+            taken for the reply to at most one other request, and a second encoder is not detected. clock: Function that
+            returns the time in seconds.
 
     Attributes:
         statistics: Counters, for instance of extra replies.
@@ -238,8 +240,8 @@ class Session:
 
         Raises:
             BusyError: The memory stayed busy.
-            DisturbedError: The reply has another value than the request, such as another address.
-            LinkError: There is no valid reply.
+            DisturbedError: The reply has a value that differs from the request, such as another address. LinkError:
+            There is no valid reply.
         """
         pending = self._make_pending(request)
         kind = pending.kind
@@ -259,7 +261,7 @@ class Session:
             yield from self.pause(_BUSY_PAUSE_S)
 
     def _find_difference(self, pending: PendingRequest, frame: Frame) -> str:
-        """Return how a reply differs from the values of its request, as text, or an empty string if it does not.
+        """Return how a reply differs from the values of its request, as text, or an empty string if it does not differ.
 
         Fields and joined numbers of the same name are compared, such as an address, but no answers to open questions.
         """
@@ -481,7 +483,7 @@ class Session:
         return [reply for reply in replies if reply not in self._recent_replies]
 
     def _count_foreign(self, replies: Sequence[bytes], received: bytes, limit: int) -> None:
-        """Count extra replies with other values. Raises SecondDeviceError if there are ``limit`` of them in total."""
+        """Count extra replies with other values. Raises SecondDeviceError if they are ``limit`` in total."""
         self._foreign_replies += len(replies)
         # Without a time to settle, one copy can cause several of them.
         if replies and self._foreign_replies >= limit and self.settle_s != 0:
@@ -508,7 +510,7 @@ class Session:
     def _discard(self, data: bytes) -> None:
         """Count the replies in bytes that arrived without a request. Raises an error if a second device answers.
 
-        Two requests in a row that got exactly one reply show that there is none, so its count starts again.
+        Two requests in a row that got exactly one reply show that there is no second reply, so its count starts again.
         """
         last_request = self._last_request
         replies = split_replies(data, last_request, self.kinds) if last_request is not None else []
@@ -524,7 +526,7 @@ class Session:
     def _count_extra(self, count: int) -> int:
         """Count replies beyond those that are used. Return their number without late replies to failed requests.
 
-        As many of them as there are unanswered requests are late, and the others are extra.
+        The first of them, up to the number of unanswered requests, are late, and the rest are extra.
         """
         late_count = min(count, self._unanswered)
         self._unanswered -= late_count
@@ -605,7 +607,7 @@ class Session:
         """Return what is needed to send a request and to find its reply.
 
         ``request`` is bytes, an object of the encoder's module, or a member of its ``DataId``. Raises LinkError if the
-        encoder has no such request.
+        encoder does not have the request.
         """
         if self.exchanges:
             return self._make_pending_exchange(request)
@@ -637,8 +639,8 @@ class Session:
         """Return what is needed to send a request of an encoder without data IDs, and to find its reply.
 
         ``object_or_bytes`` is an object of the class of a request, or the bytes of a request. The bytes are decoded as
-        each kind of request in turn, until one fits. Raises LinkError if they fit none, or if the encoder does not
-        answer the request.
+        each kind of request in turn, until one fits. Raises LinkError if they fit no request, or if the encoder does
+        not answer it.
         """
         # Empty if the request is an object, or has no bytes, which fit no kind of request either.
         given_bytes = bytes(object_or_bytes) if isinstance(object_or_bytes, (bytes, bytearray)) else b""

@@ -109,27 +109,26 @@ class Pipeline:
         return self._start_request(request, None)
 
     def read(self, register: type) -> int:
-        """Return the word that reads a register. Its answer has the value in ``register``.
+        """Return the word that reads a register. Its answer contains the value in ``register``.
 
         Args:
             register: Class of the register.
 
         Raises:
-            TypeError: The encoder has no such register over SPI.
-            RuntimeError: The word that was received with the previous request has not been taken.
+            TypeError: The encoder does not have the register over SPI. RuntimeError: The word that was received with
+            the previous request has not been taken.
         """
         address, _ = self._find_place(register)
         return self._start_request(self._make_read_request(address), register)
 
     def write(self, value: Value) -> Iterator[int]:
-        """Yield the words that write a register. Exchange and take each one before the next.
+        """Yield the words that write a register. Exchange and take each request before the next.
 
         Args:
             value: The value, an object of the register's class.
 
         Raises:
-            TypeError: The encoder has no such register over SPI.
-            RangeError: The value does not fit.
+            TypeError: The encoder does not have the register over SPI. RangeError: The value does not fit.
             RuntimeError: The word that was received with the previous request has not been taken.
         """
         address, _ = self._find_place(type(value))
@@ -151,7 +150,7 @@ class Pipeline:
         Args:
             word: Word that was received while the last request was sent: a number whose most significant bit was first,
                 or its bytes.
-            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show missing bits.
 
         Returns:
             The answer, or None if no request was sent before this word, or if the word does not have the length of a

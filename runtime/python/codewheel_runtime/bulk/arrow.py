@@ -85,7 +85,7 @@ def _read_integers(array: Any, shape: Shape) -> Any:
 
 
 def _read_rows(array: Any, length: int) -> Any:
-    """Return byte strings as rows of an array, without copying them, or None if one has the wrong length."""
+    """Return byte strings as rows of an array, without copying them, or None if a string has the wrong length."""
     arrow_type = array.type
     count = len(array)
     if not count:

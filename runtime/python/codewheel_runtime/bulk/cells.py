@@ -17,10 +17,11 @@ _MISSING: Final = frozenset(("", "nan", "na", "n/a", "<na>", "null", "none"))
 
 
 def read_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
-    """Return the frame that a string contains. Raises ValueError if there is none.
+    """Return the frame that a string contains. Raises ValueError if the string contains no frame.
 
-    Spaces and underscores are ignored. A frame of bytes is a row of hexadecimal bytes, with or without ``0x`` in front.
-    A frame of bits is a number: ``0x`` and ``0b`` specify its base, and ``digits`` specifies the base of other texts.
+    Spaces and underscores are ignored. A frame of bytes is a row of hexadecimal bytes, with or without a leading
+    ``0x``. A frame of bits is a number: ``0x`` and ``0b`` specify its base, and ``digits`` specifies the base of other
+    texts.
     """
     packed = text.replace(" ", "").replace("_", "")
     if shape.length:

@@ -125,7 +125,7 @@ class Chunk:
 def limbs_of(rows: Any, shape: Shape) -> list[Any]:
     """Return rows of bytes as limbs, the lowest limb first.
 
-    Each limb is read as one number of eight bytes. The highest one can have fewer bytes in the row. This limb is then
+    Each limb is read as one number of eight bytes. The highest limb can have fewer bytes in the row. This limb is then
     read together with bytes of the limb below, which are shifted out.
     """
     contiguous_rows = np.ascontiguousarray(rows)

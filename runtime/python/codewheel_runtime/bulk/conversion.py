@@ -96,6 +96,6 @@ def pandas_columns(table: Columns, names: Iterable[str], raw: bool = False) -> d
 
 
 def _is_text(column: Any) -> bool:
-    """Return whether a column is an array of byte strings. Other columns of a file may have no type of NumPy."""
+    """Return whether a column is an array of byte strings. Other columns of a file may lack a NumPy type."""
     dtype = getattr(column, "dtype", None)
     return getattr(dtype, "kind", "") == "S"

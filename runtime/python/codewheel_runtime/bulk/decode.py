@@ -112,7 +112,7 @@ class ReadFrames(NamedTuple):
 def read_rows(frames: Any, length: int) -> ReadFrames:
     """Return frames as rows of bytes.
 
-    A missing frame counts as one of 0 bytes. Arrays have frames of one length only.
+    A missing frame counts as one of 0 bytes. Arrays contain frames of one length only.
     """
     if isinstance(frames, (list, tuple)):
         return _read_list_of_rows(cast(Iterable[Any], frames), length)
@@ -144,7 +144,7 @@ def _read_list_of_rows(frames: Iterable[Any], length: int) -> ReadFrames:
 
 
 def _read_words(frames: Any, bits: int) -> ReadFrames:
-    """Return frames as 64-bit numbers. A missing frame has a wrong length."""
+    """Return frames as 64-bit numbers. A missing frame counts as a frame of the wrong length."""
     if isinstance(frames, (bytes, bytearray, memoryview)):
         data = cast(Any, frames)
         if len(data) % 8:
@@ -247,7 +247,7 @@ def _find_doubtful_frames(chunk: Chunk, shape: Shape) -> list[Any]:
 
 
 def _find_faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
-    """Return the error of each frame, or 0. If there are several, it is the one that ``decode`` checks first.
+    """Return the error of each frame, or 0. If there are several errors, it is the first that ``decode`` checks.
 
     This is the one with the lowest ``ErrorKind``, because ``decode`` checks in the order of these numbers. ``limbs``
     are the frames as numbers. In ``source``, which are the frames as they were passed, bits above the frame are still
@@ -305,10 +305,12 @@ def _write(chunk: Chunk, shape: Shape, out: Mapping[str, Any]) -> None:
 
 
 def _write_join(chunk: Chunk, shape: Shape, join: Join, columns: Mapping[str, Column], number: Any) -> None:
-    """Write a number that consists of several fields into the array ``number``. The first has its lowest bits.
+    """Write a number that consists of several fields into the array ``number``.
 
-    ``columns`` contains the descriptions of all fields by name. ``low`` is a place in the frame, and ``offset`` one in
-    the joined number.
+    The first field provides its lowest bits.
+
+    ``columns`` contains the descriptions of all fields by name. ``low`` is a position in the frame, and ``offset`` a
+    position in the joined number.
     """
     first_name, _ = join.fields[0]
     first = columns[first_name]

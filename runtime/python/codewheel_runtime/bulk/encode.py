@@ -18,7 +18,7 @@ ARRAY_KINDS: Final[Mapping[str, str]] = {"text": "SU", "flag": "uib", "not_flag"
 
 
 class RowError(RangeError):
-    """A field cannot be encoded. ``row`` is the index of the first row that has such a field."""
+    """A field cannot be encoded. ``row`` is the index of the first row with such a field."""
 
     def __init__(self, row: int, field: str, value: object, allowed: str) -> None:
         super().__init__(field, value, allowed)
@@ -141,8 +141,7 @@ def _check_names(
     """Raise TypeError if a column is missing or unknown.
 
     ``fields`` contains the field of each column by name. Flags, fields without bits, and unused bits may be missing, as
-    may the fields of a joined number that is present. Columns that a decoded table has in addition to the fields are
-    ignored.
+    may the fields of a joined number that is present. Additional columns of a decoded table are ignored.
     """
     optional = {"unused"}
     for name, column in fields.items():
@@ -260,7 +259,7 @@ def _encode_flag(values: Any, column: Column, first_error: FirstError) -> Any:
 
 
 def _encode_digits(arrays: Mapping[str, Any], column: Column, first_error: FirstError) -> Any:
-    """Return the number that groups of decimal digits form. Each group has a column of its own."""
+    """Return the number that groups of decimal digits form. Each group has a separate column."""
     number = np.zeros(len(next(iter(arrays.values()))), np.uint64)
     for name, divisor, modulus in column.runs:
         digits = _check_unsigned(arrays[name], first_error, name, modulus - 1)
@@ -360,8 +359,8 @@ def _insert_join(
 def _insert_unused(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:
     """Insert unused bits as in the manual, inverted where the column ``unused`` of ``arrays`` is 1.
 
-    The column has all unused bits side by side: ``place`` is a position in it, and ``low`` one in the frame. Without
-    the column, all are as in the manual.
+    The column contains all unused bits side by side: ``place`` is a position in it, and ``low`` a position in the
+    frame. Without the column, all are as in the manual.
     """
     no_differences = np.zeros(len(limbs[0]), np.uint8)
     differences = arrays.get("unused", no_differences)

@@ -18,7 +18,7 @@ class Column(NamedTuple):
     """Field of ``width`` bits that starts at bit ``low`` of the number that a frame forms.
 
     ``kind`` is the type of value that the bits encode. ``not_flag`` is an active-low flag. If ``zero_means`` is not 0,
-    bits that are all 0 stand for this number. ``runs`` contains the name, divisor and modulus of each group of decimal
+    bits that are all 0 represent this number. ``runs`` contains the name, divisor and modulus of each group of decimal
     digits: its number is ``bits // divisor % modulus``. ``field`` is the name of the field in messages, if it differs
     from ``name``. ``values`` lists the only allowed values of the field, if they are limited. ``scale`` contains the
     first members of its ``Scale``.
@@ -134,7 +134,7 @@ class Unused(NamedTuple):
 class VerdictCause(NamedTuple):
     """Condition for a ``verdict``: a flag is active and certain others are not, or unused bits in ``mask`` differ.
 
-    With ``when``, all these columns have the values next to them, 1 for an active flag.
+    With ``when``, all these columns must have the values next to them, 1 for an active flag.
     """
 
     verdict: Verdict
@@ -162,7 +162,7 @@ class ReportCause(NamedTuple):
         return report if self.chosen_verdict is None else report._replace(makes_position=self.chosen_verdict)
 
     def is_active(self, frame: Any) -> bool:
-        """Return whether a decoded frame has the report."""
+        """Return whether the report applies to a decoded frame."""
         if self.when:
             return all(getattr(frame, name) == value for name, value in self.when)
         return bool(getattr(frame, self.flag) if self.flag else frame.unused & self.mask)
@@ -316,8 +316,8 @@ def find_deferred_fields(shape: Shape, join: Join) -> list[tuple[str, int, int]]
 def find_position_columns(shape: Shape) -> frozenset[str]:
     """Return the columns whose values have no meaning if the position is not usable.
 
-    These are the position and its parts. A frame without the whole position but with a verdict has only a part of it,
-    so all its numbers count. Other frames have none.
+    These are the position and its parts. A frame with a verdict but without the whole position contains only a part of
+    it, so all its numbers count. Other frames have none.
     """
     if shape.position:
         parts = (name for join in shape.joins if join.name == shape.position for name, _ in join.fields)

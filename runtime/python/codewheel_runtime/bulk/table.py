@@ -33,7 +33,7 @@ _UNITS: Final = ("counts", *_OF_A_TURN, *_OF_A_LENGTH)
 
 
 def all_match(columns: Any, when: Iterable[tuple[str, int]]) -> Any:
-    """Return an array that is True where all these columns have the values next to them."""
+    """Return an array that is True where all these columns have the corresponding values."""
     matches: Any = True
     for name, value in when:
         matches = matches & (columns[name] == value)
@@ -51,7 +51,7 @@ class UnitError(ValueError, AttributeError):
 
 
 class FrameSource(Protocol):
-    """Encoder of the frames in a table, or a layout of frames in its place."""
+    """Encoder of the frames in a table, or a layout of frames instead."""
 
     @property
     def code(self) -> str:
@@ -225,7 +225,7 @@ class Table(_TableOf[_Name, _Unit]):
         return {name: self._find_column(name) for name in self.names}
 
     def with_columns(self, **columns: Any) -> Table:
-        """Return a table that also has other columns, which come first.
+        """Return a table with other columns added in front.
 
         Args:
             columns: Columns by name, each with a value for every frame. ``time`` is in seconds.
@@ -379,7 +379,7 @@ class Table(_TableOf[_Name, _Unit]):
     def unwrapped(self, previous: int | None = None) -> Any:
         """Return the position of each frame as a count that continues when the position wraps around.
 
-        It starts with the first usable position. A frame without a usable position has the count of the preceding
+        It starts with the first usable position. A frame without a usable position gets the count of the preceding
         frame. Between two usable frames the encoder must move by less than half of the modulus, if the position wraps.
 
         Args:
@@ -570,7 +570,7 @@ class Table(_TableOf[_Name, _Unit]):
         """Return a mask of the rows in which a column has no meaning, or None if it always has a meaning.
 
         A column that is the position or a part of it has no meaning in rows without a usable position, and a flag has
-        none in rows of missing frames and of frames with a wrong length.
+        no meaning in rows of missing frames and of frames with a wrong length.
         """
         # A quantity has no meaning where its number has none.
         if name in self._scales:

@@ -47,7 +47,7 @@ def numbers(rows: Any, words: WordKind = "packed") -> Any:
 def read_floats(frames: Any, bits: int, done: int = 0) -> Any:
     """Return floating-point frames as integers, masked if they are NaN or out of range.
 
-    NaN, infinities, negative values, and values from 2**63 on stand for missing frames. ``done`` is the number of
+    NaN, infinities, negative values, and values from 2**63 on represent missing frames. ``done`` is the number of
     earlier rows, to number the row in an error.
 
     Raises:

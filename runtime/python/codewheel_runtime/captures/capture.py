@@ -481,8 +481,8 @@ def _report_exchanged_lines(
 ) -> None:
     """Raise InputError if a capture has valid frames with the clock and the data line exchanged.
 
-    Otherwise, return normally. The caller has found none without the exchange. With it, more than nine in ten of the
-    first cycles must be valid.
+    Otherwise, return normally. The caller has found no valid frames without the exchange. With it, more than nine in
+    ten of the first cycles must be valid.
     """
     if isinstance(encoder, Encoder) and encoder.interface not in (Interface.BISS, Interface.SSI):
         return
@@ -550,7 +550,7 @@ def _decode_capture(
 
 
 def _list_paths(source: str | os.PathLike[str] | Sequence[str]) -> list[str]:
-    """Return the paths of one or more files. Raises UsageError if there is none."""
+    """Return the paths of one or more files. Raises UsageError if no file exists."""
     if isinstance(source, (str, os.PathLike)):
         return [os.fspath(source)]
     if not source:
@@ -566,5 +566,5 @@ def _convert_stretches(opened: _CaptureFrames, log: _Log) -> Generator[Part, Non
 
 
 def _round_times(seconds: Any) -> Any:
-    """Return times without the digits that computing them has added, such as 3e-05 for 2.9999999999999997e-05."""
+    """Return times without rounding errors of the computation, such as 3e-05 for 2.9999999999999997e-05."""
     return np.round(seconds, _TIME_DIGITS)

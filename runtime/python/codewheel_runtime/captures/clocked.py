@@ -161,10 +161,9 @@ class _Bits(NamedTuple):
     """Bits of each cycle: arrays with an element for each cycle.
 
     Attributes:
-        reasons: Reason why the cycle has no frame, such as ``_SHORT``, or 0.
-        skipped: Number of rising edges before the first bit.
-        delay: Delay of the data line after the rising edge that shifts out a bit.
-        sent: Number of bits that were sent, for the message about a cycle that is too short.
+        reasons: Reason why the cycle contains no frame, such as ``_SHORT``, or 0. Number of rising edges before the
+        first bit. delay: Delay of the data line after the rising edge that shifts out a bit. sent: Number of bits that
+        were sent, for the message about a cycle that is too short.
     """
 
     reasons: Any
@@ -226,7 +225,7 @@ class _CycleFinder:
         self.is_clocked = self.is_clocked or len(self._clock) > 0
 
     def finish(self) -> CapturedFrames:
-        """Return the frames at the end of the capture. All cycles end here, even if the clock has not rested."""
+        """Return the frames at the end of the capture. All cycles end here, even if the clock was not at rest."""
         if not self._rest and len(self._clock) > 2:
             self._set_rest()
         if not self._rest:

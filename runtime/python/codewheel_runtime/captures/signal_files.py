@@ -297,7 +297,7 @@ class _Arrays(NamedTuple):
 
 
 def _load_arrays(archive: zipfile.ZipFile, path: str) -> _Arrays:
-    """Return the arrays of an ``.npz`` file. Raises InputError if one does not have numbers."""
+    """Return the arrays of an ``.npz`` file. Raises InputError if an array does not contain numbers."""
     channels: dict[str, Any] = {}
     times: Any = None
     rate: float | None = None
@@ -402,7 +402,7 @@ class _Saleae:
             self._ready = self._read_chunk()
 
     def _read_exactly(self, size: int) -> bytes:
-        """Return the next ``size`` bytes. Raises InputError if there are fewer."""
+        """Return the next ``size`` bytes. Raises InputError if there are fewer bytes."""
         data = self._file.read(size)
         if len(data) != size:
             raise InputError(self._path, "", "this Saleae file ends early")
@@ -424,7 +424,7 @@ class _Saleae:
     def edges(self) -> Generator[tuple[int, Any, int], None, None]:
         """Yield the level before some edges, their times, and the amount read so far.
 
-        The first one has no edges, but shows the level at the beginning.
+        The first part has no edges, but shows the level at the beginning.
         """
         last_time = -np.inf
         level, _ = self._ready

@@ -33,7 +33,7 @@ def measure_size(file: BinaryIO) -> int:
 
 
 def _read_blocks(file: BinaryIO, path: str, kind: str) -> Generator[tuple[bytes, int], None, None]:
-    """Yield blocks of whole lines, and the amount read. The last line gets a line end if it has none.
+    """Yield blocks of whole lines, and the amount read. If the last line lacks a line end, one is added.
 
     ``kind`` is the format, for the error about a line that is longer than a block.
     """
@@ -106,7 +106,7 @@ class _RowReader:
     """Reader of the times and the levels of rows.
 
     ``_first_stamp`` is the first time stamp, from which times are counted, and ``_voltages`` the converter from
-    voltages to levels. Both are None if the table has none.
+    voltages to levels. Both are None if the table has no time stamps or voltages.
     """
 
     def __init__(self, form: TableForm, columns: list[int], path: str) -> None:
@@ -119,8 +119,8 @@ class _RowReader:
     def find_voltages(self, file: BinaryIO, threshold: float | None) -> None:
         """Read the whole file for the range of its voltages, then go back to its beginning.
 
-        It stops at the first rows if they have no voltages: all cells are whole numbers, or some are not finite. With
-        ``threshold``, the columns always have voltages.
+        It stops at the first rows if they contain no voltages: all cells are whole numbers, or some are not finite.
+        With ``threshold``, the columns always contain voltages.
         """
         # The lowest and the highest voltage of each column, block by block.
         ranges: list[Any] = []

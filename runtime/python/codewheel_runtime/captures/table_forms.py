@@ -131,8 +131,8 @@ def _find_delimiter(lines: Sequence[str]) -> str | None:
 def _find_headers(cells_by_line: Sequence[list[str]]) -> _Headers | None:
     """Return the headers of a table, or None if it has no rows after them.
 
-    A line of units can follow the names of the columns. Oscilloscopes also write settings, line by line, in front of
-    the names.
+    A line of units can follow the names of the columns. Oscilloscopes also write settings, line by line, before the
+    names.
     """
     line_count = next((index for index, cells in enumerate(cells_by_line) if _is_row(cells)), len(cells_by_line))
     if not line_count:
@@ -162,7 +162,7 @@ def _name_channels(
     """Return the names of the channels: from a comment of sigrok, from the header, or numbers from 1.
 
     ``comments`` are lines without the mark of the comment. ``first_rows`` are the cells of some rows, which show the
-    number of channels. ``has_times`` is True if a column of times or of numbers is in front of the channels.
+    number of channels. ``has_times`` is True if a column of times or of numbers is before the channels.
     """
     first_channel = int(has_times)
     column_count = len(first_rows[0])

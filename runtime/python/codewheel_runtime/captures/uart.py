@@ -321,7 +321,7 @@ class _Replies:
     def _find_reply_kinds(self, names: Sequence[str]) -> list[int]:
         """Return the index in ``names`` of the reply that begins at each byte, or -1.
 
-        ``names`` begins with the longest reply. The list also has an item for the end of the bytes, which is -1.
+        ``names`` begins with the longest reply. The list also contains an item for the end of the bytes, which is -1.
         """
         kinds = np.full(len(self._values) + 1, -1)
         # The first names are set last, so they take precedence.
@@ -333,7 +333,7 @@ class _Replies:
     def _find_request_lengths(self) -> list[int]:
         """Return the length of the longest valid request that begins at each byte, or 0.
 
-        The list also has an item for the end of the bytes, which is 0.
+        The list also contains an item for the end of the bytes, which is 0.
         """
         longest = np.zeros(len(self._values) + 1, np.int64)
         for shape in self._kinds.requests.values():
@@ -382,7 +382,8 @@ class _Replies:
     def _collect_frames(self, places: _Places, request_lengths: list[int]) -> CapturedFrames:
         """Return the replies of the wanted kind, and the gaps as lost bytes.
 
-        A gap with exactly one reply that has a CRC error, after a request or not, is a frame with an error instead.
+        A gap that contains exactly one reply with a CRC error, after a request or not, is a frame with an error
+        instead.
         """
         lost: list[Lost] = []
         reply_starts = [*places.starts.get(self.wanted, [])]

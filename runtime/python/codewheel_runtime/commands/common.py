@@ -85,7 +85,7 @@ def _add_optional_answers(encoder: Encoder, chosen: argparse.Namespace) -> Encod
 
 
 def find_answer(name: str, answer: str, kind: type[Enum]) -> Enum:
-    """Return the member of ``kind`` that ``--choose`` selects. Raises ValueError if there is none."""
+    """Return the member of ``kind`` that ``--choose`` selects. Raises ValueError if there is no such answer."""
     for member in kind:
         if member.name.lower() == answer.lower():
             return member

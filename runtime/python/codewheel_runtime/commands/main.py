@@ -363,7 +363,7 @@ def _add_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str, 
     """Return the decoded frame or its error. ``answers`` are answers to open questions, by name.
 
     Raises:
-        Failed: An answer does not apply, or one is missing.
+        Failed: An answer does not apply or is missing.
     """
     open_answers: dict[str, Any] = {}
     hints = get_type_hints(encoder.try_decode)

@@ -86,7 +86,7 @@ def watch(
 def _wait_until(due: float) -> float:
     """Wait until a time, and return it, or the present time if that is later.
 
-    So readings keep their interval, and after a late one the interval is counted from that.
+    Readings therefore keep their interval, and after a late reading the interval is counted from that reading.
     """
     sleep(max(0.0, due - monotonic()))
     return max(due, monotonic())
@@ -252,7 +252,7 @@ class _Screen:
 def _convert_to_unit(encoder: Any, position: int | None) -> tuple[str, str]:
     """Return the name and the value of a position in a unit, such as ``("angle", "12.34500°")``.
 
-    The value is ``-`` for None, and for encoders whose manual gives no size of a count.
+    The value is ``-`` for None, and for encoders whose manual does not state the size of a count.
     """
     measures_length = hasattr(encoder, "millimetres")
     name = "length" if measures_length else "angle"

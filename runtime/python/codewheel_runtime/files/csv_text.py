@@ -28,7 +28,7 @@ def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, s
     ``name`` and ``size`` in bytes describe the file. ``share`` returns the fraction of valid frames.
 
     Raises:
-        InputError: The text is UTF-16, there is no such column, or the first row cannot be read.
+        InputError: The text is UTF-16, the column does not exist, or the first row cannot be read.
     """
     blocks = split_into_blocks(b"", file)
     head = next(blocks, b"")
@@ -117,7 +117,7 @@ class _SlowReader:
             self._skips_header = False
 
     def read_batch(self) -> _Batch:
-        """Return the cells of the next rows. At the end of the blocks, there are none."""
+        """Return the cells of the next rows. At the end of the blocks, the batch is empty."""
         cells: list[str] = []
         line_numbers: list[int] = []
         # Only cells are kept, because rows are lists, which the garbage collector would traverse repeatedly.

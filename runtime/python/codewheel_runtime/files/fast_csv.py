@@ -153,7 +153,8 @@ def make_block_reader(
 def _read_words(cells: Any, digits: DigitKind | None, pa: Any, pc: Any) -> Any:
     """Return numbers, or None if they need the slower reader. The conversion raises ArrowInvalid for other cells.
 
-    Cells without ``0x`` are in the base ``digits``. If this is hexadecimal, all cells or none must have ``0x``.
+    Cells without ``0x`` are in the base ``digits``. If it is hexadecimal, either all cells or none must begin with
+    ``0x``.
     """
 
     def begins_with(text: str) -> Any:

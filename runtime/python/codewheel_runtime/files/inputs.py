@@ -51,7 +51,7 @@ class Stored(NamedTuple):
     wanted: Sequence[str] = ()
 
     def keeps(self, name: str) -> bool:
-        """Return True if the column ``name``, which does not contain the frames, is to be kept."""
+        """Return True if the column ``name``, which does not contain the frames, must be kept."""
         return not self.wanted or name in self.wanted
 
 
@@ -101,7 +101,7 @@ def find_column(names: list[str], wanted: str, file: str) -> str:
     ``names`` are the names of all columns, and ``wanted`` is the requested name, or empty. ``file`` is for errors.
 
     Raises:
-        InputError: There is no such column, or there are several.
+        InputError: The column does not exist, or there are several.
     """
     if wanted:
         if names.count(wanted) == 1:

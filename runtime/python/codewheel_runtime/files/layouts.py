@@ -79,7 +79,7 @@ def find_shape(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Sha
     """Return the shape of frames. ``answers`` are members of an enumeration or their names, by question.
 
     Raises:
-        UsageError: An answer is missing, wrong or not needed, or there is no such layout.
+        UsageError: An answer is missing, wrong or not needed, or the layout does not exist.
     """
     frame_layout = find_layout(encoder, layout)
     for name in answers:

@@ -39,7 +39,7 @@ class PartitionDecoder(NamedTuple):
     raw: bool
 
     def decode(self, partition: Any) -> Any:
-        """Return the partition with the fields in place of the column of frames. Raises TypeError for other objects."""
+        """Return the partition with the fields instead of the column of frames. Raises TypeError for other objects."""
         library = type(partition).__module__.partition(".")[0]
         class_name = type(partition).__name__
         if library == "pyarrow" and class_name in ("Table", "RecordBatch"):
@@ -106,7 +106,9 @@ def _read_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
 
 
 def _read_cell(cell: object, shape: Shape, cells: Cells, row: int) -> Any:
-    """Return the frame in a cell of text, bytes or an integer. ``cells`` reads text, and returns None if there is none.
+    """Return the frame in a cell of text, bytes or an integer.
+
+    ``cells`` reads text, and returns None for a cell without a frame.
 
     Raises:
         TypeError: The cell is something else, or a number for a frame of bytes.

@@ -79,7 +79,7 @@ class Sink(Protocol):
 
 
 class Texts:
-    """Converter from a text column to Arrow arrays of text, or of numbers if the first chunk has only numbers.
+    """Converter from a text column to Arrow arrays of text, or of numbers if the first chunk contains only numbers.
 
     ``kind`` is the Arrow type, which the first chunk determines, and None before. ``lost`` is the number of cells that
     became null because they are not numbers.

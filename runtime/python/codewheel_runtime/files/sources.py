@@ -155,7 +155,7 @@ def _incomplete_frame_error(name: str, size: int, length: int) -> InputError:
 
 
 def _read(file: BinaryIO, size: int) -> bytes:
-    """Return ``size`` bytes, or the rest of the file if it has fewer. A pipe delivers them in pieces."""
+    """Return ``size`` bytes, or the rest of a shorter file. A pipe delivers them in pieces."""
     data = file.read(size)
     if len(data) == size or not data:
         return data

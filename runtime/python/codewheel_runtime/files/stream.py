@@ -386,7 +386,7 @@ class _Counts:
                 self._verdicts[index] = self._verdicts.get(index, 0) + int((valid_verdicts == index).sum())
 
     def summary(self, lost: int) -> Summary:
-        """Return the counts, without verdicts that no frame has. ``lost`` is the number of cells left empty."""
+        """Return the counts, without verdicts that do not occur. ``lost`` is the number of cells left empty."""
         all_verdicts = [*Verdict]
         verdicts = {all_verdicts[index]: count for index, count in self._verdicts.items() if count}
         return Summary(self.frames, dict(sorted(self._faults.items())), verdicts, lost)

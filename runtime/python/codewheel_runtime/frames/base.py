@@ -50,7 +50,8 @@ class Coded:
 
         Returns:
             The fields by name. A choice is its name in lower case. The encoder is its ``order_code``. A frame with a
-            position also has ``position``, ``usable_position`` and ``verdict``, and one from an encoder ``reports``.
+            position also contains ``position``, ``usable_position`` and ``verdict``, and a frame from an encoder also
+            contains ``reports``.
         """
         kind: Any = type(self)
         values: dict[str, Any] = {}
@@ -76,7 +77,7 @@ class Coded:
         return find_any_shape(cls, encoder).frame
 
     def _arguments(self) -> tuple[Any, ...]:
-        """Return the encoder and the answers, which are the first fields, as many as the description has arguments."""
+        """Return the encoder and the answers, which are the first fields, one for each argument of the description."""
         kind = cast(Any, type(self))
         values = cast("tuple[Any, ...]", self)
         return values[: len(find_description(kind)[1])]
@@ -126,7 +127,7 @@ class InBits(Coded):
 
 
 class InBytes(Coded):
-    """Frame or register that is made of bytes."""
+    """Frame or register that consists of bytes."""
 
     __slots__ = ()
 
@@ -251,7 +252,7 @@ class ByEncoder(ForEncoder, _Of[_Encoder]):
     def bit_fields(cls, variant: _Encoder) -> tuple[BitField, ...]:
         """Return the bit position of each field in the number that the frame or register forms.
 
-        A field that the encoder does not have is 0 bits wide.
+        A field that does not exist in the encoder is 0 bits wide.
         """
         return shape_of(cls, variant).fields
 
@@ -318,7 +319,7 @@ class RegisterOf(ByEncoder[_Encoder], InBytes):
 class Limited(InBytes):
     """Register with limits for the values that may be written. The limits apply to objects that a program creates.
 
-    A decoded register keeps its bytes, because its content can be outside these limits.
+    A decoded register keeps its bytes, because their content can be outside these limits.
     """
 
     def encode(self) -> bytes:

@@ -62,7 +62,7 @@ def find_description(kind: type) -> tuple[Callable[..., Shape], tuple[type, ...]
     """Return the function that creates the description of a class, and the types of its arguments.
 
     The arguments are an encoder, unless all encoders have the same description, and the answers to open questions. A
-    class derived from a class of frames has the description of that.
+    class derived from a class of frames uses the description of its base.
     """
     shapes: Mapping[type, Callable[..., Shape]] = module_of(kind, "_shapes").SHAPES
     make = next(shapes[base] for base in kind.__mro__ if base in shapes)

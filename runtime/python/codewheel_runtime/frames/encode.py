@@ -71,7 +71,8 @@ def _limit_error(shape: Shape, check: Check, bits: int) -> RangeError:
 def _encode_unused_bits(differing: Any, places: tuple[Unused, ...]) -> int:
     """Return the unused bits in a frame: as in the manual, inverted where ``differing`` is 1.
 
-    ``differing`` contains all unused bits side by side: ``place`` is a position in it, and ``low`` one in the frame.
+    ``differing`` contains all unused bits side by side: ``place`` is a position in it, and ``low`` a position in the
+    frame.
     """
     mask = sum(((1 << unused.width) - 1) << unused.place for unused in places)
     differing_bits = check_bits("unused", differing, mask)
