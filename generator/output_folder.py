@@ -27,7 +27,7 @@ LIST_HEAD = "# Written by codewheel generate, which removes files of this list t
 LIST_SIGN = b"# Written by codewheel generate"
 #: Begins the line of a list with the families that the target's folder was written from.
 _FAMILIES = "# Families: "
-#: Paths that lead out of no folder, and that are the same on every system.
+#: Paths that stay inside the folder, and that are the same on every system.
 _SAFE_PATH = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]*(/[A-Za-z0-9_.][A-Za-z0-9._-]*)*")
 
 
@@ -170,7 +170,7 @@ def _attempt(folder: Path) -> int | None:
 #: Beginning of the name of a stage.
 PREFIX = ".codewheel-"
 _STAGE_NAME = re.compile(rf"{re.escape(PREFIX)}([A-Za-z0-9_.-]+)-[a-z0-9_]{{8}}")
-#: The first file in a stage. It lets a later run tell the stage of a killed run from a user's folder.
+#: The first file in a stage. The mark lets a later run distinguish the stage of a killed run from a user's folder.
 _MARK = ".codewheel-stage"
 _MARK_TEXT = "Temporary folder of codewheel generate. Its next run removes it.\n"
 _NEW, _OLD = "new", "old"
@@ -212,7 +212,7 @@ class Stage:
         (self.folder / _MARK).write_text(_MARK_TEXT, encoding="utf-8", newline="\n")
         self._make(Path())
         names_inside = {name.partition("/")[2]: name for name in files}
-        # The list comes first: without it, a later run would take the files of a killed run for the user's.
+        # The list comes first: without it, a later run would take the files of a killed run as the user's.
         (self.new / LIST).write_text(list_text(names_inside, families), encoding="utf-8", newline="\n")
         for parent in {os.path.dirname(path) for path in names_inside}:
             self._make(Path(parent))
@@ -253,7 +253,7 @@ class Stage:
         """Remove the stage. The mark is removed last, so that a run killed here leaves a recognisable stage."""
         _save_from(self)
         shutil.rmtree(self.new, ignore_errors=True)
-        # Without a target's folder, ``old`` has the only copy of its content, so the stage stays.
+        # Without a target's folder, ``old`` contains the only copy of its content, so the stage stays.
         if os.path.lexists(self.target_folder):
             shutil.rmtree(self.old, ignore_errors=True)
         if not os.path.lexists(self.old):

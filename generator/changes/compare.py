@@ -62,7 +62,7 @@ def compare_members(family_pair: FamilyPair, subject: Subject, old: Any, new: An
     old = family_pair.with_new_names(old, subject.scope)
     members_by_name = {"source": _SOURCE, **PARTS_BY_CLASS[type(new).__name__].by_attribute}
     for attribute in fields(new):
-        # An attribute that the table lacks still gives a change, so that nothing is overlooked.
+        # An attribute that the table lacks still leads to a change, so that nothing is overlooked.
         member = members_by_name.get(attribute.name) or Member(attribute.name, rule="unforeseen")
         # A member without a rule is compared elsewhere, or by its order code.
         if member.rule:
@@ -153,7 +153,8 @@ def _difference_text(
     old_text, new_text = short_value(old, notation), short_value(new, notation)
     if old_text != new_text:
         return f"{old_text} → {new_text}"
-    # The same expression has other values if a parameter in it has. The first two pairs of values are shown.
+    # The same expression has other values if the value of a parameter in it changes. The first two pairs of values are
+    # shown.
     return first_of(pair_texts, 2)
 
 

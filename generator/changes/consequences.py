@@ -176,7 +176,7 @@ def _cause_of_move(
     distances = _subtract_each(old_low_bits, new_low_bits)
     fields_below: list[_ResizedField] = []
     for resized_field in resized_fields:
-        # The tuples have a low bit for each point. The first point at which they differ decides.
+        # The tuples contain a low bit for each point. The first point at which they differ decides.
         is_below = resized_field.low_bits < new_low_bits or resized_field.low_bits < old_low_bits
         if is_below and resized_field.name != pair.new.name:
             fields_below.append(resized_field)
@@ -276,7 +276,7 @@ def fold_alike(changes: Sequence[Change]) -> Iterator[Change]:
     """
     alike_changes_by_key: dict[object, list[Change]] = {}
     for change in changes:
-        # A change that stands alone gets a key that no other change has.
+        # A change that is not merged gets a unique key.
         alike_key = _alike_key(change) or id(change)
         alike_changes_by_key.setdefault(alike_key, []).append(change)
     for alike_changes in alike_changes_by_key.values():

@@ -62,7 +62,7 @@ def _compare_evidence(family_pair: FamilyPair) -> Iterator[Change]:
     subject = Subject(path="evidence", label="evidence")
     if old.evidence and new.evidence:
         yield from compare_members(family_pair, subject, old.evidence, new.evidence)
-    elif old.evidence or new.evidence:  # With --lenient, a spec in an older form of the language has none.
+    elif old.evidence or new.evidence:  # With --lenient, a spec in an older form of the language has no evidence.
         description = " is new" if new.evidence else " is gone"
         yield family_pair.change("evidence", subject, description=description, old=old.evidence, new=new.evidence)
 
@@ -217,7 +217,7 @@ def _compare_part_values(family_pair: FamilyPair, subject: Subject, old: CodePar
         for variant in family_pair.new.variants:
             if variant.parts.get(new.name) == new_value.text:
                 codes.append(variant.code)
-        # An empty interface stands for all of them.
+        # An empty interface represents all of them.
         affected_codes = tuple(codes) or family_pair.order_codes_over(interface="")
         yield from compare_supply(family_pair, value_subject, old_value.supply, new_value.supply, affected_codes)
 
@@ -326,7 +326,7 @@ def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:
         pairs = [Pair(old=old[0], new=new[0])]
     for pair in sorted(pairs, key=lambda pair: pair.new_or_old.name):
         if pair.old is None or pair.new is None:
-            # Only the name of the family is compared, so one device stands for both versions.
+            # Only the name of the family is compared, so one device represents both versions.
             only_device = pair.new_or_old
             subject = Subject(path="", label=f"family {only_device.name}")
             old_name = pair.old.name if pair.old is not None else None

@@ -102,7 +102,7 @@ def _compare_arguments(family_pair: FamilyPair, subject: Subject, old: Procedure
     new_arguments = _describe_arguments(new.arguments)
     if old_arguments != new_arguments:
         old_texts, new_texts = _argument_names(old), _argument_names(new)
-        if old_texts == new_texts:  # Then the register that takes an argument differs, or its meaning.
+        if old_texts == new_texts:  # In this case, the register that takes an argument differs, or its meaning.
             old_texts, new_texts = _argument_texts(old_arguments), _argument_texts(new_arguments)
         yield family_pair.change(
             "procedure-arguments",
@@ -164,7 +164,7 @@ def _describe_steps(old_steps: list[Step], new_steps: list[Step]) -> str:
     steps_text = f": {noun} {', '.join(step_numbers)}"
     if len(differences) > 1:
         return f"{steps_text} differ"
-    # The caller passes different steps, so there is one difference left.
+    # The caller passes different steps, so one difference remains.
     (common_difference,) = differences
     return f"{steps_text}: {common_difference}"
 

@@ -40,7 +40,7 @@ def compare_layout(family_pair: FamilyPair, subject: Subject, old: Layout, new: 
     yield from compare_parts(family_pair, "joined", old.joins, new.joins, join_subject)
     combination_subject = replace(subject, label=f"{subject.scope}: combination")
     yield from compare_parts(family_pair, "combination", old.combinations, new.combinations, combination_subject)
-    # A joined number that is new has no old type, and only its presence is reported.
+    # A new joined number has no old type, and only its presence is reported.
     old_type_by_name = {join.name: _type_of_join(old, join) for join in old.joins}
     for join in new.joins:
         join_path, join_label = f"{subject.path}.{join.name}", f"{subject.scope}: number {join.name}"
@@ -112,7 +112,7 @@ def _low_bits_in_group(
     for group_field in layout.fields:
         if group_field.group == field.group:
             low_bits_of_group.append(family_pair.values_at_points(group_field.low, interface, is_old=is_old))
-    # ``low_bits_of_group`` has a tuple for each field. ``zip`` gives the low bits of all fields at each point.
+    # ``low_bits_of_group`` contains a tuple for each field. ``zip`` yields the low bits of all fields at each point.
     group_starts = map(min, zip(*low_bits_of_group, strict=True))
     return tuple(low_bit - group_start for low_bit, group_start in zip(low_bits, group_starts, strict=True))
 
@@ -160,7 +160,7 @@ def _type_of(field: Field) -> str:
     """Return the type of a number in C, such as ``uint32_t``, or an empty string for another kind of field."""
     if not isinstance(field.kind, (Number, Decimal)):
         return ""
-    # The number that zero stands for may need one bit more than the field has.
+    # The number that zero represents may need one bit more than the field has.
     bits = max(field.widest, field.number.zero_means.bit_length())
     return _smallest_integer_type(bits, is_signed=field.number.signed)
 

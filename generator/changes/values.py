@@ -76,7 +76,7 @@ def compare_at_points(
 
     Without points, since no order code is common, they are equal if their texts are the same.
     """
-    # A name that both sides use was not renamed, and has the same number on both.
+    # A name used on both sides was not renamed, and has the same number on both.
     if old == new:
         return None
     if not points:
@@ -169,7 +169,7 @@ def codes_as_pattern(device: Device, codes: Collection[str]) -> str:
     has_open_parts_behind = last_closed_index + 2 < len(pieces)
     if not has_open_parts_behind:
         return "".join(pieces)
-    # If everything up to the end is open, one mark stands for the rest.
+    # If everything up to the end is open, one mark represents the rest.
     return "".join(pieces[: last_closed_index + 1]) + _ANY_TEXT
 
 

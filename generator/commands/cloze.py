@@ -50,7 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
     sheet_data = sheet(family.document, old_entries)
     spec_path = Path(family.document.file)
     path = word_sheet_path(spec_path)
-    lines = [*as_lines(sheet_data, spec_path.name), ""]  # The empty line gives the last one its line end.
+    lines = [*as_lines(sheet_data, spec_path.name), ""]  # The empty line adds a line end to the last line.
     try:
         path.write_text("\n".join(lines), encoding="utf-8")
     except OSError as error:

@@ -69,7 +69,7 @@ def _lines_of_missing_history(old_family: Family, new_family: Family) -> Iterato
     listed_revisions = [
         history_row["revision"] for history_row in new_family.document.data["manual"].get("history", ())
     ]
-    # An edition describes encoders before a revision, so an older revision must be listed in front of it.
+    # An edition describes encoders before a revision, so an older revision must be listed before it.
     if revision in listed_revisions[1:]:
         return
     key_of_rows = "history" if listed_revisions else "manual"
@@ -122,8 +122,8 @@ def _edition_changes(
     first_option_source = ""
     removed_options: list[tuple[str, Any]] = []
     for place, removed_node in _removed_nodes(old_data, new_data, place=""):
-        # The place of a list item is the place of its list, so the name comes from the item itself. A value of a map
-        # has it in its place.
+        # The place of a list item is the place of its list, so the name comes from the item itself. The place of a
+        # value in a map includes its name.
         _, _, last_step = place.rpartition(".")
         name = label_of(removed_node) or last_step
         if name in renamed_names:

@@ -28,7 +28,7 @@ _ABOUT = (
     "between the frames: a bit that never changes has no name. The exit code is 0 if there is a proposal, and 1 if all "
     "frames are equal."
 )
-#: Bits of the longest frame, by interface. All others have the second limit.
+#: Bits of the longest frame, by interface. All other interfaces share the second limit.
 _LONGEST = {"rs485": 1024}
 _LONGEST_IN_BITS = 64
 #: Characters of an invalid text that a message shows.

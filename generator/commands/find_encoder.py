@@ -40,7 +40,7 @@ def find_order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, Matc
         Stop: The code does not exist (exit code 2), or no valid spec has it and others have problems (exit code 1).
     """
     device, match, paths = _find_in_groups(specs, text, cache, accepts_family=False)
-    if match is None:  # Only a name has no match.
+    if match is None:  # Only a name is found without a match.
         raise _unknown_code_error([device], text)
     return device, match, paths
 
@@ -174,7 +174,7 @@ def _refuse_hidden(device: Device, reports_with_problems: Iterable[Report]) -> N
         Stop: There is such a file. The exit code is 1.
     """
     for report in reports_with_problems:
-        # The file of a family has its name.
+        # A file is named after its family.
         names_of_faulty_families = {Path(file).stem for file in report.faulty_files}
         if device.name in names_of_faulty_families:
             raise problems(report)

@@ -20,7 +20,7 @@ from ..targets.registry import PackageMissing, files_of, load_target, problems_o
 from .edition_devices import edition_devices
 from .terminal import Stop
 
-#: Families named in a message. If there are more, it has their number.
+#: Families named in a message. If there are more, the list ends with their number.
 _MOST_FAMILIES = 8
 
 

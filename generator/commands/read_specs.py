@@ -94,9 +94,9 @@ def _has_settings(file: Path) -> bool:
         raise Faulty(file) from None
 
 
-#: Number of files and folders after which the search below the current folder ends. It takes less than 50 ms.
+#: Number of files and folders after which the search below the current folder ends. The search takes less than 50 ms.
 MOST_NAMES = 10_000
-#: Folders named in the message about those that were not searched. If there are more, it has their number.
+#: Folders named in the message about those that were not searched. If there are more, the list ends with their number.
 _MOST_SHOWN = 8
 
 
@@ -233,7 +233,7 @@ def _report_not_entered(specs: Specs, folder: Path) -> None:
     searched_folders = tuple(_real_folder(path) for path in folders or [folder])
     not_entered = list(specs.not_entered)
     for searched_folder in folders:
-        # It takes no file as a spec, since only the folders that it does not enter are needed.
+        # This search reads no file as a spec, since only the folders that it does not enter are needed.
         search_result = find_files(searched_folder, lambda _: False)
         not_entered += [(path, reason) for path, reason in search_result.not_entered if reason != UNREADABLE]
     paths_with_reasons = []
@@ -389,7 +389,7 @@ def report_unknown_families(settings: Configuration | None, family_names: Iterab
                 add_error(report, settings.file, place, "undefined-reference", message)
 
 
-#: Files named in the line about the specs that were read. If there are more, it has their number.
+#: Files named in the line about the specs that were read. If there are more, the list ends with their number.
 _MOST_FILES = 8
 
 
@@ -440,7 +440,7 @@ def _packaged_text(
     ``packaged`` are the names on the command line, of families or manufacturers. Files outside the folders of
     ``packaged_files`` are the user's.
     """
-    # The file of a family has its name.
+    # A file is named after its family.
     packaged_families_found = {path.stem for path in packaged_files}
     families_read = ", ".join(name for name in families if name in packaged_families_found)
     beginning = f"read the packaged specs of {', '.join(packaged)}: {families_read}"

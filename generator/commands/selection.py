@@ -52,7 +52,7 @@ class Selection:
         """
         if not self.is_narrowed:
             return self.options
-        # The file of a family has its name.
+        # A file is named after its family.
         packaged_names = {path.stem for path in self.packaged}
         user_families = [name for name in families if name not in packaged_names]
         *other_options, limit = self.options

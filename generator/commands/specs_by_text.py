@@ -146,7 +146,7 @@ def _read_spec_file(path: Path) -> _SpecFile:
     device_names = _NAME.findall(spec_text)
     if not keys.isdisjoint(_OTHER_KINDS):
         return _SpecFile(path)
-    # A file with the key of a device that is also of another kind, or that names no single device, has no known kind.
+    # A file with the key of a device has no known kind if it is also of another kind, or if it names no single device.
     has_device_key = b"device" in keys
     if not keys.isdisjoint(_MASTER_KEYS):
         return _SpecFile(path, kind="" if has_device_key else _MASTER)

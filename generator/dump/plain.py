@@ -248,7 +248,7 @@ class _Dump:
     def _layout_data(self, layout: Layout, interface: str, inherited: Sources) -> Item:
         """Return a frame with its interface, the questions that it depends on, its joined numbers and its fields."""
         own_sources = layout.source or inherited
-        # The fields are added at the end, in a shape of their own.
+        # The fields are added at the end, in a different form.
         layout_data: Item = self.plain(replace(layout, fields=()), own_sources)
         layout_data |= {"carried_as": layout.carried_as, "interface": interface}
         layout_data["alternatives"] = [alternative.name for alternative in self.device.alternatives_of(layout)]

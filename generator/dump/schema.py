@@ -110,7 +110,7 @@ def _schema_without_default(notation: str) -> JsonSchema:
 
 def _schema_or_null(notation: str) -> JsonSchema:
     """Return the schema of an optional type, of which null is another value."""
-    # A number or a text already has several types.
+    # A number or a text already allows several types.
     if notation == "expression":
         return {"type": ["integer", "string", "null"]}
     shape = _schema_without_default(notation)

@@ -80,7 +80,7 @@ class Document:
         A str instead of a list index selects the item of that name. With ``at_key``, the position is the position of
         the key. For an ancestor, it is always the position of the key, where a reader would look for a missing value.
         """
-        marks = [mark for _, mark in self._walk_path(path)]  # Fewer than the path has steps if the value is missing.
+        marks = [mark for _, mark in self._walk_path(path)]  # Shorter than the path if the value is missing.
         if not path:
             return self.marks.line, self.marks.column
         if not marks:

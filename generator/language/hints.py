@@ -26,7 +26,7 @@ _LARGER = {"hz": "Hz", "baud": "baud"}
 _LIKELY_KILO = 50
 #: Forms of keys with a value other than true or false.
 _FORMS = {"gray": "{of: position}"}
-#: Alternatives if a value does not fit the smallest supported unit.
+#: Alternatives for a value that does not fit the smallest supported unit.
 _INSTEAD = {
     "step_nm": ": write the length of several counts, and their number in 'per_counts'",
 }

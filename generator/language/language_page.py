@@ -230,7 +230,7 @@ def _yield_rows(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[
         required_text = "required" if name in required_keys else ""
         yield code(prefix + name), required_text, type_and_limits, escape(meaning)
         is_one_or_more = "properties" in inner and "items" in inner
-        if not is_one_or_more:  # Otherwise, the section of its items has the keys.
+        if not is_one_or_more:  # Otherwise, the section of its items lists the keys.
             yield from _yield_rows(inner, definitions, f"{prefix}{name}.")
         yield from _yield_rows(inner.get("items", {}), definitions, f"{prefix}{name}[].")
     value_shape = shape.get("additionalProperties")

@@ -236,7 +236,7 @@ def _is_meant_as(required_key: str, unknown_key: str, instance: Any, known_keys:
         return True
     value = instance[unknown_key]
     hints = key_hint(unknown_key, value, known_keys) + foreign_key_hint(unknown_key, value, known_keys, instance)
-    # The hints quote the key to write, perhaps with a value behind it.
+    # The hints quote the key to write, perhaps followed by a value.
     return f"'{required_key}" in hints
 
 
@@ -330,7 +330,7 @@ def _explain_enum(error: Any, subject: str) -> _RuleMessage:
 def _explain_const(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a value that must be different, such as the version of the language."""
     value, required_value = error.instance, error.validator_value
-    # The key 'codewheel' has the version of the language.
+    # The key 'codewheel' states the version of the language.
     is_later_version = type(value) is int and subject == "'codewheel'" and value > required_value
     hint = "; a later version of codewheel can read this file" if is_later_version else ""
     return _RuleMessage("not-allowed", f"{subject} must be {quoted(required_value)}, not {quoted(value)}{hint}")

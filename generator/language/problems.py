@@ -66,7 +66,7 @@ class Problem:
         if self.path:
             path = self.path if len(self.path) <= _LONGEST_PATH else f"{self.path[: _LONGEST_PATH - 3]}..."
             lines.append(f"  in {visible(path)}")
-        # The line above a text of several lines has none of its words.
+        # The line above a text of several lines contains none of its words.
         has_words = _BLOCK.search(self.text) is None
         if has_words:
             lines += excerpt(self.text, self.column, width)
@@ -208,7 +208,7 @@ def joined_lines(lines: Sequence[str]) -> str:
 
 def _first_problems(file_problems: Sequence[Problem]) -> Iterator[Problem]:
     """Yield the problems of one file, or the first ``MAX_PROBLEMS`` and one that counts the others."""
-    # If checking ended early, one of the problems only says so. Then there may be more than were counted.
+    # If checking ended early, one of the problems only says so. In this case, there may be more than were counted.
     counted_problems = [problem for problem in file_problems if problem.rule != TOO_MANY]
     unlisted = len(counted_problems) - MAX_PROBLEMS
     if unlisted <= 0:

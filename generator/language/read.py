@@ -171,7 +171,7 @@ class _Parser:
         if depth + value.depth > MAX_DEPTH:
             message = f"maps and lists are nested more than {MAX_DEPTH} levels deep through this alias"
             raise _build_error(event, "too-deep", message)
-        # The values keep the place where they are written. Only the item itself is located at the alias.
+        # The values keep the positions where they are written. Only the item itself is located at the alias.
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
         return _Value(value.data, Mark(line, column, line, column, value.mark.children), value.count, value.depth)
 
@@ -238,8 +238,7 @@ class _Parser:
         return str(event.value)
 
     def _read_scalar(self, event: Any, path: Path) -> Any:
-        """Return a scalar by its tag, its quotes or the core schema, or None, noted as a stand-in, if it is not
-        valid."""
+        """Return a scalar by its tag, its quotes or the core schema, or None, noted as a stand-in, if invalid."""
         text, tag = event.value, event.tag
         is_quoted = bool(event.style)
         # The text of the file was searched before. Only an escape in double quotes can still produce such a character.

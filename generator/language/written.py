@@ -21,7 +21,7 @@ from .document import Path
 
 T = TypeVar("T")
 Part = TypeVar("Part", covariant=True)
-#: Returns the value at a path, or None if it has a wrong type.
+#: Returns the value at a path, or None for a wrong type.
 Reader = Callable[[Any, Path], Any]
 
 

@@ -18,7 +18,7 @@ _STEPS_OF_INTERFACE = 2
 _NOT_COMPARED = PROSE | {"printed_name", "only", "erratum"}
 #: Shown for a fact that a device lacks.
 _ABSENT = "nothing"
-#: Facts at a place by their paths below it: ``{(0, "below_hz"): 400000}``.
+#: Facts at a place, by their relative paths: ``{(0, "below_hz"): 400000}``.
 _Facts = Mapping[Path, object]
 
 

@@ -235,7 +235,7 @@ def _affected_path(raw_spec: Raw, path_in_change: str) -> str:
     """
     try:
         path = resolve(raw_spec, path_in_change)
-    except MissingPath as missing_path:  # What is added does not exist yet.
+    except MissingPath as missing_path:  # Added items do not exist yet.
         path = missing_path.existing_path
     return as_affected(raw_spec, path)
 

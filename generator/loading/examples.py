@@ -119,7 +119,7 @@ def example_variant(device: Device, example: Example) -> Variant:
     if isinstance(example, CrcExample) or not example.order_code:
         return device.variants[0]
     listed_variants = [variant for variant in device.variants if variant.code == example.order_code]
-    # Other labels stand for a listed code, such as one in another spelling.
+    # Other labels represent a listed code, for example in another spelling.
     variant = listed_variants[0] if listed_variants else find_code(device, example.order_code).variant
     if isinstance(example, FrameExample):
         return with_answers(device, variant, example.alternatives)
@@ -187,7 +187,7 @@ def _check_identity(register: Register, decoded: Decoded, variant: Variant) -> I
     for field in register.layout.fields:
         expected = field.documented(variant.parameters)
         value = decoded.values.get(field.name)
-        # Only like types compare: numbers with numbers, texts with texts. A field without 'equals' has None.
+        # Only like types compare: numbers with numbers, texts with texts. For a field without 'equals', this is None.
         if type(expected) is type(value) and value != expected:
             yield ("bytes",), f"'{field.name}' is {value}, but 'equals' is {expected} for {variant.code}"
 

@@ -38,7 +38,7 @@ Raw = Mapping[str, Any]
 T = TypeVar("T")
 
 _SOURCE = re.compile(r"\s*(?:(?P<document>[a-z][a-z0-9_]*):\s*)?(?P<section>.*?)(?:\s*\bp\.(?P<page>[0-9]+))?\s*$")
-#: Empty values by type. None stands for any other type.
+#: Empty values by type. None represents any other type.
 _EMPTY: Mapping[Any, Any] = MappingProxyType({str: "", int: 0, bool: False, tuple: (), Mapping: MappingProxyType({})})
 
 

@@ -243,7 +243,7 @@ def _build_control_field(raw_field: Raw, parent: Raw, context: Context) -> Contr
     is_known_crc = raw_field.get("crc") in context.crcs
     default_bits = context.crcs[raw_field["crc"]].width if is_known_crc else 1
     bits = raw_field.get("bits", default_bits)
-    if not isinstance(bits, int):  # Reported: the control frame has fixed widths.
+    if not isinstance(bits, int):  # Already reported: the control frame has fixed widths.
         bits = 0
     source = sources(raw_field) or sources(parent)
     return record(ControlField, raw_field, bits=bits, values=build_values(raw_field), source=source)

@@ -154,7 +154,7 @@ def _obstacle_to_join(kind: Kind) -> str:
         return "which is active low"
     if not isinstance(kind, Number):
         return "which is not a number; define it with 'bits' and no kind"
-    # Only these two make a number differ from its bits.
+    # Only these two kinds make a number differ from its bits.
     return "which is signed; remove 'signed'" if kind.signed else "which has 'zero_means'; remove 'zero_means'"
 
 
@@ -219,7 +219,7 @@ def check_layout(layout: Layout, site: Site, low_byte_first: bool) -> bool:
     ``low_byte_first`` is true if the spec says so, also for a layout that is carried as bits.
     """
     problems_before = len(site.context.report)
-    # A register is not sent as such. Its layout has no limit for frames.
+    # A register is not sent as such. Frame limits do not apply to its layout.
     is_sent_as_bits = INTERFACES[site.interface].carried_as == "bits" and site.path[0] == "interfaces"
     if layout.in_bytes and (not layout.bits.is_constant or layout.bits.constant % 8):
         message = f"'{layout.name}' has {layout.bits.render()} bits, not a whole number of bytes"
@@ -242,7 +242,7 @@ def check_layout(layout: Layout, site: Site, low_byte_first: bool) -> bool:
     selector = next((field for field in layout.fields if field.name == layout.selector), None)
     named_numbers = [value.value for value in selector.values] if selector is not None else []
     for selected_value in layout.selects:
-        # A selector without named values can have any number.
+        # A selector without named values can be any number.
         if named_numbers and selected_value not in named_numbers:
             site.report("undefined-reference", f"'{layout.selector}' has no value {selected_value}", "when")
     if layout.unused and "unused" in layout.member_names:

@@ -91,7 +91,7 @@ def check_reach(raw_spec: Raw, context: Context, variants: Sequence[Variant]) ->
         definitions_of_parameters = [raw_spec["parameters"][name] for name in parameter_names]
         formulas_of_parameters = [raw["equals"] for raw in definitions_of_parameters if "equals" in raw]
         sets_of_interface = context.parameter_sets.get(interface, ())
-        # A number has the same value in each set.
+        # A number is the same in each set.
         sets_to_check = sets_of_interface if parameter_names else sets_of_interface[:1]
         sets_and_expressions = product(sets_to_check, (expression_text, *formulas_of_parameters))
         problems = (_error_of_expression(expression, parameters) for parameters, expression in sets_and_expressions)

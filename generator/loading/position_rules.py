@@ -15,9 +15,9 @@ from .gray_positions import KeyProblem, check_gray_positions, is_power_of_two
 
 #: From this number, a power of two minus one is assumed to be the highest count, not the number of counts.
 _SEVERAL = 15
-#: Keys of a measurement that are not numbers of counts. They give the length of a count.
+#: Keys of a measurement that are not numbers of counts. They state the length of a count.
 _STEPS = ("step_um", "step_nm", "per_counts")
-#: Highest number in a step, as for every number in a spec. C has to compute with it in 64 bits.
+#: Highest number in a step, as for every number in a spec. C must be able to compute with it in 64 bits.
 _MOST = 2**53 - 1
 #: Nanometres in the units of a field whose counts are lengths.
 _NANOMETRES = {"nm": 1, "um": 1000, "µm": 1000, "μm": 1000, "mm": 1_000_000}
@@ -68,7 +68,7 @@ def _problems_of(device: Device, interface: Interface) -> Iterator[tuple[Path, K
         problem = _measurement_problem(device, measurement.within(range_of_layout), case)
         if problem is not None:
             range_path: Path = ("interfaces", interface.name, "layouts", case.layout.name, "position_range")
-            # A number that the range of the layout gives is reported there, others in the measurement.
+            # A number stated by the range of the layout is reported there, other numbers in the measurement.
             is_of_range = getattr(range_of_layout, problem.key, None) is not None
             yield range_path if is_of_range else measurement_path, problem
 
@@ -105,7 +105,7 @@ def _yield_cases(device: Device, interface: Interface, measurement: Measurement)
 
 def _measurement_problem(device: Device, measurement: Measurement, case: _Case) -> KeyProblem | None:
     """Return the wrong key and the message of the first contradiction with the layout of a case, or None."""
-    # The key that gives the number of positions: per turn, or in all for a length.
+    # The key that states the number of positions: per turn, or in all for a length.
     key = "counts_per_turn" if measurement.counts_per_turn is not None else "modulus"
     expressions: dict[str, Expression] = {}
     for name in ("counts_per_turn", "turns", *_STEPS, "modulus"):

@@ -35,12 +35,12 @@ _FILE, _EXECUTABLE = "100644", "100755"
 _BESIDE = "manufacturer.yaml"
 #: A part of a path that git does not check out, or that leads elsewhere on some systems.
 _BAD_PART = re.compile(r"|\.\.?|[A-Za-z]:.*|.*[\\\0].*", re.DOTALL)
-#: A path of Windows. A revision of one letter has no such path either: paths of revisions begin at the top.
+#: A path of Windows. Nor does a revision of one letter have such a path: paths of revisions begin at the top.
 _ON_A_DRIVE = re.compile(r"[A-Za-z]:[\\/]")
-#: A file name that is safe on every system. It is kept, since the family in a spec is named after its file.
+#: A file name that is safe on every system. The name is kept, since the family in a spec is named after its file.
 _PLAIN_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
-#: git fetches nothing, not even what a partial clone left on the server. A version that does not know
-#: GIT_NO_LAZY_FETCH is not allowed to use any protocol.
+#: git fetches nothing, not even what a partial clone left on the server. A version that does not know GIT_NO_LAZY_FETCH
+#: must not use any protocol.
 _QUIET = {
     "GIT_TERMINAL_PROMPT": "0",
     "GIT_OPTIONAL_LOCKS": "0",

@@ -94,7 +94,7 @@ def places_of(
         return _compute_places(setting, value, devices, standing, fill_in)
     cache_key = (id(setting), value, standing)
     cached_setting, places = _SETTING_AND_PLACES.get(cache_key, (None, ()))
-    # A new object may have the id of one that is gone.
+    # A new object may get the id of a deleted object.
     if cached_setting is not setting:
         places = _compute_places(setting, value, devices, standing, fill_in)
         _SETTING_AND_PLACES[cache_key] = setting, places

@@ -94,7 +94,7 @@ class Record:
         return {name: value for name, value in self.numbers.items() if value is not None}
 
 
-#: Position whose unit the spec does not give.
+#: Position whose unit the spec does not state.
 _WITHOUT_UNIT = Measurement(of="position")
 
 

@@ -74,7 +74,7 @@ def is_within_limits(limit: Raw, record: Record) -> bool:
     number = record.numbers[name]
     if number is None:
         return True
-    # A limit that is not given has the number itself as default, so it always holds.
+    # A limit that is not given defaults to the number itself, so it always holds.
     is_in_range = limit.get("at_least", number) <= number <= limit.get("at_most", number)
     is_listed = number in limit.get("one_of", (number,))
     is_excluded = number in limit.get("none_of", ())
@@ -326,7 +326,7 @@ def _field_texts(rule: Raw, setting_name: str, record: Record) -> Iterator[str]:
     yield _filled_if_known(rule.get("start", ""), record)
     has_whole_position = "position" in template_by_kind
     parts = _with_whole_position(record) if has_whole_position else _with_two_parts_of_position(record)
-    # The record has the parts in the order sent.
+    # The record lists the parts in the order sent.
     if rule["first"] != "sent_first":
         parts = parts[::-1]
     for part in parts:

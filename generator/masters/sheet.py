@@ -147,7 +147,7 @@ def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Report
             if description is not None and "master" not in description:
                 problem = "this is not a description of a master: the key 'master' is missing"
                 report.add("not-allowed", document, (), problem)
-            elif description is not None:  # None: the report has its problems.
+            elif description is not None:  # None: the report contains its problems.
                 name = description["master"]
                 if name in group_names:
                     report.add("duplicate-name", document, ("master",), f"there is another description of '{name}'")

@@ -157,7 +157,7 @@ class Expression:
 
     def __mul__(self, other: Expression) -> Expression:
         products = [term * factor for term, factor in itertools.product(self._all_terms, other._all_terms)]
-        # The first product belongs to the constants. A constant of 0 makes terms of multiple 0.
+        # The first product belongs to the constants. A constant of 0 leads to terms of multiple 0.
         return _simplify(products[0].multiple, tuple(term for term in products[1:] if term.multiple))
 
     @property

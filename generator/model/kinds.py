@@ -341,7 +341,8 @@ class Scale:
     def places(self) -> int:
         """Number of decimals: as many as exact decimals need, otherwise enough for a tenth of a count."""
         reduced_denominator = self.denominator // gcd(self.numerator, self.offset, self.denominator)
-        # Only denominators of twos and fives have exact decimals, with fewer places than the denominator has bits.
+        # Only denominators with the factors two and five have exact decimals, with fewer places than the denominator
+        # has bits.
         for places in range(reduced_denominator.bit_length()):
             is_exact = 10**places % reduced_denominator == 0
             if is_exact:

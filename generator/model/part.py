@@ -69,11 +69,11 @@ Joins = Mapping[str, tuple[str, ...]]
 CodePattern = str
 #: A write as the manual prints it.
 PrintedWrite = str
-#: A sentence in place of a name.
+#: A sentence instead of a name.
 Headline = str
 #: A path into the spec.
 FactPath = str
-#: A number that a parameter of an order code has.
+#: The value of an order code's parameter.
 ParameterValue = int
 #: A number, possibly negative.
 SignedNumber = int

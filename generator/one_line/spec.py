@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from .line import IN_TURN, POSITION, TURNS, Crc, Filler, Flag, Line, LineField, Number, Parity
 
-#: Source of the facts that the line states, and of those that it does not.
+#: Source of the facts that the line states, and of the remaining facts.
 _LINE, _NOT_STATED = '"line: fields"', "TODO not stated"
 _LAYOUTS = {"biss": "single_cycle_data", "ssi": "ssi_word", "spi": "position_word", "rs485": "reply"}
 _CRC_NAME = "line_crc"
@@ -24,7 +24,7 @@ _MEANINGS = {
     "usable_with_warning": "a warning is active",
     "usable": "the bit is active",
 }
-#: Text that stands for the schema of devices until the place of the spec is known.
+#: Text that is replaced by the schema of devices once the place of the spec is known.
 SCHEMA = "device.schema.json"
 
 

@@ -142,7 +142,7 @@ def find_code(device: Device, text: str) -> Match:
         label_match = re.fullmatch(expression_of_code(device.order_code, spelling) + AFTER, label, re.IGNORECASE)
         if label_match is None:
             continue
-        # A spelling may have texts of its own for the values of a part. Other values are as listed.
+        # A spelling may use different texts for the values of a part. Other values are as listed.
         value_by_spelling = {(value.part, value.text.upper()): value.value for value in spelling.values}
         value_by_part: dict[str, str] = {}
         for part in device.order_code.parts:
@@ -190,7 +190,7 @@ def _first_texts(code: OrderCode, spelling: Spelling) -> list[str]:
 
     If the first part can have unlisted values, an empty text is among them, since a label can begin with anything.
     """
-    # The split gives texts and names of parts in turn, beginning with a text.
+    # The split yields texts and names of parts in turn, beginning with a text.
     text_before_parts, *names_and_texts = _BRACES.split(spelling.pattern)
     if text_before_parts.strip():
         return [text_before_parts]

@@ -40,7 +40,7 @@ from ..model.order_codes import fits
 from .parameters import parameters_of
 from .sent_layouts import with_sent_layouts
 
-#: Parts that hold for every order code. They make up most of a device, so the search leaves them out.
+#: Parts that apply to every order code. They make up most of a device, so the search leaves them out.
 _ALWAYS = (str, int, Source, Expression, Quantity)
 #: Parts of a device that have ``only``, or that refer to such parts.
 _PARTS = ("interfaces", "registers", "alarms", "timings", "connectors", "leds", "characteristics", "errata")
@@ -130,7 +130,7 @@ def for_codes(device: Device, codes: Collection[str]) -> Device:
     """Return the device with only these listed order codes, without interfaces and examples of other codes."""
     variants = tuple(variant for variant in device.variants if variant.code in codes)
     interface_names = {variant.interface for variant in variants}
-    # The variants have the names of interfaces, such as "biss".
+    # The variants contain the names of interfaces, such as "biss".
     has_all_interfaces = interface_names == _names_of_parts(device.interfaces)
     with_interfaces = device if has_all_interfaces else for_interfaces(device, interface_names)
     reduced = reduced_to_codes(with_interfaces, [variant.code for variant in variants])
@@ -250,7 +250,7 @@ def _with_used_parts(device: Device, all_sent_crcs: Collection[str]) -> Device:
 def _with_registers(device_input: Input, registers: Collection[str]) -> Input:
     """Return the input without the effects of registers not in ``registers``, which belong to other interfaces."""
 
-    # ``inverts`` and ``needs`` are paths such as ``settings.direction``. An empty one has no effect.
+    # ``inverts`` and ``needs`` are paths such as ``settings.direction``. An empty list has no effect.
     def path_if_present(path: str) -> str:
         register, _, _ = path.partition(".")
         return path if register in registers else ""

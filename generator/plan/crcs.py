@@ -46,7 +46,7 @@ def residual_of(crc: Crc, bits: int) -> Residual:
     remainder = 1
     for _ in range(bits):
         remainders.append(remainder)
-        # The next bit has twice the remainder, reduced by the polynomial if it has too many bits.
+        # The next bit's remainder is twice this remainder, reduced by the polynomial if it has too many bits.
         remainder <<= 1
         if remainder >> crc.width:
             remainder ^= crc.poly_with_top_bit
@@ -118,7 +118,7 @@ def fold_plan(width: int, poly: int, bits: int) -> tuple[FoldStep, ...]:
     plans with the same number of steps, the function chooses the plan that reaches 32 bits soonest, and then the plan
     with the smallest powers, since a short mask is a cheaper constant.
     """
-    # The m of x^m, or 0 for x^n + 1. ``poly`` has the terms below x^n.
+    # The m of x^m, or 0 for x^n + 1. ``poly`` contains the terms below x^n.
     terms_above_one = poly & ~1
     middle_exponent = terms_above_one.bit_length() - 1 if terms_above_one else 0
 

@@ -374,7 +374,7 @@ def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
     meaning = _unsigned_meaning(field)
     lowest_of_bits = 0
     highest_of_bits = (1 << field.widest) - 1
-    # Bits that are 0 then stand for another number, so no value is below 1.
+    # Bits that are 0 then represent another number, so no value is below 1.
     if isinstance(meaning, ZeroMeans):
         lowest_of_bits = 1
         highest_of_bits = max(highest_of_bits, meaning.number)

@@ -78,7 +78,7 @@ def sheet(spec: Document, old_entries: Mapping[str, Any]) -> dict[str, Any]:
     sheet_entries: dict[str, Any] = {}
     kinds: set[str] = set()
     choices = vocabulary_of(spec).choices
-    # A text can move with the name of the part that has it.
+    # A text can move with the name of its part.
     old_entry_by_text = {old_entry["text"]: old_entry for old_entry in old_entries.values()}
     for path, (_, cloze) in clozes(spec).items():
         kinds.update(gap.kind for gap in cloze.gaps)

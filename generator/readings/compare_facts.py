@@ -165,7 +165,7 @@ def _frame_text(frame_key: Key) -> str:
     # ("frame", interface, sender, channel, selector value or other identity, "length")
     _, _, sender, _, selector_value, _ = frame_key
     frame_text = f"of the {sender}'s frame"
-    # A frame without a selector has a text or a negative number here.
+    # A frame without a selector is represented by a text or a negative number here.
     if isinstance(selector_value, int) and selector_value >= 0:
         return f"{frame_text} with {in_hex(selector_value)}"
     return frame_text

@@ -185,7 +185,7 @@ def _interface_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
     yield from interface_subject.stated_facts(interface)
     for name, joint in _JOINT_BY_PART.items():
         subject = replace(interface_subject, key=(name, interface.name), place=(*place, name), joint=joint)
-        # No kind of interface has all of these parts. A part may differ by order code, as ``clocks_by_code`` has it.
+        # No kind of interface has all of these parts. A part may differ by order code, as in ``clocks_by_code``.
         part = getattr(interface, name, None)
         parts_by_code = getattr(interface, f"{name}s_by_code", ())
         if part:

@@ -17,7 +17,7 @@ from ..model.record import dataclass
 from ..order_codes.parameters import with_changed
 from ..say.names_and_places import bits
 
-#: Value shown for a fact that a reading does not have.
+#: Value shown for a fact that a reading lacks.
 NOTHING = "nothing"
 
 

@@ -57,7 +57,7 @@ def group_by_cause(disagreements: Sequence[Disagreement]) -> list[Related]:
             or _known_change_of_time(disagreement, known_causes)
             or _changed_parameters(disagreement, reported_disagreements)
             or _own_cause(disagreement)
-            # A number of its own, so that the disagreement is alone.
+            # A unique number, so that the disagreement is not grouped.
             or index
         )
         disagreements_by_cause.setdefault(cause, []).append(disagreement)

@@ -66,7 +66,7 @@ class Vocabulary:
         for line in _WORDS.splitlines():
             kind, _, senses = line.partition(": ")
             self._add_kind(kind, [sense.split(", ") for sense in senses.split(" | ")])
-        # Signals of one or two characters are left out. Each other one is a sense of its own.
+        # Signals of one or two characters are left out. Each other word is a separate sense.
         self._add_kind(SIGNAL, [[signal] for signal in sorted(set(signals)) if len(signal) > 2])
         # The regular expression takes the first alternative that matches, so "no longer" must come before "no".
         spellings = sorted(self._senses, key=len, reverse=True)

@@ -106,7 +106,7 @@ def select_layout(
         valid_selector_values.extend(layout.selects)
         if _selector_value(placed, data) in layout.selects:
             return placed, ()
-    first_layout = layouts[0]  # The message has the value at its place of the selector.
+    first_layout = layouts[0]  # The message contains the value at the selector's place.
     selector_value = _selector_value(first_layout.place(variant.parameters), data)
     if selector_value is None:
         message = report.too_few_bytes(counted(len(data), "byte"))

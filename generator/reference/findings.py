@@ -297,7 +297,7 @@ def _known_digits(field_bits: int, known_bits: int, width: int) -> str:
     In ``known_bits``, the known bits of the field are 1. A digit is known if all of its bits are.
     """
     digits = ""
-    highest_digit_shift = (width - 1) // 4 * 4  # A digit is 4 bits. The highest one may have fewer.
+    highest_digit_shift = (width - 1) // 4 * 4  # A digit is 4 bits. The highest digit may have fewer.
     for shift in range(highest_digit_shift, -1, -4):
         bits_of_digit = (((1 << width) - 1) >> shift) & 0xF
         is_known = (known_bits >> shift) & bits_of_digit == bits_of_digit
@@ -310,7 +310,7 @@ def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
 
     A value is impossible if it fails the test of an edition: the field ``run`` is not from ``min`` to ``max``.
     """
-    # Only the layout of a register has no sender.
+    # Only the layout of a register is without a sender.
     if decoded.layout is None or decoded.layout.layout.sender:
         return
     register = decoded.layout.name

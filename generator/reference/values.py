@@ -90,7 +90,7 @@ def encode_value(kind: DataKind, placed_field: PlacedField, value: int | str | b
 
 def _encode_number(number: Number, placed_field: PlacedField, value: int) -> int:
     """Return the bits of a number, which may be signed, or 0 for the number that 0 stands for."""
-    # A number that does not fit loses bits, so it is not decoded to itself.
+    # A number that does not fit loses bits, so decoding does not return it.
     raw = 0 if value == number.zero_means else value & placed_field.mask
     if signed_or_plain(number, raw, placed_field.width) != value:
         raise EncodeError(report.too_wide(placed_field.name, f"{value}", f"{placed_field.width}"))

@@ -18,7 +18,7 @@ _PAGE_EDGE = 2
 _SPREAD = 0.5
 #: Least number of lines from one page to the next, and largest factor by which a page is longer or shorter than usual.
 _SHORT_PAGE, _FACTOR = 12, 2
-#: Largest step between two page numbers that are found. The first page of a chapter often has none.
+#: Largest step between two page numbers that are found. The first page of a chapter often has no page number.
 _PAGE_STEP = 3
 
 

@@ -110,7 +110,7 @@ def _passages_of_section(
         new_row = _with_words_around(new, new_low, new_high, count_before=_CLOSE, count_after=_CLOSE)
         old_paragraph = _with_words_around(old, low, high, count_before=_BEFORE, count_after=_AFTER)
         new_paragraph = _with_words_around(new, new_low, new_high, count_before=_BEFORE, count_after=_AFTER)
-        # Only an insertion has words next to it. It has no old words that facts could be found by.
+        # Only an insertion has words next to it. It contains no old words for finding facts.
         words_next_to = _with_words_around(old, low, high, count_before=_NEXT, count_after=_NEXT)
         is_insertion = not old_words
         yield Passage(

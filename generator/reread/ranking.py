@@ -19,9 +19,9 @@ _INSERTED = 1.0
 _NEXT_TO = 4.0
 #: Facts listed of the most likely items, of each other item, and of items that refer to the first item.
 _MOST_OF_FIRST_ITEMS, _MOST_OF_OTHER_ITEM, _MOST_REFERRING = (6, 4), 2, 3
-#: Items of which a value or name that differs is listed before everything else.
+#: Items with a differing value or name, which are listed before everything else.
 _MOST_DIFFERING_VALUES = 4
-#: A number in hexadecimal, which the bytes of an example have without the letter.
+#: A number in hexadecimal, which the bytes of an example contain without the letter.
 _HEXADECIMAL = re.compile(r"[0-9a-f]{2,}h")
 #: A label of an order code, in capital letters.
 _LABEL = re.compile(r"[A-Z][A-Z0-9]+")
@@ -64,7 +64,7 @@ class SectionFacts:
         ``_score_of_fact``). Facts with the same score are in the order of the spec.
         """
         passage_words = _PassageWords(
-            # An insertion has no old words.
+            # An insertion contains no old words.
             differing=_comparable_words(passage.old or passage.new),
             next_to=_comparable_words(passage.next_to),
             row=_comparable_words(passage.close),
@@ -230,7 +230,7 @@ class _Change:
         self._old_context = spaced(shown_old_text) if is_replaced else ""
         self._adds_row = not passage.old
         self._inserted_text = "" if passage.old else spaced(" ".join(passage.new))
-        # The shown text has the changed words in brackets: ``at most [ 10 ] MHz``.
+        # The shown text marks the changed words by brackets: ``at most [ 10 ] MHz``.
         words_before_change = shown_old_text.partition("[")[0]
         self._before = spaced(words_before_change) if passage.new else ""
         self._labels = {word for word in changed_words if _LABEL.fullmatch(word)}

@@ -135,7 +135,7 @@ def _text_of_pdf(path: Path) -> str:
         raise NoText(f"{path} is a PDF, which needs the package pypdf: pip install 'codewheel[pdf]'") from None
     try:
         return "\f".join(page.extract_text() for page in pypdf.PdfReader(path).pages)
-    except Exception as error:  # A damaged PDF raises whatever its damage leads to.
+    except Exception as error:  # A damaged PDF can raise any exception.
         raise NoText(f"cannot read {path}: {error}") from None
 
 

@@ -147,7 +147,7 @@ def _of_owner(part: str, owner: str) -> str:
     return f"{part} of {owner}" if owner else part
 
 
-#: Longest reason, in characters, that is shown next to code. Errata with wrong data always have their reason.
+#: Longest reason, in characters, that is shown next to code. Errata with wrong data always show their reason.
 _SHORT = 100
 
 

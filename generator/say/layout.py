@@ -240,7 +240,7 @@ def crc_inverted(checksum: Crc) -> str:
     return f"XOR {checksum.xorout:#X}" if checksum.xorout else "not inverted"
 
 
-#: Colour class of values that have none of their own.
+#: Colour class of values without their own class.
 DATA = "data"
 
 

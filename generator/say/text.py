@@ -142,7 +142,7 @@ class Level(Enum):
     WHILE_ACTIVE = "active"
 
 
-#: An expression with parameters is a part of its own, because some outputs have values for the parameters.
+#: An expression with parameters is a separate part, because some outputs know the values of the parameters.
 Part = str | Code | Ref | Expression | Amount | Hex | Level
 
 
@@ -157,7 +157,7 @@ class Statement:
     parts: tuple[Part, ...]
     label: str = ""
     source: Sources = ()
-    #: Short form for an output that has the full statement elsewhere. None if there is no short form.
+    #: Short form for an output that prints the full statement elsewhere. None if there is no short form.
     brief: str | None = None
     below: tuple[Statement, ...] = ()
 

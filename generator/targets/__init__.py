@@ -73,8 +73,7 @@ def manufacturers(devices: Iterable[Device]) -> list[Manufacturer]:
 
 
 def main_manufacturer(makers: Sequence[Manufacturer]) -> Manufacturer | None:
-    """Return the manufacturer after whom a folder with the packages of ``makers`` is named, or None for no single
-    one."""
+    """Return the manufacturer after whom a folder with the packages of ``makers`` is named, or None."""
     if len(makers) == 1:
         return makers[0]
     main_makers = [manufacturer for manufacturer in makers if manufacturer.main]
@@ -144,9 +143,9 @@ class Option:
 #: Values of all options of a target, by name.
 Options = Mapping[str, str]
 NO_OPTIONS: Options = MappingProxyType({})
-#: Function that returns what a target makes from one device alone, as data that JSON can express.
+#: Function that returns a target's result for one device alone, as data that JSON can express.
 PartOf = Callable[[Device, Library, Options], Any]
-#: Function that yields the path of each file that a target makes from one device alone, and a function for its text.
+#: Function that yields the path of each file that a target generates for one device alone, and a function for its text.
 FilesOf = Callable[[Device, Library, Options], Iterator[tuple[str, Callable[[], str]]]]
 
 

@@ -346,7 +346,7 @@ class VirtualEncoder:
         width = self.place(layout).field(name).width
         position_width = self.place(position_layout).field(position_name).width
         position_bits = self.parts_now(position_layout)[position_name]
-        # The highest bits of both fields agree. A wider field has further zeros behind them.
+        # The highest bits of both fields agree. A wider field has additional zeros after them.
         if position_width >= width:
             return {name: position_bits >> (position_width - width)}
         return {name: position_bits << (width - position_width)}

@@ -75,7 +75,7 @@ FAULTS: Mapping[str, Mapping[str, str]] = {
 BUSY_S = 0.02
 #: Shortest and longest time in seconds between a reply and an extra reply, as in the effects above.
 _SHORTEST_AND_LONGEST_GAP_S = (0.0001, 0.001)
-#: Most random bytes in front of a reply with the fault ``junk``.
+#: Most random bytes before a reply with the fault ``junk``.
 _MOST_JUNK_BYTES = 8
 
 

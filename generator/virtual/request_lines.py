@@ -108,7 +108,7 @@ class Rs485Line:
         for request_format in request_formats:
             placed_layout = self.encoder.place(request_format.layout)
             length = placed_layout.bits // 8
-            longest = max(longest, length)  # Of the requests that can begin here.
+            longest = max(longest, length)  # Among the requests that can begin here.
             if len(self._received) < length:
                 continue
             decoded = codec.decode_placed(self.encoder.device, placed_layout, self._received[:length])
@@ -196,7 +196,7 @@ class Rs485Line:
                 zeros = bytes(len(reply))
                 reply_bytes = zeros if self._outage == "low" else b""
             delay = faults.random.uniform(*_LATE_BY_S) if fault == "late" else 0.0
-            # The line keeps the order of replies, but extra ones can come before or after the next reply.
+            # The line keeps the order of replies, but extra replies can come before or after the next reply.
             self._last_due = max(now + delay, self._last_due)
             self._put_bytes(self._last_due, reply_bytes)
             if fault in ("repeated", "second"):
@@ -342,7 +342,7 @@ class SpiLine:
         if self.interface.exchanges and self.interface.reply == "next_word":
             previous_answer, previous_length = self._next_reply
             self._next_reply = answer, length
-            # A longer word ends with zeros, and a shorter one has only the beginning of the reply.
+            # A longer word ends with zeros, and a shorter word contains only the beginning of the reply.
             if length > previous_length:
                 answer = previous_answer << (length - previous_length)
             else:

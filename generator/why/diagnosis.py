@@ -133,7 +133,7 @@ def _grouped_by_mistake(hypotheses: Iterable[Hypothesis]) -> Iterable[list[Hypot
     fitting_hypotheses.sort(key=lambda hypothesis: -hypothesis.score)
     hypotheses_by_mistake: dict[object, list[Hypothesis]] = {}
     for number, hypothesis in enumerate(fitting_hypotheses):
-        # A hypothesis without a lost bit is alone in its list, under its own number.
+        # A hypothesis without a lost bit is the only entry in its list, under its own number.
         mistake = (hypothesis.kind, hypothesis.template) if hypothesis.has_assumed_bit else number
         hypotheses_by_mistake.setdefault(mistake, []).append(hypothesis)
     return hypotheses_by_mistake.values()

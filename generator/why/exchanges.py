@@ -118,10 +118,10 @@ def _frames_in(device: Device, variant: Variant, received_bytes: bytes) -> tuple
     requests = [placed_layout for placed_layout in placed_layouts if placed_layout.layout.sender == "master"]
     replies = [placed_layout for placed_layout in placed_layouts if placed_layout.layout.sender != "master"]
     # The fewest frames from each byte to the end, by the index of the byte. It is filled from the end, so the frames
-    # behind a byte are known.
+    # after a byte are known.
     fewest_frames_from: dict[int, tuple[ExchangedFrame, ...]] = {len(received_bytes): ()}
     for start in reversed(range(len(received_bytes))):
-        # A request is in front of its reply, even if both have the same form.
+        # A request is before its reply, even if both have the same form.
         likeliest_first = requests + replies if start == 0 else replies + requests
         for placed_layout in likeliest_first:
             end = start + placed_layout.bits // 8
@@ -187,7 +187,7 @@ def _echoed_request(
     """
     if variant.interface != Spi.name or placed_layout.layout.sender != "encoder" or frame >> placed_layout.bits:
         return None
-    # Bits that a reply has too are not evidence of an echo, such as the command on a shared line.
+    # Bits that also occur in a reply are not evidence of an echo, such as the command on a shared line.
     repeated_bits = sum(
         field.width for field in placed_layout.fields if isinstance(field.field.kind, (Constant, Unused))
     )

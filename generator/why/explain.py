@@ -271,7 +271,8 @@ def _diagnose_equal_bits(variant: Variant, number: int, bit_count: int, doubt: s
         explanation_text = (
             f"every bit is {level}: the line never changes. Check for {cause}, the supply and {other_causes}"
         )
-    # The first bit can be either level, and the others must have the same. A chance of 1 in 2^62 is certain enough.
+    # The first bit can be either level, and all other bits must be equal to it. A chance of 1 in 2^62 is certain
+    # enough.
     bits_that_agree = min(bit_count - 1, 62)
     one_in = 1 << bits_that_agree
     score = MISTAKES["line_stuck"] * one_in

@@ -116,7 +116,7 @@ def _left_out_command_hypotheses(
     frame = (command << remaining_bits) | typed_frame.number
     hypothesis = frame_hypothesis("command_left_out", description, placed_layout, crc, frame)
     constant_bits, _ = check_constant_bits(placed_layout, 0)
-    # The constants of the command are those that it is assumed to have, so they prove nothing.
+    # The constants of the command are the assumed ones, so they prove nothing.
     assumed_bits = sum(field.width for field in placed_layout.fields if _is_constant_from(field, remaining_bits))
     yield replace(hypothesis, determined_bits=constant_bits - assumed_bits)
 

@@ -150,7 +150,7 @@ def _possible_first_bytes(placed_layout: PlacedLayout, usual_values: Mapping[str
     """
     layout = placed_layout.layout
     bytes_after_first = bytes(placed_layout.bits // 8 - 1)
-    # The bits of the frame's number that the first byte has.
+    # The bits of the frame's number in the first byte.
     first_byte_mask = number_from_bytes(layout, b"\xff" + bytes_after_first)
     fields_in_first_byte = [field for field in placed_layout.fields if (first_byte_mask >> field.low) & field.mask]
     frame_without_selector = 0

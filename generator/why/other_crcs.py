@@ -92,7 +92,7 @@ def other_crcs_over_bytes(crc: Crc) -> Iterator[OtherCrc]:
     """
     inversion_text = "the CRC is not inverted" if crc.xorout else "the CRC is inverted"
     if crc.is_xor:
-        # With x^8 + 1, the polynomial of an XOR, a start value only adds itself to the result.
+        # With x^8 + 1, the polynomial of an XOR, the start value is simply added to the result.
         inversion_text += f", or its start value is {crc.mask ^ crc.init:#x} (the same here)"
     yield NOT_INVERTED, inversion_text, replace(crc, xorout=crc.xorout ^ crc.mask)
     if not crc.is_xor:
@@ -244,7 +244,7 @@ def other_polynomial_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_fra
         other_crc = _with_polynomial(crc, polynomial)
         complete_length = data_bits + other_crc.width
         expected_length = placed_layout.bits
-        # A CRC of the expected width gives one length only, so it is tried once.
+        # A CRC of the expected width leads to one length only, so it is tried once.
         for length in dict.fromkeys((complete_length, expected_length)):
             may_lack_leading_zeros = not typed_frame.exact and length > typed_frame.bits
             if length == typed_frame.bits or may_lack_leading_zeros:

@@ -50,7 +50,7 @@ def _hypotheses_with_crc(
         extra_bits = placed_layout.bits - shape_bits
         if extra_bits > 0 and typed_frame.may_have(placed_layout.bits):
             yield _too_long_hypothesis(variant, shapes, crc, typed_frame.number, extra_bits)
-        # A longer frame, of which a few bits are missing.
+        # A longer frame that lacks a few bits.
         elif -_MOST_CUT_BITS <= extra_bits < 0 and typed_frame.bits == placed_layout.bits:
             yield _too_short_hypothesis(variant, shapes, crc, typed_frame.number, lost_bits=-extra_bits)
 
@@ -220,7 +220,7 @@ def _shapes_of_order_codes(device: Device, variant: Variant, layout: Layout) -> 
 
     They share it if length, CRC and the places of constants are the same.
     """
-    # A question that the manual leaves open has the same answer for all of them.
+    # A question that the manual leaves open has the same answer for all frames.
     answer_names = [parameter.name for parameter in device.parameters if parameter.alternative]
     answers = {name: variant.parameters[name] for name in answer_names}
     shape_by_key: dict[object, FrameShape] = {}
@@ -247,6 +247,6 @@ def _parameters_of_states(device: Device, variant: Variant, layout: Layout) -> I
     ]
     if not parameters_in_registers:
         return
-    # A combination has a state of each field: values by parameter name.
+    # A combination consists of a state for each field: values by parameter name.
     for state in islice(product(*possible_states(parameters_in_registers)), _MOST_STATES):
         yield with_changed(device, variant, ChainMap(*map(dict, state)))

@@ -80,7 +80,7 @@ class Line:
 
 #: Kind of a frame that no rule finds, only its CRC.
 FRAME_INSIDE = "frame_inside"
-#: Its text. ``{0}`` is the number of bits in front.
+#: Its text. ``{0}`` is the number of bits before the frame.
 FRAME_INSIDE_TEXT = "the frame begins after {0} other bits"
 
 _FRAME = "(?P<frame>[01]{#})"
@@ -249,7 +249,7 @@ def recorded_bits(typed_frame: TypedFrame, frame_length: int) -> str:
     bit_count = typed_frame.bits
     if not typed_frame.exact and not fits_into_frame:
         bit_count = max(typed_frame.written, typed_frame.bits)
-    # The number 0 without known zeros in front has 0 bits, but one digit.
+    # The number 0 without known leading zeros has 0 bits, but one digit.
     digit_count = max(bit_count, 1)
     return f"{typed_frame.number:0{digit_count}b}"
 

@@ -79,7 +79,7 @@ def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache =
     )
     for family in to_check:
         file = family.document.file
-        # A family whose content is not known is not stored, and neither is one whose files have changed meanwhile.
+        # A family whose content is unknown is not stored, nor is a family whose files have changed meanwhile.
         is_unchanged = family.content and content_of(family_files(Path(file))) == contents_before[file]
         if is_unchanged and is_clean(family, report):
             cache.put(_CLEAN, contents_before[file], True)

@@ -234,7 +234,7 @@ class Decoding:
         placed = decoded.layout
         if placed is None or placed.name in self._decided_layouts:
             return
-        # Bytes of the wrong length have no fields, so no answer matters. For a frame of bits, even the length
+        # Bytes of the wrong length contain no fields, so no answer matters. For a frame of bits, even the length
         # depends on the answers.
         if decoded.fields or not placed.layout.in_bytes:
             refuse_undecided(self._request.device, placed.layout, self._request.answers)

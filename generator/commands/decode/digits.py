@@ -74,7 +74,7 @@ def with_leading_zeros(pieces: Sequence[str]) -> Sequence[str]:
         are_bytes = len(pieces) > 1 and 3 <= longest <= 8
         have_odd_length = any(len(piece) % 2 for piece in pieces)
         have_all_bits = all(len(piece) == 8 for piece in pieces)
-        # Hex bytes have an even number of digits. Pieces of eight zeros and ones are taken for bits.
+        # Hex bytes have an even number of digits. Pieces of eight zeros and ones count as bits.
         cannot_be_hex = have_odd_length or have_all_bits
         if not are_bytes or not cannot_be_hex:
             return pieces

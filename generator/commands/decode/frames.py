@@ -40,7 +40,7 @@ _NUMBER = re.compile(r"0[xX][0-9A-Fa-f]+")
 _WHOLE_BYTES = re.compile(r"(?:0x)?((?:[0-9A-F]{2})+)", re.IGNORECASE)
 #: Only a number with its prefix, such as ``0x1F``.
 _BARE = re.compile(r"0[xXbB][0-9A-Fa-f]+")
-#: Spellings of programs and logs, and their replacement. The page has the same list. In this order: ``b'..'`` of
+#: Spellings of programs and logs, and their replacement. The page uses the same list. In this order: ``b'..'`` of
 #: Python, ``\x1F``, brackets and quotes, ``1F-2A``, ``1Fh``, and ``0x1FUL`` of C.
 _PASTED = (
     (re.compile(r"\bb(?=['\"])"), ""),
@@ -315,7 +315,7 @@ def _has_length(placed_layout: PlacedLayout, frame_text: str) -> bool:
     ``0x1F2A`` of at most 24 bits, since their leading zeros may be missing. ``1F 2A`` has 16 bits, so it cannot have
     another length.
     """
-    # The sender has frames of different lengths, so another number of hex bytes means another length.
+    # The sender's frames differ in length, so another number of hex bytes means another length.
     frame = frame_number(placed_layout, frame_text, exact=True)
     bits = placed_layout.layout.sent_bits.value(placed_layout.parameters)
     has_known_length = frame.exact

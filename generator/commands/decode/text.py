@@ -276,7 +276,7 @@ def _position_text(device: Device, variant: Variant, decoded: codec.Decoded, ver
         return ""
     measurement = measurement.within(decoded.layout.layout.position_range)
     field_name = measurement.of
-    # A frame without the multiturn part of a joined position has only the part with the lowest bits.
+    # A frame without the multiturn part of a joined position contains only the part with the lowest bits.
     if field_name not in decoded.values:
         field_name = _lowest_joined_field(device, variant, field_name)
     counts = decoded.values.get(field_name)

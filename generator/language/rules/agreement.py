@@ -29,7 +29,7 @@ _NUMBERS = ("two", "three", "four", "five", "six", "seven", "eight", "nine", "te
 _REQUESTS = re.compile(rf"\b({'|'.join(_NUMBERS)}|[1-9]\d?) requests\b", re.IGNORECASE)
 #: Cells of two tables that must agree before one that differs is a mistake.
 _CELLS = 8
-#: Letters of a word in which one is likely wrong, and that is not another short word.
+#: Letters that a word needs so that one differing letter is likely a mistake, not another word.
 _LONG = 6
 #: Longest contents and most tables that are compared. A manual has some 50 entries and 10 tables.
 _MOST_ENTRIES, _MOST_TABLES = 200, 50

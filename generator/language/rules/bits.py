@@ -238,7 +238,7 @@ def check_named_gray_code(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
         for label, value in part.values.items():
             if not _names_gray(value):
                 continue
-            # No layout has an empty interface name, so that there are no layouts then.
+            # No layout has an empty interface name, so the result then contains no layouts.
             interface_name = value.interface or only_interface
             position_layouts = _with_position(spec, as_read, interface_name)
             if position_layouts and all(_gray_of(frame) is None for frame in position_layouts):

@@ -63,7 +63,7 @@ def _check_lengths(code_value: WrittenCodeValue, says: str, as_read: WrittenSpec
     if not lengths:
         return
     for name, number in code_value.sets.items():
-        # ``as_read`` also has the parameters that ``spec`` lacks as invalid.
+        # ``as_read`` also contains the parameters that ``spec`` lacks as invalid.
         unit = as_read.parameters[name].unit if name in as_read.parameters else ""
         if unit in _NANOMETRES and number * _NANOMETRES[unit] not in lengths:
             first_length, *_ = lengths.values()

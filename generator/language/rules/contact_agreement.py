@@ -198,7 +198,7 @@ def _wrong_order(pair: _Pair, pairs: Sequence[_Pair]) -> str:
     Its lines are not adjacent although another pair's lines are, or are not in the order of the first pair.
     """
     first_pair = pairs[0]
-    # If both of two pairs are apart, that is unusual as well.
+    # If both pairs are apart, that is unusual as well.
     is_apart_unusual = any(not other.is_apart for other in pairs) or len(pairs) == 2
     if pair.is_apart and is_apart_unusual:
         return f"{quoted(pair.first)} and {quoted(pair.second)} are not next to each other"

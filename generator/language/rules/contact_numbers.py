@@ -25,7 +25,7 @@ def check_contact_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
         return
     for connector in spec.connectors:
         names = [contact.contact for contact in connector.part.contacts]
-        # Each with its index, because contacts such as the case have names.
+        # With their index, because contacts such as the case have names.
         numbered_contacts = [(index, int(name)) for index, name in enumerate(names) if name.isdecimal()]
         if not numbered_contacts:
             continue

@@ -14,7 +14,7 @@ from ..written_layouts import WrittenField, WrittenFieldGroup
 from ..written_parts import WrittenSpec
 from .parts import FieldList, Has, by_name, field_lists, interface_of, owner_of_alarm, position_names
 
-#: A level that a text of a flag gives.
+#: A level in a text of a flag.
 _LEVEL = re.compile(r"\b(?:[01]|low|high)\b", re.IGNORECASE)
 #: Number of flags with the same level from which another one in the same register is suspicious.
 _SEVERAL = 4

@@ -25,7 +25,7 @@ class NameResolver:
         self._report = report
         interfaces = list(as_read.interfaces.data)
         self.parameter_names = as_read.names_in("parameters")
-        # Names that are misspelt themselves: unknown interfaces, and those that the schema check rejected.
+        # Names that are themselves misspelt: unknown interfaces, and names that the schema check rejected.
         self._broken = {name for name in interfaces if name not in INTERFACES}
         for path in report.faults():
             # A part in a list has its name under 'name', one in a map is a key itself.

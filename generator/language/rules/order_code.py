@@ -56,7 +56,7 @@ def _check_combinations(
 #: Largest number of codes of one family. More indicate an error, as the largest catalogue pages list a few hundred.
 MAX_CODES = 10_000
 
-#: The name of a part in a pattern, such as ``{bits}``. Splitting at it gives literals and names in turn.
+#: The name of a part in a pattern, such as ``{bits}``. Splitting at it yields literals and names in turn.
 _BRACES = re.compile(r"\{([^{}]*)\}")
 _LITERAL = re.compile(r"[A-Za-z0-9/_. -]*")
 #: Keys of parameters that are not set by order codes, each with the middle of a message: "'bits' … ('equals'), so …".
@@ -297,7 +297,7 @@ def _expression_fault(regular_expression: str) -> str:
     except (re.error, OverflowError) as error:
         return str(error)
     # Each repetition multiplies the ways to match a label. Three are more than any catalogue needs.
-    expression_without_classes = _CLASS.sub("", regular_expression)  # In [+*], the signs stand for themselves.
+    expression_without_classes = _CLASS.sub("", regular_expression)  # In [+*], the signs represent themselves.
     repetitions = _COUNT.findall(expression_without_classes)
     return "more than three repetitions" if len(repetitions) > 3 else ""
 

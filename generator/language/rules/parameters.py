@@ -107,7 +107,7 @@ def parameter_uses(spec: WrittenSpec, as_read: WrittenSpec | None = None) -> Ite
 
     A field of a group is yielded for each layout or register that uses the group.
     """
-    spec_of_groups = as_read if as_read is not None else spec  # ``as_read`` also has the invalid groups.
+    spec_of_groups = as_read if as_read is not None else spec  # ``as_read`` also contains the invalid groups.
     groups = by_name(spec_of_groups.field_groups)
     field_owners = list(layouts(spec))
     field_owners += [FieldList(Has.REGISTER, register, interface_of(register)) for register in spec.registers]
@@ -385,7 +385,7 @@ def _find_cycle(start: str, definitions: Mapping[str, tuple[str, ...]], settled:
     Every parameter that is visited is added to ``settled``, because each cycle is reported once.
     """
     # Depth first, without recursion: a long chain of parameters must not exhaust the stack.
-    # ``trail`` has the open definitions, and ``pending`` an iterator for each of them and for the start.
+    # ``trail`` contains the open definitions, and ``pending`` an iterator for each of them and for the start.
     trail: list[str] = []
     pending = [iter((start,))]
     while pending:

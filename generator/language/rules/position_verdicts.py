@@ -82,7 +82,7 @@ def _no_verdict(fields: FieldList, field: WrittenField, has_verdict: bool) -> st
 
 def _reason_without_verdict(fields: FieldList) -> str:
     """Return the reason that a list of fields has no verdict on a position."""
-    owner = quoted(fields.name or Has.CONTROL.value)  # Only the control data have no name.
+    owner = quoted(fields.name or Has.CONTROL.value)  # Only the control data are unnamed.
     match fields.kind:
         case Has.REGISTER | Has.CONTROL:
             return f"{owner} is not a frame, so no value in it has a verdict on the position"
@@ -116,7 +116,7 @@ def check_combinations(spec: WrittenSpec, as_read: WrittenSpec, report: Document
         fields_by_name = field_names(frame, groups)
         for index, combination in enumerate(listed_combinations):
             if not _check_conditions(frame, fields_by_name, combination, report):
-                continue  # Its conditions are reported, and there may be no verdicts to compare.
+                continue  # Its conditions are reported elsewhere, and there may be no verdicts to compare.
             # A combination decides only if no part of it makes the position at least as bad by itself.
             earlier_combinations = listed_combinations[:index]
             later_combinations = listed_combinations[index + 1 :]

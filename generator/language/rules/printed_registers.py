@@ -200,7 +200,7 @@ def _compare_writes(
 def _printed_write(write_text: str) -> _Write:
     """Return the write that a text of ``printed_writes`` describes, such as ``0x49 bit 2 = 0`` or ``0x50-0x54``."""
     match = _WRITE.fullmatch(write_text)
-    assert match is not None  # The schema has the same pattern.
+    assert match is not None  # The schema uses the same pattern.
     first, last, bit, value = match.group("first", "last", "bit", "value")
     return _Write(
         first=int(first, 16),

@@ -23,7 +23,7 @@ from .parts import (
 )
 from .shapes import KeysOfKind, check_keys
 
-#: Stands for a register that does not exist.
+#: Represents a register that does not exist.
 _NO_REGISTER = WrittenRegister({})
 Registers = Mapping[str, WrittenRegister]
 #: Access of a register that makes a kind of step impossible.

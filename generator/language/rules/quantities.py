@@ -51,7 +51,7 @@ _ANY_TIME = re.compile(_TIME)
 #: A time that the reader or the encoder must keep.
 _KEPT_TIME = re.compile(rf"\b(?:[Ww]ait|[Pp]ause|[Ww]ithin|[Aa]t least|[Aa]t most)\w*\b[^.;:,]{{0,40}}?{_TIME}")
 _NO_TEXTS = frozenset(("source", "bytes", "bits", "name", "address"))
-#: A quantity that a text gives in two units, as in ``10 °C is 50 °F``.
+#: A quantity in two units in a text, as in ``10 °C is 50 °F``.
 _SAME = re.compile(
     r"(?<![\w.,±])(?P<one>[−+-]?\d+(?:\.\d+)?) ?(?P<one_unit>°[CF]|mm|in)(?:,? which)? (?:is|=) "
     r"(?P<two>[−+-]?\d+(?:\.\d+)?) ?(?P<two_unit>°[CF]|mm|in)\b"
@@ -297,7 +297,7 @@ class _Elsewhere:
 
     def have(self, time: Decimal) -> bool:
         """Return True if a time is named, or occurs in another part."""
-        # If the part itself has the time, it is one of those counted.
+        # If the part itself has the time, it is among the parts counted.
         parts_to_exceed = 1 if time in self.own_times else 0
         return time in self.named or self.parts_with.get(time, 0) > parts_to_exceed
 

@@ -81,7 +81,7 @@ def _check_field(field: WrittenField, names: Sequence[str], joins: Sequence[str]
     resolver.refer_if_given(field.place_of("crc"), "CRC", field.crc)
     siblings = [name for name in names if name != field.name]
     parity_path = field.place_of("parity_of")
-    # A single name may be written without a list. Then its path has no index.
+    # A single name may be written without a list. In this case, its path has no index.
     is_single_name = isinstance(field.data.get("parity_of"), str)
     for index, name in enumerate(field.parity_of):
         name_path = parity_path if is_single_name else (*parity_path, index)

@@ -39,7 +39,7 @@ _OF_PARITIES = ("parity", "over")
 _OF_NUMBERS = ("signed", "zero_means", "power_of_two", "scale", "unit")
 #: Kinds of fields that can have the key ``equals``, apart from numbers.
 _EXPECTED_ON_DEVICE = ("values", "text")
-#: Keys that are not allowed next to ``scale``: one gives 0 another meaning, the other gives a unit of its own.
+#: Keys that are not allowed next to ``scale``: the first changes the meaning of 0, the second states a separate unit.
 _NOT_SCALED = ("zero_means", "unit")
 #: Keys allowed next to ``use``.
 _BESIDE_USE = frozenset(("use", "note", "source"))

@@ -189,11 +189,11 @@ def _pages_text(start: int, end: int) -> str:
 
 
 _CORROBORATED = ("corroborated", "corroborated, no hardware frame seen")
-#: Grades that need data from real hardware, and the remedy if there are none.
+#: Grades that need data from real hardware, and the advice if there are no such data.
 _WITH_FRAME = ("quoted", "corroborated")
 _OR = "or write 'corroborated, no hardware frame seen'"
 _WHOLE = "all pages"
-#: A source: the key of the document that it cites, and the place in it.
+#: A source: the key of the cited document, and the place in it.
 _SOURCE = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?(.*?)\s*", re.DOTALL)
 
 
@@ -274,7 +274,7 @@ def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
         needed_sources.append(f"two sources among {listed(implementations)}")
     for path, source in sources(leaves({**spec.data, "errata": [], "examples": []})):
         if is_corroborated and "clock" in path:
-            continue  # One program is enough for its own clock. Limits have a rule of their own.
+            continue  # One program is enough for its own clock. Another rule checks limits.
         # ``errata: 2`` has the key errata and the place 2, and ``6.4`` no key and the place 6.4.
         matches = [_SOURCE.fullmatch(piece) for piece in source.split(";")]
         keys_and_places = [(match[1], match[2]) for match in matches if match is not None]
@@ -355,7 +355,7 @@ def check_limit_sources(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
         for piece in limited.source.split(";"):
             document = _DOCUMENT.match(piece)
             if document is not None:
-                cited_keys.add(document[1] or "manual")  # A place without a key is in the manual.
+                cited_keys.add(document[1] or "manual")  # A place without a key refers to the manual.
         given_limits = [key for key in limited.kind.keys if key in limited.part.data]
         if given_limits and cited_keys.isdisjoint(documents_read):
             problem = f"{quoted(given_limits[0])} needs {needed_source}, because it is a limit"

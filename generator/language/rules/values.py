@@ -91,7 +91,7 @@ def check_value_widths(spec: WrittenSpec, as_read: WrittenSpec, report: Document
                 continue
             for path, subject, number in _numbers_in(field):
                 is_too_wide = number < 0 or number >> width > 0
-                # The number for which zero stands is sent as zero. A constant is sent as it is.
+                # The number represented by zero is sent as zero. A constant is sent as it is.
                 is_sent_as_zero = number == field.zero_means and path != field.place_of("constant")
                 if is_too_wide and not is_sent_as_zero:
                     message = f"{subject} {number:#x}, which does not fit into {counted(width, 'bit')}"
@@ -138,7 +138,7 @@ def check_timing_bounds(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
 
 def check_clock_range(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a clock has a highest limit or clocks in use, in ascending order and within the limits."""
-    # No document may give a clock. Then the outputs say that it is not known.
+    # Documents must not give a clock. Then the outputs say that it is not known.
     may_be_unknown = spec.evidence.part.grade == "uncorroborated"
     raw_clocks = {name: clocks_of(interface) for name, interface in interfaces(as_read)}
     for name, interface in interfaces(spec):

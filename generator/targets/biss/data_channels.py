@@ -63,7 +63,7 @@ def comment(text: object, indent: str) -> Markup:
     return Markup("\n".join(lines))
 
 
-# The files for the order codes of a family have most lines in common.
+# The files for the order codes of a family share most lines.
 @lru_cache(maxsize=1024)
 def _wrapped_lines(paragraph: str, width: int) -> Sequence[str]:
     """Return the lines into which one line of a comment's text is wrapped. An indented line is an item of a list."""

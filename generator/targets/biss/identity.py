@@ -105,7 +105,7 @@ def _holds_identity(register: Register) -> bool:
 
 def _register_bits(register: Register) -> Iterator[IdBits]:
     """Yield the fixed bits of a register, at their places in the 64-bit identity."""
-    # The registers after this one have the lower bits of the identity.
+    # The registers after this register contain the lower bits of the identity.
     bits_below = 8 * (LAST - register.last_address)
     for field in register.layout.fields:
         number = _fixed_value(register.layout, field)

@@ -208,7 +208,7 @@ def register_data(device: Device, register: Register) -> Data:
         source=cite(register.source),
         place=register_at(register),
         length=register.length,
-        # The script gives the limits in numbers of the order code.
+        # The script states the limits in numbers of the order code.
         about=[PLAIN_STYLE.sentence(statement) for statement in statements if statement.label != "Limits"],
         writable=register.writable,
         default=default.hex(" ").upper() if default is not None else "",

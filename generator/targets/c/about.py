@@ -121,7 +121,7 @@ def _explain_derivation(crc: Crc) -> str:
     Without a middle term, the polynomial is x^width + 1.
     """
     width = crc.width
-    # The exponent of the middle term. ``poly`` has the terms below x^width.
+    # The exponent of the middle term. ``poly`` contains the terms below x^width.
     middle = (crc.poly >> 1).bit_length()
     if not middle:
         return (
@@ -147,7 +147,7 @@ def _format_power(exponent: int) -> str:
 def about_layout(device: Device, interface: Interface, struct: Struct) -> list[Paragraph]:
     """Return the purpose of the frame, the positions of its bits, and finally its errata, which few readers need."""
     frame_layout = struct.layout
-    statements_on_joins = list(say_layout.joins(frame_layout))  # The comments on their members have them.
+    statements_on_joins = list(say_layout.joins(frame_layout))  # The comments on their members contain them.
     errata = list(say_layout.errata_of(device, interface, frame_layout))
     head = say_layout.head(interface, frame_layout, Code(frame_layout.name), device.alternatives)
     paragraphs: list[Paragraph] = [HEADER_STYLE.sentence(head)]

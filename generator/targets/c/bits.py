@@ -111,7 +111,7 @@ class Reader:
         if not bits.on_top:
             low_and_width = (self.scope.expression_of(bits.low), self.scope.expression_of(bits.width))
             return Call("cw_field", (self.word, *low_and_width))
-        # There are no bits above it: the length has been checked.
+        # No bits are above it: the length has been checked.
         if bits.low.is_constant:
             return shifted_right(self.lower(self.word_size), bits.low.constant)
         return Call("cw_above", (self.word, self.scope.expression_of(bits.low)))
@@ -264,7 +264,7 @@ class Unused:
 
     def _moved_bits(self, moved: ShiftedBits) -> Expr:
         """Return bits of the word, shifted to their places in the member."""
-        # The mask has the places of the member. Bit 0 of the member is bit ``shift`` of the word.
+        # The mask is in the position of the member. Bit 0 of the member is bit ``shift`` of the word.
         word = self.reader.lower(moved.mask.bit_length() + moved.shift)
         if moved.shift >= 0:
             return masked(shifted_right(word, moved.shift), moved.mask)

@@ -34,7 +34,7 @@ from .names import (
 )
 from .structs import Struct
 
-#: Names of arguments and locals in the generated functions. The locals of fields have other names.
+#: Names of arguments and locals in the generated functions. The locals of fields have different names.
 _LOCALS = frozenset("variant word received plain bytes length out in crc index v wide value flags".split())
 
 
@@ -227,7 +227,7 @@ class Decoder:
             return 0
         masks = {_mask_for_code(parity, variant.parameters) for variant in self.struct.device.variants}
         mask = masks.pop()
-        # No further mask is left in the set if all order codes have the same.
+        # If all order codes have the same mask, no further mask remains in the set.
         is_same_for_all_codes = not masks
         return mask if is_same_for_all_codes and mask.bit_length() <= 32 else 0
 

@@ -106,7 +106,7 @@ class Encoder:
         terms: list[Expr] = []
         for term in self.plan.terms:
             is_added_later = self.plan.parity_covers_gray and isinstance(term.value, ParityOf)
-            # ``unused.in_word`` has the terms of unused fields.
+            # ``unused.in_word`` contains the terms of unused fields.
             is_unused = isinstance(term.value, ReservedBits)
             if not is_added_later and not is_unused and not self._is_always_zero(term):
                 terms.append(self._term_in_word(term))
@@ -295,7 +295,7 @@ class Encoder:
                 for piece in field.pieces:
                     yield piece.byte, self._piece_in_byte(field, piece, bits, may_be_wider=True)
             case Raw() | ZeroMeans() | Named() | DigitRuns():
-                # A single piece has all bits of the member, so that none are above it.
+                # A single piece contains all bits of the member, so that no bits are above them.
                 is_split = len(field.pieces) > 1
                 for piece in field.pieces:
                     # Bits above the type of the member are 0.

@@ -279,7 +279,7 @@ def problems(library: Library) -> Iterator[TargetProblem]:
             problem = f"{error}; use 'generate --target' to write the other outputs"
             yield TargetProblem(device, rule="c-target", place=error.place or ("device",), message=problem)
     for device, clash in clashes(headers):
-        # A clash with another family has no place in this spec.
+        # A clash with another family cannot be located in this spec.
         other_place = () if clash.other[:1] == ("device",) else clash.other
         message = clash.message(" on line {line}" if other_place else "")
         yield TargetProblem(device, rule="c-name", place=clash.path, message=message, other=other_place)

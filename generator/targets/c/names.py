@@ -16,7 +16,7 @@ from .reserved_words import RESERVED
 FOLDER = "codewheel"
 #: Prefix of all names in the headers. No name from a spec begins like this.
 PREFIX = "cw_"
-#: Names that no manufacturer can have, since the runtime uses them.
+#: Names that no manufacturer can have, because the runtime uses them.
 TAKEN = (FOLDER, PREFIX.rstrip("_"))
 
 
@@ -90,7 +90,7 @@ class Names:
             elif path:
                 self.clashes.append(Clash(name, path, self.paths[name]))
             else:
-                # Every header has this name, so the part that declared it before is the one to rename.
+                # Every header declares this name, so the earlier part is the one to rename.
                 self.clashes.append(Clash(name, self.paths[name], ()))
 
 

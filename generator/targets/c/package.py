@@ -72,7 +72,7 @@ def _yield_frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
             for crc, bits in _crcs_and_lengths(device, interface.name, layout):
                 key = (crc.width, crc.poly, bits)
                 crcs_by_width_poly_and_bits.setdefault(key, {}).setdefault(name, crc)
-    # The undetected errors depend only on width, polynomial and length, so any CRC with these stands for all.
+    # The undetected errors depend only on width, polynomial and length, so any CRC with these represents all.
     for (_, _, bits), crcs_by_name in sorted(crcs_by_width_poly_and_bits.items()):
         first_crc = next(iter(crcs_by_name.values()))
         yield Frames(first_crc, tuple(crcs_by_name), residual_of(first_crc, bits))
@@ -337,7 +337,7 @@ class Guide:
         """The macro of the length of its frame in bits, for a receiver."""
         variant = self.example.row.variant
         frames = (frame for frame in self.example.received if frame.variant is variant)
-        # The first of its two macros has the bits, the second one the bytes.
+        # The first of its two macros takes the bits, the second takes the bytes.
         macros = self.example.view.lengths.macros_of(first_of(frames, f"frame received from {variant.code}"))
         return first_of(macros, f"macro for the length of the frames of {variant.code}").name
 

@@ -241,7 +241,7 @@ class SelfTest:
             if codec.plan.in_bytes:
                 is_in_form_of_codec = bool(example.bytes)
             else:
-                # An example has bits or bytes.
+                # An example states bits or bytes.
                 is_in_form_of_codec = bool(example.bits) or not has_wrong_length
             if is_in_form_of_codec:
                 yield self._frame_check(codec, example)

@@ -69,7 +69,7 @@ class SingleCode:
         self.stem = self.path.removesuffix(".h")
         self.STEM = self.stem.upper()
         settings = {f"{view.maker.name.upper()}_CRC_{setting}" for setting in ("TABLE", "BITWISE")}
-        # The mark of functions to be inlined has more lines than it is worth here.
+        # The mark of functions to be inlined needs more lines than it saves here.
         headers = [runtime_headers()[name].replace("\nCW_INLINE\n", "\n") for name in _RECEIVING]
         runtime_declarations = list(chain.from_iterable(map(declarations_in, headers)))
         declarations = [*runtime_declarations, *declarations_in(without_settings(header, settings))]

@@ -129,7 +129,7 @@ class Struct:
 
     def choice(self, field: Field) -> Enumeration | None:
         """Return the named values of a field as an enumeration or as macros, or None if its values have no names."""
-        # A register can have the name of a frame.
+        # A register can have the same name as a frame.
         owner = self.layout.name if self.register is None else f"reg_{self.register.name}"
         return self.context.choices.get((owner, field.name))
 

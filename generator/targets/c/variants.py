@@ -244,7 +244,7 @@ class VariantCode:
         order_code = variant.code.upper()
         begin_with_family = all(other.code.upper().startswith(family) for other in self.device.variants)
         if begin_with_family:
-            # An order code that is only the name of the family keeps it.
+            # An order code that consists only of the name of the family keeps it.
             order_code = order_code.removeprefix(family) or order_code
         constant_name = re.sub("[^A-Z0-9]+", "_", order_code).strip("_")
         return CodeRow(

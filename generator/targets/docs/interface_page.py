@@ -247,7 +247,7 @@ def _register_section(device: Device, register: Register) -> Section:
     """
     fields = register.layout.fields
     rows = list(layout_tables.field_rows(device, register.layout))
-    # A row has the field, its place, its width, its meaning and its source.
+    # A row consists of the field, its place, its width, its meaning and its source.
     _, _, _, meaning_cell, source_cell = rows[0]
     is_single_number = len(fields) == 1 and fields[0].name == register.name
     repeats_register = is_single_number and not meaning_cell and not source_cell

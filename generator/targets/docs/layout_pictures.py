@@ -254,7 +254,7 @@ def text_alternative(stacks: Sequence[Stack]) -> str:
     return "; ".join([*map(_stack_text, stacks[:_MOST_DESCRIBED]), further_stacks])
 
 
-#: Highest number of stacks that the text describes. The tables beside the picture describe all of them.
+#: Highest number of stacks that the text describes. The tables next to the picture describe all of them.
 _MOST_DESCRIBED = 4
 
 

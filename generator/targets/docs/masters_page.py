@@ -30,7 +30,7 @@ Row = tuple[str, ...]
 Table = dict[str, Any]
 
 
-#: Groups of order codes, each with its rows by the name of the fact. A row has the name and the value.
+#: Groups of order codes, each with its rows by the name of the fact. A row consists of the name and the value.
 Columns = Sequence[tuple[Group, Mapping[Any, Row]]]
 #: Settings of one master for each group.
 GroupSettings = Sequence[tuple[Group, Sheet]]

@@ -337,11 +337,11 @@ def lead_sentences(note: str) -> str:
 
 def _frame_section(code_group: CodeGroup, layout: Layout, pictures: Pictures) -> Section:
     """Return the frame with the position: its picture, fields, facts and verdicts."""
-    # All order codes of a group set the same quantities, so that the first stands for all.
+    # All order codes of a group set the same quantities, so the first represents all.
     variant = code_group.variants[0]
     crc = code_group.family.crc_of(layout.place(variant.parameters))
     choices = [alternative.name for alternative in code_group.device.alternatives]
-    # The layout of the page has other notes. Verdicts are known for the family's layout.
+    # The layout of the page contains other notes. Verdicts are known for the family's layout.
     layouts_of_family = code_group.family.interface(code_group.interface.name).layouts
     family_layout = member_named(layouts_of_family, layout.name, "layout")
     verdict_head, verdict_rows = verdict_table(code_group.family, code_group.device, family_layout, variant)
@@ -399,7 +399,7 @@ def _quantity_rows(code_group: CodeGroup) -> Iterator[Row]:
 
 def _quantity_row(code_group: CodeGroup, parameter: Parameter, is_set_by_registers: bool) -> Row:
     """Return a row of value, meaning for a quantity that the order code or a register sets."""
-    # All order codes of a group set the same quantities, so that the first stands for all.
+    # All order codes of a group set the same quantities, so the first represents all.
     quantity = parameter_value(parameter, code_group.variants[0].parameters[parameter.name])
     meaning = escape(sentence(meaning_without_range(code_group.family, parameter)))
     origin = _origin_of_quantity(code_group.family, parameter, is_set_by_registers)

@@ -201,7 +201,7 @@ def _measurement_row(position: Measurement, over_interface: str = "") -> tuple[s
 
 #: Lowest number of order codes that are shown as patterns. Fewer codes are listed one by one.
 _FEWEST_FOR_PATTERNS = 12
-#: Letters that stand for parts of an order code, those that manuals prefer first.
+#: Letters that represent parts of an order code, preferred letters of manuals first.
 _LETTERS = "xyzuvwabcdefghijklmnopqrst"
 #: Texts of the parts of an order code, in order.
 PartTexts = tuple[str, ...]
@@ -390,7 +390,7 @@ def _flags_with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
     """Yield flags with their places: ``error (byte 1, bit 0)``, then ``warning (bit 1)`` in the same byte."""
     previous_byte = ""
     for flag_name, place in flags:
-        # The byte is empty for a frame of bits, whose places are like ``bit 7``.
+        # The byte is empty for a frame of bits, whose places look like ``bit 7``.
         byte, _, bit = place.rpartition(", ")
         short_place = bit if byte == previous_byte else place
         yield f"{flag_name} ({short_place})"

@@ -116,7 +116,7 @@ def _deciding_fields(layout: Layout, judgement: Judgement) -> list[_Decider]:
     for verdict, causes in judgement.worst_first:
         deciders += [_Decider(verdict, cause.by.field, cause.conditions) for cause in causes]
     if judgement.otherwise is Verdict.UNKNOWN:
-        # A warning does not improve on an unknown position.
+        # A warning cannot improve an unknown verdict.
         not_better = (Verdict.USABLE_WITH_WARNING, Verdict.UNKNOWN)
         warning_fields = [field for field in layout.fields if verdict_of(field) in not_better]
         deciders += [_Decider(judgement.otherwise, field) for field in warning_fields]

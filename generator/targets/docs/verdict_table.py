@@ -223,7 +223,7 @@ def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
     names_by_level: dict[str, list[str]] = {}
     for cause in causes:
         if not isinstance(cause.by, Match):
-            # deciding_bits() gives the level at which the flag is active, such as "1".
+            # deciding_bits() returns the level at which the flag is active, such as "1".
             names_by_level.setdefault(deciding_bits(cause.by.field), []).append(_cause_text(cause))
     yield from (f"{join_as_any_of(names)} is {level}" for level, names in names_by_level.items())
     for cause in causes:

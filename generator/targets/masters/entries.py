@@ -146,7 +146,8 @@ def _settings_in_write_order(sheet: Sheet) -> Iterator[tuple[Setting, list[Write
         writes_before: list[Write] = []
         writes_after: list[Write] = []
         for rule in sheet.writing:
-            # Without names, a rule applies to all settings. A rule with names has at least one from the sheet.
+            # Without names, a rule applies to all settings. A rule with names contains at least one name from the
+            # sheet.
             applies_to = rule.of or setting_names
             names_of_rule = [name for name in setting_names if name in applies_to]
             if setting.name == names_of_rule[0]:
@@ -261,7 +262,7 @@ def _channels_of_device(sheet: Sheet, device: str, file_values: Sequence[FileVal
     first_name, *further_names = first_of(devices, f"device '{device}' of the master").channels
     if not any(file_value.place.channel for file_value in file_values):
         return (Channel("" if further_names else first_name, tuple(file_values)),)
-    # The first channel also has the shared values.
+    # The first channel also contains the shared values.
     channels = [Channel(first_name, _values_of_channels(file_values, (first_name, "")))]
     channels += [Channel(name, _values_of_channels(file_values, (name,))) for name in further_names]
     return tuple(channels)

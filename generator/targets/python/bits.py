@@ -228,7 +228,7 @@ class Reader:
         # Bits with a negative shift move to the left. One of these distances is 0.
         right_shift = max(bits.shift, 0)
         left_shift = max(-bits.shift, 0)
-        # ``bits`` has the mask and the value at their places in ``unused``, after the shift to the left.
+        # ``bits`` contains the mask and the value at their places in ``unused``, after the shift to the left.
         mask_in_source = bits.mask >> left_shift
         value_in_source = bits.value >> left_shift
         expression = shift_value(source, ">>", number(right_shift))

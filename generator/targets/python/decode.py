@@ -18,7 +18,7 @@ from .names import ClassNames
 
 #: Number of bits per CRC table.
 TABLE_BITS = 16
-#: Maximum length of a frame, in bytes, whose bytes have a variable each.
+#: Maximum length of a frame, in bytes, for which each byte gets a variable.
 _MAX_BYTE_VARIABLES = 16
 
 

@@ -137,7 +137,7 @@ def of_errata(device: Device, *paths: str) -> list[Block]:
 def paragraphs(statements: Iterable[Statement]) -> list[Block]:
     """Return a paragraph for each statement, and one list of the errata among them."""
     all_statements = [*statements]
-    # Of these statements, only errata have others below them.
+    # Of these statements, only errata contain others.
     errata_in_short = [_short_erratum(statement) for statement in all_statements if statement.below]
     return [
         *(DOCSTRING_STYLE.sentence(statement) for statement in all_statements if not statement.below),

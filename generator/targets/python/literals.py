@@ -39,7 +39,7 @@ class Expr:
         """
         operator_level = _LEVELS[operator]
         binds_looser = self.level <= operator_level if after else self.level < operator_level
-        # The level of a higher number binds more tightly. ``operand`` has the parentheses, except for an atom.
+        # The level of a higher number binds more tightly. ``operand`` includes the parentheses, except for an atom.
         is_arithmetic_next_to_bit_operator = operator_level < _ARITHMETIC <= self.level
         return self.operand if binds_looser or is_arithmetic_next_to_bit_operator else str(self)
 
@@ -92,7 +92,7 @@ class Operation(Expr):
 
     def __str__(self) -> str:
         left = self.left.as_operand_of(self.operator)
-        # Of equal operators, the left one comes first: ``a - b - c`` but ``a - (b - c)``.
+        # Among equal operators, the left one comes first: ``a - b - c`` but ``a - (b - c)``.
         right = self.right.as_operand_of(self.operator, after=True)
         return f"{left} {self.operator} {right}"
 

@@ -55,7 +55,7 @@ class NamedValues(Scope):
         """Use ``name`` for a value, if it needs a name and has none. ``kind`` is ``size`` or ``ones``."""
         if value.is_constant:
             return
-        # A plain scope gives the expression itself, not the name of a value.
+        # A plain scope returns the expression itself, not the name of a value.
         scope = Scope(self.names)
         expression = scope.expression_of(value) if kind == "size" else scope.ones(value)
         preferred_name = self.preferred.setdefault((kind, str(expression)), name)

@@ -305,7 +305,7 @@ class Context:
         for question in self.questions.values():
             if not question.alternative.default:
                 code_of_parameter |= {name: f"{question.name}.{member}" for name, member in question.members}
-        #: Expressions for parameters: attributes of the variant, or of an answer that the caller must give.
+        #: Expressions for parameters: attributes of the variant, or of an answer that the caller must supply.
         self.scope = Scope(code_of_parameter)
         self._enums = {values: names.take(camel(field.name), suffix="Value") for values, field in self.choices.items()}
 

@@ -33,7 +33,7 @@ _RUNTIME_NAMES: Mapping[str, str] = MappingProxyType(
 )
 #: Members of the plan with several items, except the columns.
 _PLANNED_ROWS = ("joins", "unused", "checks", "parities", "verdict_causes", "report_causes", "fields")
-#: Members that say for which encoders a cause applies.
+#: Members that state for which encoders a cause applies.
 _CONDITIONS = ("only", "chosen")
 
 

@@ -406,7 +406,7 @@ class Variants:
     def held_records(self) -> list[tuple[str, Call]]:
         """Parameters that registers hold at run time: the attribute of the variant, and its record."""
         records: list[tuple[str, Call]] = []
-        # A group is a register with the parameters that it holds.
+        # A group consists of a register and the parameters that it holds.
         for group in held_parameters(self.device):
             for held_parameter in group.parameters:
                 attribute_name = self.context.parameters[held_parameter.parameter.name]

@@ -313,7 +313,7 @@ class Request:
             return Outcome.RUNNING
         if access_bits == refused_bits:
             return Outcome.REFUSED
-        # Only a read gets here with 00.
+        # Only a read gets here with the bits 00.
         return Outcome.NO_ANSWER if access_bits == 0 else Outcome.BAD_ECHO
 
     def _check_data(self, answers: int) -> tuple[Outcome, int | None]:

@@ -11,7 +11,7 @@ from typing import Any, Final, NamedTuple, NoReturn, Protocol, SupportsIndex, Ty
 
 from .errors import FrameError, LengthError, RangeError
 
-#: A frame or register made of bytes: any buffer of single bytes, such as one row of an array.
+#: A frame or register in bytes: any buffer of single bytes, such as one row of an array.
 Data = bytes | bytearray | memoryview
 
 #: A frame that is a string of bits: a number, the first bit sent most significant, text of 0 and 1, or bytes that
@@ -148,7 +148,7 @@ def as_word(frame: Word, length: int, bits: int | None) -> int:
         bits = len(digits)
         number = int(digits or "0", 2)
     elif isinstance(frame, (bytes, bytearray, memoryview)):
-        # As in files: as few bytes as possible, padded with zeros in front.
+        # As in files: as few bytes as possible, with leading zeros.
         data = as_bytes(frame)
         byte_count = (length + 7) // 8
         if len(data) != byte_count:
@@ -189,7 +189,7 @@ def as_bytes(data: Data) -> bytes:
     except TypeError:
         advice = "bytes.fromhex(text)" if isinstance(data, str) else "bytes or another buffer of bytes"
         raise TypeError(f"expected bytes, got {shorten(data)}: pass {advice}") from None
-    # The formats of signed and unsigned bytes, and of characters. The byte order can be in front.
+    # The formats of signed and unsigned bytes, and of characters. The byte order can precede the number.
     if view.ndim != 1 or view.itemsize != 1 or view.format[-1] not in "Bbc":
         shape = "items" if view.ndim == 1 else f"items in {view.ndim} dimensions"
         raise TypeError(f"expected a row of bytes, got a buffer of {shape} of the format '{view.format}': pass bytes")
@@ -204,7 +204,8 @@ def assert_never(kind: NoReturn) -> NoReturn:
 def check_width(field: str, value: SupportsIndex, bits: int) -> int:
     """Return ``value`` as an int. Raises RangeError unless it fits into ``bits`` bits."""
     number = value if type(value) is int else whole_number(field, value)
-    # Nothing is left of a number that fits. A negative number keeps its sign when it is shifted, so it is not 0 either.
+    # Nothing is left of a number that fits. A negative number keeps its sign when it is shifted, so the result is not 0
+    # either.
     if number >> bits:
         raise RangeError(field, number, f"0 to {(1 << bits) - 1}")
     return number
@@ -283,7 +284,7 @@ def text_number(field: str, text: str, length: int) -> int:
     try:
         data = text.encode("latin-1")
     except UnicodeEncodeError:
-        # No bytes have the wrong length, so the error below follows.
+        # No bytes are of the wrong length, so the error below follows.
         data = b""
     if len(data) != length:
         raise RangeError(field, text, f"{length} Latin-1 characters")

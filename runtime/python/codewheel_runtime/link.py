@@ -169,7 +169,8 @@ class Link:
         """Return ``length`` bytes, or fewer after a time-out."""
         data = b""
         deadline = monotonic() + self.session.timeout_s
-        # After the time-out, ``read`` returns what has arrived, without a wait. If that is nothing, the loop ends.
+        # After the time-out, ``read`` returns the bytes that have arrived, without a wait. If that is nothing, the loop
+        # ends.
         with self.lock:
             while len(data) < length and (further_bytes := self.transport.read(max(0.0, deadline - monotonic()))):
                 data += further_bytes
@@ -258,7 +259,7 @@ class SerialTransport:
         """
         try:
             handle = self._port.fileno()
-        except (OSError, AttributeError):  # Windows has no file number that can be waited for.
+        except (OSError, AttributeError):  # Windows offers no file number for waiting.
             self._port.timeout = timeout_s
             first_byte: bytes = self._port.read(1)
             return first_byte + bytes(self._port.read(self._port.in_waiting)) if first_byte else b""

@@ -167,7 +167,7 @@ class AsyncLink:
 
     async def close(self) -> None:
         """Close the transport, if it can be closed."""
-        # A transport can have a function or a coroutine ``close``, or none.
+        # A transport can have a function or a coroutine ``close``, or neither.
         done = getattr(self.transport, "close", lambda: None)()
         if isawaitable(done):
             await done

@@ -65,7 +65,7 @@ class RegisterParameter(NamedTuple):
             RangeError: The register holds a code that is not allowed.
         """
         bits = (int.from_bytes(data, self.order) >> self.low) & ((1 << self.width) - 1)
-        # Bits of 0 stand for ``zero_means``, which is 0 itself if 0 has no other meaning.
+        # Bits of 0 represent ``zero_means``, which is 0 itself if 0 has no other meaning.
         if not self.codes:
             return bits or self.zero_means
         codes = dict(self.codes)
@@ -76,7 +76,7 @@ class RegisterParameter(NamedTuple):
     def bytes_with(self, value: int) -> bytes:
         """Return the bytes of the register with this parameter and factory defaults for the rest."""
         mask = (1 << self.width) - 1
-        # The default with 0 in place of the parameter.
+        # The default with 0 instead of the parameter.
         number = int.from_bytes(self.default, self.order) & ~(mask << self.low)
         if self.codes:
             # Without a code for the value, the bits are 0.

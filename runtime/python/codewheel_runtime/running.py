@@ -165,7 +165,7 @@ class _Procedure:
         elif isinstance(step, Modify):
             data = self._read(step)
             number = (int.from_bytes(data, step.order) & ~step.mask) | step.value
-            # Of several changes, the first one has the original bytes.
+            # Of several changes, the first contains the original bytes.
             self._before.setdefault(step.address, (step.register, data))
             changed = number.to_bytes(step.length, step.order)
             self._store(step.address, changed, whole=step.whole)
@@ -264,7 +264,7 @@ def _check_reply(step: Send, reply: bytes) -> None:
     for byte in reply[:-1]:
         crc ^= byte
     if step.reply_ends_in_xor and crc != reply[-1]:
-        # After an echo, the reply repeats the first byte of the request. So a request of one byte comes twice.
+        # After an echo, the reply repeats the first byte of the request. A request of one byte therefore comes twice.
         echo = ". Is it an echo of the request?" if reply.startswith(step.request * 2) else ""
         raise ValueError(f"{reply_text}: expected CRC {crc:#04x}, got {reply[-1]:#04x}{echo}")
 

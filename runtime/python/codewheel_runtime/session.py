@@ -87,7 +87,7 @@ _QUIET_S = 0.002
 _TURNAROUND_S = 0.00025
 #: Number of kinds of requests that ``settle_s=0`` needs.
 _KINDS = 3
-#: Number of replies with which extra ones are compared.
+#: Number of replies with which extra replies are compared.
 _RECENT_REPLIES = 32
 #: Number of replies whose times are kept.
 _REPLY_TIMES = 16
@@ -382,7 +382,7 @@ class Session:
             reply = yield from self._receive_reply(pending)
         except LinkError as error:
             self.statistics.failures += 1
-            # A reply that has not arrived can still do so.
+            # A reply that has not arrived can still arrive.
             if isinstance(error, NoReplyError):
                 self._unanswered += 1
             raise
@@ -495,7 +495,7 @@ class Session:
 
     def _discard_waiting(self) -> Work[None]:
         """Discard the bytes that have arrived since the last request. Raises an error if a second device answers."""
-        # Bytes that have arrived are taken at once. If there are any, the line must then be quiet.
+        # Bytes that have arrived are taken at once. If any have arrived, the line must then be quiet.
         waiting = b""
         quiet_s = 0.0
         for _ in range(_MOST_BYTES):
@@ -613,7 +613,7 @@ class Session:
             return self._make_pending_exchange(request)
         answers: dict[str, object] = {}
         if isinstance(request, IntEnum):
-            # A data ID: the request is its control byte. An unknown one has none.
+            # A data ID: the request is its control byte. An unknown data ID has none.
             data = bytes(kind.control for kind in self.kinds.values() if kind.id == request)
         elif isinstance(request, (bytes, bytearray)):
             data = bytes(request)
@@ -642,7 +642,7 @@ class Session:
         each kind of request in turn, until one fits. Raises LinkError if they fit no request, or if the encoder does
         not answer it.
         """
-        # Empty if the request is an object, or has no bytes, which fit no kind of request either.
+        # Empty if the request is an object, or contains no bytes, which fit no kind of request either.
         given_bytes = bytes(object_or_bytes) if isinstance(object_or_bytes, (bytes, bytearray)) else b""
         for exchange in self.exchanges:
             # The request as an object, or None if the bytes are not one of this kind.

@@ -168,7 +168,7 @@ class Pipeline:
         self._before = self._sent
         self._sent = None
         number = as_word(word, length, bits)
-        # A word of another length cannot hold a late reply.
+        # A word of another length cannot contain a late reply.
         if answered_request is None or answered_request.bits != length:
             return None
         request, register, _ = answered_request

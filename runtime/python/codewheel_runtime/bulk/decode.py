@@ -254,7 +254,7 @@ def _find_faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
     set.
     """
     chunk = Chunk(limbs, shape.bits)
-    # Each kind of error, with an array that is True for the frames that have it.
+    # Each kind of error, with an array that is True for the frames with this error.
     errors: list[tuple[ErrorKind, Any]] = []
     if shape.crc is not None:
         errors.append((ErrorKind.CRC, compare_crc(chunk, shape.crc) != 0))
@@ -264,7 +264,7 @@ def _find_faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
     if not shape.length and shape.bits < 64:
         errors.append((ErrorKind.LENGTH, shift_right(source, shape.bits) != 0))
     faults = np.zeros(len(source), np.uint8)
-    # The highest kind comes first, so that lower ones replace it.
+    # The highest kind comes first, so that lower kinds replace it.
     for error_kind, has_error in sorted(errors, key=lambda error: -error[0]):
         # In the frames with this error, its number replaces an earlier one.
         faults *= np.logical_not(has_error)
@@ -293,8 +293,8 @@ def _is_met(chunk: Chunk, check: Check) -> Any:
 def _write(chunk: Chunk, shape: Shape, out: Mapping[str, Any]) -> None:
     """Write the columns of the fields, of the joined numbers and of unused bits into ``out``, by name."""
     columns_by_name = {column.name: column for column in shape.columns}
-    # Fields that are extracted from a joined number on access are not in ``out``. The columns of digits have names of
-    # their own.
+    # Fields that are extracted from a joined number on access are not in ``out``. The columns of digits have separate
+    # names.
     for column in shape.columns:
         if column.name in out or column.runs:
             _write_column(chunk, column, out)
@@ -405,9 +405,9 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
         return
     active_by_verdict = _find_active_conditions(shape, out)
     warnings = active_by_verdict.get(Verdict.USABLE_WITH_WARNING)
-    # A warning does not improve on an unknown position.
+    # A warning cannot improve an unknown verdict.
     if warnings and shape.default_verdict is not Verdict.UNKNOWN:
-        # Subtracting this from the default gives the verdict of a warning.
+        # Subtracting this from the default yields the verdict of a warning.
         decrease = np.uint8((default - VERDICTS.index(Verdict.USABLE_WITH_WARNING)) % 256)
         has_warning = reduce(np.logical_or, warnings)
         verdicts -= has_warning.view(np.uint8) * decrease

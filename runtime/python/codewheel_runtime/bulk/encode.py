@@ -379,7 +379,7 @@ def _check_values(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, fir
     columns_by_place = {(column.low, column.width): column for column in shape.columns}
     for check in shape.checks:
         column = columns_by_place.get((check.low, check.width))
-        # Constants have no column at their place, and parity bits are computed.
+        # No column covers constants, and parity bits are computed.
         if column is None or check.parity_of:
             continue
         bits = Chunk(limbs, shape.bits).take(check.low, check.width)

@@ -56,7 +56,7 @@ class Check(NamedTuple):
 
     def parity(self, number: int) -> int:
         """Return the parity bit for a frame, or 0 if the encoder does not send it."""
-        # A mask of 0 stands for all bits.
+        # A mask of 0 selects all bits.
         ones = (((number >> low) & ((1 << width) - 1) & (self.mask or -1)).bit_count() for low, width in self.parity_of)
         return ((sum(ones) & 1) ^ self.odd) & self.width
 

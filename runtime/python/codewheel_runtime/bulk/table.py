@@ -62,7 +62,7 @@ class FrameSource(Protocol):
 
 
 if TYPE_CHECKING:
-    # Type checkers have this module, which the standard library of Python 3.10 does not replace.
+    # Type checkers know this module, which the standard library of Python 3.10 does not replace.
     from typing_extensions import TypeVar
 
     _Name = TypeVar("_Name", bound=str, default=Any)
@@ -347,7 +347,7 @@ class Table(_TableOf[_Name, _Unit]):
         """Return a column of numbers in its unit, as decimals."""
         np: Any = load("numpy")
         # Numbers such as temperatures repeat, so only a few conversions are needed.
-        # ``places`` has the index in ``numbers`` of each value.
+        # ``places`` contains the index in ``numbers`` of each value.
         numbers, places = np.unique(self._find_column(name), return_inverse=True)
         quantities = np.array([scale.decimal(number) for number in numbers.tolist()], object)
         return quantities[places]
@@ -479,7 +479,7 @@ class Table(_TableOf[_Name, _Unit]):
             positions = np.insert(self.unwrapped(previous_position)[usable_rows], 0, previous_position)
             times = np.insert(times, 0, previous_time)
         elapsed = np.diff(times)
-        # A clock that stands still or is set back gives no speed.
+        # If the clock stops or is set back, there is no speed.
         elapsed = np.where(elapsed > 0, elapsed, np.nan)
         numerator, denominator = self._find_unit_size("turns" if unit == "rpm" else unit)
         units_per_second = np.diff(positions) * (_find_time_factor(unit) * numerator) / denominator / elapsed
@@ -572,7 +572,7 @@ class Table(_TableOf[_Name, _Unit]):
         A column that is the position or a part of it has no meaning in rows without a usable position, and a flag has
         no meaning in rows of missing frames and of frames with a wrong length.
         """
-        # A quantity has no meaning where its number has none.
+        # A quantity has no meaning where its number has no meaning.
         if name in self._scales:
             number_name, _ = self._scales[name]
             return self.hidden(number_name)

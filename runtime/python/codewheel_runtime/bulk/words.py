@@ -14,7 +14,8 @@ np: Any = load("numpy")
 WordKind = Literal["packed", "little", "big", "little32", "big32"]
 DigitKind = Literal["hex", "decimal"]
 
-#: Number of bytes and byte order of a word. 0 stands for packed words, which have as many bytes as their bits need.
+#: Number of bytes and byte order of a word. 0 stands for packed words, whose number of bytes is the minimum for their
+#: bits.
 WORDS: Final[Mapping[WordKind, tuple[int, str]]] = MappingProxyType(
     {
         "packed": (0, ">"),

@@ -161,7 +161,7 @@ class Accesses:
     def _make_access(self, value: int | None, result: str, done: bool = False) -> Access:
         """Return the access with the ID and the address that were transmitted, and this value and result."""
         is_head_complete = self._state != self._follow_header or self._bit_count > ADDRESS_BITS
-        # While the header is followed, the head is in the bits that were sent, in front of their CRC.
+        # While the header is followed, the head is in the bits that were sent, before their CRC.
         head_bits = self._head if is_head_complete else self._sent >> CRC_BITS
         head = ControlHead.decode(head_bits)
         return Access(
@@ -207,7 +207,7 @@ class Accesses:
     def _check_echo(self) -> Outcome:
         """Return the outcome of the answers to the header. RUNNING if the slave participates."""
         head = ControlHead.decode(self._head)
-        # The value is not known yet. Any value makes it a write.
+        # The value is not known yet. Any value turns the access into a write.
         value = 0 if self._is_write else None
         return Request(head.slave_id, head.address, value)._check_echo(self._answers)
 

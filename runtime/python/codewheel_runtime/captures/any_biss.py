@@ -157,7 +157,7 @@ def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tupl
     for field in fields:
         name = field.name
         width = field.width
-        # The first field has the highest bits.
+        # The first field forms the highest bits.
         low -= width
         if name == "crc":
             crc = CrcOf(low, width, compare_bits(field.crc(), covered=bits - width, width=width))

@@ -229,7 +229,7 @@ class _CycleFinder:
         if not self._rest and len(self._clock) > 2:
             self._set_rest()
         if not self._rest:
-            # Two edges have no period, so all edges are one cycle.
+            # Two edges define no period, so all edges are one cycle.
             first_edge = float(self._clock[0]) if len(self._clock) else 0.0
             self._rest = self._chosen_pause or max(self._end - first_edge, _LEAST)
         ends = self._find_ends() if len(self._clock) else np.zeros(0, np.int64)
@@ -290,7 +290,7 @@ class _CycleFinder:
         has_glitch = self._find_shortest_gaps(cycles) < _SPIKE * cycles.period
         bits.reasons[has_glitch] = _SPIKED
         good = np.flatnonzero(bits.reasons == 0)
-        # Over BiSS, CDS is in front of the frame.
+        # Over BiSS, CDS is before the frame.
         front_bits = 1 if self._is_biss else 0
         levels = self._read_levels(cycles, bits, good, front_bits + self._bits)
         lost = self._list_lost_cycles(cycles, bits)
@@ -331,7 +331,7 @@ class _CycleFinder:
         begin = clock[falls]
         last = clock[ends - 1]
         rises = (ends - falls) // 2
-        # The edges of a cycle are half a period apart on average. With one rising edge, the rest shows the period.
+        # The edges of a cycle are on average half a period apart. With one rising edge, the rest shows the period.
         half_periods = np.maximum(ends - 1 - falls, 1)
         period = np.where(rises > 1, 2 * (last - begin) / half_periods, self._rest / _REST)
         period = np.maximum(period, _SHORTEST_PERIOD * self._rest)
@@ -423,7 +423,7 @@ class _CycleFinder:
     def _list_lost_cycles(self, cycles: _Cycles, bits: _Bits) -> list[Lost]:
         """Return the cycles without a frame, with their reasons."""
         lost: list[Lost] = []
-        # Without a rest in front, the capture may have begun within the first cycle.
+        # Without a rest before it, the capture may have begun within the first cycle.
         is_first_cut = cycles.begin[0] - self._begin < self._rest
         for index in np.flatnonzero(bits.reasons):
             is_cut = bool(index == 0 and is_first_cut)

@@ -81,7 +81,7 @@ def _open_single_file(
     """
     head = file.read(HEADER)
     file.seek(0)
-    # Binary formats begin with a fixed mark. All other files are text, which has no bytes of 0.
+    # Binary formats begin with a fixed mark. All other files are text, which contains no bytes of 0.
     if head.startswith(b"PK"):
         return _read_archive(stack, file, path, names, rate, threshold)
     if head.startswith(b"\x93NUMPY"):

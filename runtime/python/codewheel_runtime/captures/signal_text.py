@@ -66,7 +66,7 @@ def read_table_signals(
     """
     form = find_table_form(path, head)
     places = names.places(form.channels, path)
-    # A column of times or of numbers is in front of the channels.
+    # A column of times or of numbers is before the channels.
     offset = int(form.unit is not None)
     columns = [offset + place for place in places]
     parts = _read_table_parts(file, path, form, columns, threshold)

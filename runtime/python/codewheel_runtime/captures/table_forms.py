@@ -287,5 +287,5 @@ def _find_unit(name: str) -> float | None:
     unit = match["unit"].lower().replace("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}")
     if unit in UNITS:
         return UNITS[unit]
-    # Without a unit, the sample rate gives the times.
+    # Without a unit, the times follow from the sample rate.
     return 0.0 if name.strip().lower() in ("time", "zeit") else None

@@ -127,7 +127,7 @@ def _take_encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLay
             return biss_layout(chosen.biss)
         except UsageError as error:
             raise Failed(error, USAGE) from None
-    # The command line has both in one list, because the label is omitted with --biss.
+    # The command line puts both into one list, because the label is omitted with --biss.
     chosen.order_code, *chosen.files = chosen.files
     try:
         encoder = find_encoder(package, chosen)
@@ -148,7 +148,7 @@ def _read_probes(chosen: argparse.Namespace) -> dict[str, Any]:
     """
     names = ("clock", "data", "rate", "rest", "baud", "threshold", "layout")
     arguments: dict[str, Any] = {name: getattr(chosen, name) for name in names}
-    # ``choose`` has pairs of the name of a question and the answer.
+    # ``choose`` contains pairs of the name of a question and the answer.
     arguments["answers"] = dict(chosen.choose)
     return arguments
 

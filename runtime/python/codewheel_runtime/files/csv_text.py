@@ -53,11 +53,11 @@ def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, s
     skipped = lines.number if is_header else lines.number - 1
     start = 0
     for _ in range(skipped):
-        # ``find`` returns -1 if no line follows, which becomes 0 here.
+        # ``find`` returns -1 if no line follows, and -1 becomes 0 here.
         start = head.find(b"\n", start) + 1 or len(head)
     if b"\r" in head[:start].replace(b"\r\n", b""):
-        # A line ends with a single CR, which only the reader of rows counts. It reads from the beginning, so it skips
-        # the header itself.
+        # A line ends with a single CR, which only the reader of rows counts. The slow reader reads from the beginning,
+        # so it skips the header itself.
         skipped, start = 0, 0
     slow_reader = _SlowReader(lines, delimiter, place, columns, is_header and not start)
     read_fast = None

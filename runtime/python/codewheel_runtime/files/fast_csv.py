@@ -115,7 +115,7 @@ def make_block_reader(
         return None
     columns = [str(index) for index in range(len(names))]
     parse = csv.ParseOptions(delimiter=delimiter)
-    # Columns are named by their index, because names in the file can be equal. That of the frames comes first.
+    # Columns are named by their index, because names in the file can be equal. The column of frames comes first.
     wanted = [str(place), *(str(index) for index, _ in kept_columns)]
     convert = csv.ConvertOptions(
         include_columns=wanted, column_types=dict.fromkeys(wanted, pa.string()), strings_can_be_null=False
@@ -140,7 +140,7 @@ def make_block_reader(
             return None
         if frames is None:
             return None
-        # Column 0 has the frames.
+        # Column 0 contains the frames.
         other_columns = {name: table.column(index).combine_chunks() for index, (_, name) in enumerate(kept_columns, 1)}
         last_cell = cells[-1].as_py() if len(cells) else ""
         # These cells are for the check of the first frames.
@@ -187,7 +187,7 @@ def _read_bytes(cells: Any, length: int, pc: Any) -> Any:
         return None
     characters = np.frombuffer(data, np.uint8, count=digits_per_cell * count, offset=int(starts[0]))
     digits = _HEX[characters]
-    # 255 stands for a character that is not a hexadecimal digit.
+    # 255 represents a character that is not a hexadecimal digit.
     if digits.max() > 15:
         return None
     # Each cell has an even number of digits, so this also holds across the cells.

@@ -35,7 +35,7 @@ class Layout(NamedTuple):
 
 def list_layouts(encoder: Encoder) -> tuple[Layout, ...]:
     """Return all kinds of frames of an encoder's interface. Kinds that the encoder sends come first."""
-    # FRAMES of the family has functions for shapes, by interface and sender and then by the name of the frame.
+    # FRAMES of the family contains functions for shapes, by interface and sender and then by the name of the frame.
     package, _, module = type(encoder).__module__.rpartition(".")
     frames: Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]
     frames = import_module(f"{package}._shapes.{module}").FRAMES

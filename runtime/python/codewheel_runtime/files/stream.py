@@ -342,7 +342,7 @@ class Derived:
         Raises:
             UsageError: The times are not in seconds, or the encoder has no SI units.
         """
-        # Without a sample rate, a capture has a column of sample numbers in place of ``time``.
+        # Without a sample rate, a capture has a column of sample numbers instead of ``time``.
         if self._time != "time":
             raise UsageError("speeds need the sample rate: give it with --rate")
         try:
@@ -358,7 +358,7 @@ class Derived:
         if len(usable_rows):
             # Unwrapping continues from the last position of the previous table.
             previous_position = None if self._last is None else self._last[0]
-            # Later frames without a usable position have the same count.
+            # Later frames without a usable position get the same count.
             last_position = int(table.unwrapped(previous_position)[-1])
             last_usable_row = usable_rows[-1]
             self._last = (last_position, float(times[last_usable_row]))

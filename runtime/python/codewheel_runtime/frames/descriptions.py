@@ -49,8 +49,8 @@ def find_any_shape(kind: type, encoder: Encoder) -> Shape:
 
 def find_kinds(encoder: Encoder) -> tuple[type, ...]:
     """Return the classes of the frames that an encoder sends over its interface."""
-    # FRAMES has the functions for shapes by interface and sender, and there by the name of the frame. SHAPES has the
-    # functions by class. Both have the same functions, so these connect the two.
+    # FRAMES contains the functions for shapes by interface and sender, and there by the name of the frame. SHAPES
+    # contains the functions by class. Both contain the same functions, so these connect the two.
     package, _, family = type(encoder).__module__.rpartition(".")
     module = import_module(f"{package}._shapes.{family}")
     makers = module.FRAMES.get((encoder.interface.value, "encoder"), {}).values()
@@ -72,7 +72,7 @@ def find_description(kind: type) -> tuple[Callable[..., Shape], tuple[type, ...]
 
 def module_of(kind: type, folder: str) -> Any:
     """Return the module in ``folder``, such as ``facts``, that belongs to the family of a class."""
-    # The base that has the fields is in the module of the family. A class derived from it can be elsewhere.
+    # The base class with the fields is in the module of the family. A class derived from it can be elsewhere.
     fields = next(base for base in kind.__mro__ if "_fields" in vars(base))
     package, _, family = fields.__module__.rpartition(".")
     return import_module(f"{package}.{folder}.{family}")

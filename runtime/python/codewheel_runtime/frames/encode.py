@@ -45,7 +45,7 @@ def encode_number(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
         number |= check_bits("unused", fields.unused, shape.kept_mask)
     elif shape.unused:
         number |= _encode_unused_bits(fields.unused, shape.unused)
-    # The limits of a register are for one value: its name in messages, and the attribute that has it.
+    # The limits of a register apply to one value: its name in messages, and its attribute.
     if shape.limited is not None:
         check_limits(shape.limited[0], getattr(fields, shape.limited[1]), fields.limits(*arguments))
     # The parity covers the Gray code, and the CRC covers both.
