@@ -108,7 +108,7 @@ PHYSICS = re.compile(r"(quantity\.(unit|quantity)|scale\.unit)\.")
 
 
 class Part(NamedTuple):
-    """A part of a schema with its key, if it has one, and the values that the data have there.
+    """A part of a schema with its key, if any, and the values that the data have there.
 
     ``values`` is None if all words of the schema are wanted.
     """
@@ -122,7 +122,7 @@ def parts_of(node: Mapping[str, Any], values: list[Any] | None) -> Iterator[Part
     """Yield the alternatives, the members and the items of a schema."""
     for alternative in (*node.get("oneOf", ()), *node.get("anyOf", ())):
         yield Part("", alternative, values)
-    if "items" in node and "properties" in node:  # One part or a list of them.
+    if "items" in node and "properties" in node:  # One part, or a list of parts.
         items = [item for value in values or () for item in (value if isinstance(value, list) else [value])]
         yield Part("", node["items"], None if values is None else items)
         return
