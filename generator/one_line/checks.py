@@ -1,4 +1,4 @@
-"""Find problems of fields and options that are valid by themselves, but not together."""
+"""Find problems of fields and options that are valid individually but not together."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from .line import POSITION, Line, LineError, LineField, LineProblem, Options
 from .options import with_option
 
 INTERFACES = ("biss", "ssi", "spi", "rs485")
-#: Characters of the longest line, and the most fields in one.
+#: Characters of the longest line, and the highest number of fields in a line.
 LONGEST = 1000
 _MOST_FIELDS = 64
 _ALLOWED = re.compile(r"[A-Za-z0-9_=:,. ]*")
@@ -100,7 +100,10 @@ def _read_options(head: str, interface: str, problems: list[LineProblem]) -> tup
 
 
 def _read_fields(text: str, column: int, interface: str, problems: list[LineProblem]) -> list[LineField]:
-    """Return the valid fields, and add the problems of the others. ``column`` is that of the first character."""
+    """Return the valid fields, and report the invalid fields in ``problems``.
+
+    ``column`` is the column of the first character.
+    """
     fields: list[LineField] = []
     if not text.strip():
         problems.append(LineProblem(column, f"the line has no fields; write {_EXAMPLE}"))

@@ -1,4 +1,4 @@
-"""Closing steps of a procedure: each one undoes an earlier opening step that wrote to the same register."""
+"""Closing steps of a procedure: each undoes an earlier opening step that wrote to the same register."""
 
 from __future__ import annotations
 

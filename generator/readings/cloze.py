@@ -63,7 +63,7 @@ def _led_states(spec: Document) -> Iterator[tuple[Path, str]]:
 
 
 def vocabulary_of(spec: Document) -> Vocabulary:
-    """Return the turning words of a family: those of the language, and the signals of its contacts."""
+    """Return the turning words of a family: the turning words of the language, and the signals of its contacts."""
     signals: list[str] = []
     for connector in spec.data.get("connectors", ()):
         signals += [str(contact["signal"]) for contact in connector["contacts"] if "signal" in contact]
@@ -78,7 +78,7 @@ def sheet(spec: Document, old_entries: Mapping[str, Any]) -> dict[str, Any]:
     sheet_entries: dict[str, Any] = {}
     kinds: set[str] = set()
     choices = vocabulary_of(spec).choices
-    # A text can move with the name of the part that has it.
+    # A text can move with the name of its part.
     old_entry_by_text = {old_entry["text"]: old_entry for old_entry in old_entries.values()}
     for path, (_, cloze) in clozes(spec).items():
         kinds.update(gap.kind for gap in cloze.gaps)
@@ -107,7 +107,7 @@ def open_gaps(sheet_data: Mapping[str, Any]) -> int:
     return sum(text["words"].count("?") for text in sheet_data["texts"].values())
 
 
-#: Function that reads the sheet of a family, if there is one, and adds its problems to the report.
+#: Function that reads the sheet of a family, if it has a sheet, and adds its problems to the report.
 Reader = Callable[[Family, Report], Document | None]
 
 
@@ -140,8 +140,8 @@ def check_sheets(families: Iterable[Family], sound: Collection[str], report: Rep
 def compare_words(spec: Document, sheet_document: Document, report: Report) -> None:
     """Report each gap that the sheet fills with another word than the spec, and each outdated text of the sheet.
 
-    A text is outdated if only the spec has it, or if it has changed. Texts that only the sheet has are not reported
-    next to these, since the command that refills the sheet also removes them.
+    A text is outdated if only the spec has it, or if it has changed. Texts that only the sheet has are not reported in
+    addition, since the command that refills the sheet also removes them.
     """
     spec_texts = clozes(spec)
     sheet_texts = sheet_document.data["texts"]

@@ -1,4 +1,4 @@
-"""Pair the rows of the tables of two readings by their cells, so that a missing row does not move the others."""
+"""Pair the rows of the tables of two readings by their cells, so that a missing row does not move the other rows."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def _paired_numbers(spec_rows: Mapping[int, _Row], second_rows: Mapping[int, _Ro
 
 
 def _pairs(spec_rows: Sequence[_Row], second_rows: Sequence[_Row]) -> Iterator[tuple[int, int]]:
-    """Yield the indices of equal rows in their order, and of the rows between them as far as both readings have one."""
+    """Yield the indices of equal rows in order, and of the rows between them as far as both readings have rows."""
     for _, spec_start, spec_end, second_start, second_end in SequenceMatcher(
         a=spec_rows, b=second_rows, autojunk=False
     ).get_opcodes():

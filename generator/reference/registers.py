@@ -33,7 +33,7 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
     """Decode a register from its bytes in ascending order of address. Capitals in ``name`` do not matter.
 
     Raises:
-        RegisterError: This interface has no such register, or the register has a different length.
+        RegisterError: This interface does not have the register, or the register has a different length.
     """
     registers = {register.name: register for register in device.registers_over(variant.interface)}
     if name.lower() not in registers:
@@ -166,7 +166,7 @@ def _check_argument(register: Register, field_name: str, argument: int, placed: 
     """Check that an argument is a value of the field ``field_name``, and within the limits if they apply to this field.
 
     Raises:
-        EncodeError: It is not.
+        EncodeError: The argument is not valid.
     """
     fields = (field for field in register.layout.fields if field.name == field_name)
     allowed_values = [choice.value for field in fields for choice in field.values]

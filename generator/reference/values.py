@@ -37,7 +37,7 @@ def number_of_text(text: str) -> int:
 def value_and_meaning(field: Field, raw: int, width: int) -> tuple[int | str | bool, str]:
     """Return the value and the meaning of a number in a field: ``("ready", "the encoder is ready")`` for a choice.
 
-    Numbers that are not valid stand for themselves.
+    Invalid numbers are returned unchanged.
     """
     match field.kind:
         case Number() as number:
@@ -60,7 +60,7 @@ def value_and_meaning(field: Field, raw: int, width: int) -> tuple[int | str | b
 
 
 def signed_or_plain(number: Number, raw: int, width: int) -> int:
-    """Return the value of these bits: two's complement if the field is signed. Zero may stand for another value.
+    """Return the value of these bits: two's complement if the field is signed. Zero may represent another value.
 
     0b111 of 3 bits is -1 in a signed field, and else 7. ``zero_means`` is 0 unless the manual gives 0 another meaning.
     """

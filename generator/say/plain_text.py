@@ -40,7 +40,7 @@ def decimal(value: Fraction) -> str:
 
 
 def quantity(scale: Scale, value: int) -> str:
-    """Return the quantity that a number stands for: ``26.9 °C``. Begin with ``≈`` if the decimals are rounded."""
+    """Return the quantity that a number represents: ``26.9 °C``. Begin with ``≈`` if the decimals are rounded."""
     text = f"{scale.decimal(value)} {scale.unit}"
     return text if scale.is_exact(value) else f"≈ {text}"
 
@@ -123,7 +123,7 @@ def with_unit(value: int | str, unit: str) -> str:
 
 
 def first_of(items: Sequence[str], count: int = 3, between: str = ", ") -> str:
-    """Join the first items, and count the others: ``a, b, c and 5 more``."""
+    """Join the first items, and count the rest: ``a, b, c and 5 more``."""
     first_items = between.join(items[:count])
     omitted = len(items) - count
     return f"{first_items} and {omitted} more" if omitted > 0 else first_items

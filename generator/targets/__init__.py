@@ -34,7 +34,7 @@ class Library:
         devices: The devices that the target writes, sorted by name.
         own_templates: Folder of the user's templates for this target. Pass it to ``Templates.render``.
         stored_part: Returns the part of a device from the cache, or else calls its second argument.
-        only_paths: Names of devices whose files have no text, because only the number of their files is needed.
+        only_paths: Names of devices whose files have no content, because only their number is needed.
     """
 
     devices: tuple[Device, ...]
@@ -43,7 +43,7 @@ class Library:
     only_paths: frozenset[str] = frozenset()
 
     def part(self, family: PartOf, device: Device, options: Options) -> Any:
-        """Return the result of ``family``, which is that of the target, for one device."""
+        """Return the result of ``family``, the target's function, for one device."""
         return self.stored_part(device, lambda: family(device, self, options))
 
     def files_of(self, family: FilesOf, device: Device, options: Options) -> dict[str, str]:
@@ -128,7 +128,7 @@ class Option:
         name: Lowercase letters, digits, hyphens and underscores.
         summary: One line for ``--help``.
         default: Value if the user gives none.
-        values: All valid values. If empty, any text is valid, and ``files`` raises ``OptionError`` for a wrong one.
+        values: All valid values. If empty, any text is valid, and ``files`` raises ``OptionError`` for a wrong text.
 
     Raises:
         ValueError: The default is not one of the values.
@@ -147,9 +147,9 @@ class Option:
 #: Values of all options of a target, by name.
 Options = Mapping[str, str]
 NO_OPTIONS: Options = MappingProxyType({})
-#: Function that returns what a target makes from one device alone, as data that JSON can express.
+#: Function that returns a target's result for one device alone, as data that JSON can express.
 PartOf = Callable[[Device, Library, Options], Any]
-#: Function that yields the path of each file that a target makes from one device alone, and a function for its text.
+#: Function that yields the path of each file that a target generates for one device alone, and a function for its text.
 FilesOf = Callable[[Device, Library, Options], Iterator[tuple[str, Callable[[], str]]]]
 
 
@@ -168,7 +168,7 @@ class Target:
             and by ``check --target``, and only with devices whose specs have no other problems.
         options: Settings of the target.
         templates: Templates of the target, for ``--templates`` and the page about templates.
-        family: Function that returns what the target makes from one device alone. ``files`` calls it through
+        family: Function that returns the target's result for one device alone. ``files`` calls it through
             ``Library.part`` if the result is data that JSON can express, and through ``Library.files_of`` if it yields
             files. Of the built-in targets, results for unchanged specs come from the cache.
 

@@ -30,7 +30,7 @@ class PackageMissing(TargetError):
 
 
 def target_names() -> list[str]:
-    """Return the names of all targets, first built-in and then registered ones."""
+    """Return the names of all targets, first the built-in and then the registered targets."""
     return [*BUILT_IN, *(name for name in _entry_points_by_name() if name not in BUILT_IN)]
 
 
@@ -84,7 +84,7 @@ def problems_of(target: Target, library: Library) -> list[TargetProblem]:
 
 
 def _fault_of_problem(problem: object, library: Library) -> str:
-    """Return the reason that ``problem`` is not one of a device in the library, or an empty string if it is one."""
+    """Return the reason that ``problem`` does not concern a device in the library, or an empty string if it does."""
     if not isinstance(problem, TargetProblem):
         return f"this is {_type_name(problem)}"
     if problem.device.name not in {device.name for device in library.devices}:
@@ -95,7 +95,7 @@ def _fault_of_problem(problem: object, library: Library) -> str:
 
 
 def _fault_of_files(files: object) -> str:
-    """Return the reason that ``files`` is not a mapping of paths to text, or an empty string if it is one."""
+    """Return the reason that ``files`` is not a mapping of paths to text, or an empty string if it is."""
     if not isinstance(files, Mapping):
         return f"this is {_type_name(files)}"
     for path, text in files.items():

@@ -29,7 +29,7 @@ class ByLevels(ABC):
 
     @abstractmethod
     def clock(self, level: int) -> int:
-        """Set the level of the clock, and return that of the data line."""
+        """Set the level of the clock, and return the level of the data line."""
 
     @abstractmethod
     def timeout(self) -> int:
@@ -57,7 +57,7 @@ class ByLevels(ABC):
         return None
 
 
-#: Number of zeros after which a control frame can start, and that abort one.
+#: Number of zeros after which a control frame can start, and number of zeros that abort one.
 ZEROS = 14
 #: CRC of control data: x^4 + x + 1, inverted.
 _CRC = Crc(name="control", width=4, poly=0x3, init=0, refin=False, refout=False, xorout=0xF, source=())
@@ -124,7 +124,7 @@ class BissLine(ByLevels):
             The CDS bit of this cycle, and its single cycle data.
         """
         cycle_bits = self.cycle(cdm)
-        # The start bit is the first 1. It can be late. Without one, the line is low, and all bits of the cycle are 0.
+        # The start bit is the first 1. It can be late. Without a 1, the line is low, and all bits of the cycle are 0.
         has_start_bit = 1 in cycle_bits[self.acknowledge :]
         start_index = cycle_bits.index(1, self.acknowledge) if has_start_bit else self.acknowledge
         cds_index = start_index + 1
@@ -194,7 +194,7 @@ class BissLine(ByLevels):
         return 1
 
     def _exchange_control_bit(self, cdm: int) -> int:
-        """Take the CDM bit of the previous cycle, and return the CDS bit of this one.
+        """Take the CDM bit of the previous cycle, and return the CDS bit of the current cycle.
 
         ``ZEROS`` zeros abort a control frame. The first 1 after them begins the next one. Without one, CDS is 0.
         """
@@ -339,7 +339,7 @@ class SsiLine(ByLevels):
         return word_with_fault(self.encoder, fault, word, self.bits)
 
     def clock(self, level: int) -> int:
-        """Set the level of the clock, and return that of the data line. Zeros follow the word."""
+        """Set the level of the clock, and return the level of the data line. Zeros follow the word."""
         is_rising_edge = level and not self._clock_level
         if is_rising_edge:
             if self._bits_left < 0:
@@ -348,7 +348,7 @@ class SsiLine(ByLevels):
             if self._bits_left > 0:
                 self._bits_left -= 1
             self._data_level = (self._word >> self._bits_left) & 1
-            # Remove the bit that is sent, so that zeros follow the last one.
+            # Remove the bit that is sent, so that zeros follow the last bit.
             mask_of_unsent_bits = (1 << self._bits_left) - 1
             self._word &= mask_of_unsent_bits
         self._clock_level = level

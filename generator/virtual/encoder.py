@@ -42,8 +42,8 @@ class VirtualEncoder:
         faults: Faults by name, each with a rate per reply, such as ``flip:1e-3``.
         seed: Seed of the random faults.
         clock: Function that returns the time in seconds. By default, the time since the encoder was created.
-        edition: Revision of the manual. By default, that of the spec.
-        specs: Specs to use. By default, those shipped with codewheel.
+        edition: Revision of the manual. By default, the revision of the spec. Specs to use. By default, those shipped
+        with codewheel.
 
     Attributes:
         device: The family.
@@ -52,8 +52,8 @@ class VirtualEncoder:
         faults: The faults, and the number of times that each was injected.
 
     Raises:
-        ValueError: There is no such order code, edition, register, answer or fault, the interface cannot have this
-            fault, or an answer is missing.
+        ValueError: The order code, edition, register, answer or fault does not exist, the interface cannot have this
+        fault, or an answer is missing.
     """
 
     def __init__(
@@ -300,13 +300,13 @@ class VirtualEncoder:
         return field.name == error_flag and has_error_in_register
 
     def _read_clock(self) -> float:
-        """Return the time. It does not advance while a frame is built, so that its fields are consistent."""
+        """Return the time. The time does not advance while a frame is built, so that its fields are consistent."""
         return self.clock() if self._instant is None else self._instant
 
     def _collect_values(
         self, layout: Layout, request_values: Mapping[str, int | str | bool]
     ) -> dict[str, int | str | bool]:
-        """Return the value of each field that carries data, from the first source that has one.
+        """Return the value of each field that carries data, from the first source that has a value.
 
         The sources are the request, the position, the active flags, and the documented value.
         """
@@ -333,7 +333,7 @@ class VirtualEncoder:
     def _compared_parts(self, layout: Layout) -> dict[str, int]:
         """Return the bits of the field that a master compares with the position in another data channel, by its name.
 
-        The map is empty for a layout without such a field, and for the one with the position itself.
+        The map is empty for a layout without such a field, and for the layout with the position itself.
         """
         frame = channel_frame(self.device.interface(self.variant.interface))
         position_layout = self._position_layout
@@ -347,7 +347,7 @@ class VirtualEncoder:
         width = self.place(layout).field(name).width
         position_width = self.place(position_layout).field(position_name).width
         position_bits = self.parts_now(position_layout)[position_name]
-        # The highest bits of both fields agree. A wider field has further zeros behind them.
+        # The highest bits of both fields agree. A wider field has additional zeros after them.
         if position_width >= width:
             return {name: position_bits >> (position_width - width)}
         return {name: position_bits << (width - position_width)}
@@ -366,7 +366,7 @@ class VirtualEncoder:
         return measurement.of if measurement is not None else "position"
 
     def _carries_position(self, layout: Layout) -> bool:
-        """Return whether a layout has the position, as a join of several fields or as one field."""
+        """Return whether a layout contains the position, as a join of several fields or as one field."""
         name = self._position_name
         is_joined = layout.names_in(name) != (name,)
         return is_joined or self.place(layout).find_field(name) is not None
@@ -427,7 +427,7 @@ class VirtualEncoder:
 
 
 def _number_from_bits(placed_field: PlacedField, bits: int) -> int:
-    """Return the number that the bits of a field stand for: -1 for 0b111 in a signed field of 3 bits."""
+    """Return the number that the bits of a field represent: -1 for 0b111 in a signed field of 3 bits."""
     sign_bit = bits >> (placed_field.width - 1)
     if placed_field.field.number.signed and sign_bit:
         return bits - (1 << placed_field.width)

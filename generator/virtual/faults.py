@@ -75,7 +75,7 @@ FAULTS: Mapping[str, Mapping[str, str]] = {
 BUSY_S = 0.02
 #: Shortest and longest time in seconds between a reply and an extra reply, as in the effects above.
 _SHORTEST_AND_LONGEST_GAP_S = (0.0001, 0.001)
-#: Most random bytes in front of a reply with the fault ``junk``.
+#: Most random bytes before a reply with the fault ``junk``.
 _MOST_JUNK_BYTES = 8
 
 
@@ -91,7 +91,7 @@ class Faults:
         injected: Number of times that each fault was injected.
 
     Raises:
-        ValueError: There is no such fault, this interface cannot have it, or the rate is not 0 to 1.
+        ValueError: The fault does not exist, this interface cannot have it, or the rate is not 0 to 1.
     """
 
     def __init__(self, interface: str, texts: Iterable[str] = (), seed: int = 0) -> None:
@@ -103,7 +103,7 @@ class Faults:
     def draw(self) -> str:
         """Return the fault of the next reply, or an empty string.
 
-        Each fault is drawn with its rate, in the order given, until one occurs. A reply has at most one.
+        Faults are tried in the order given, each with its rate, until one occurs. A reply has at most one fault.
         """
         for name, rate in self._names_and_rates:
             if self.random.random() < rate:
@@ -112,7 +112,7 @@ class Faults:
         return ""
 
     def damaged(self, name: str, reply: bytes, request: bytes) -> bytes:
-        """Return the bytes that this fault puts on the line in place of the reply. Other faults leave the reply."""
+        """Return the bytes that this fault puts on the line instead of the reply. Other faults leave the reply."""
         if name == "lost":
             return b""
         if name in ("short", "brownout"):
@@ -276,7 +276,7 @@ def _not_a_position(text: str) -> ValueError:
 def _amplitude_in_counts(
     text: str, amplitude: float, *, is_angle: bool, largest_amplitude: float, counts_per_turn: int
 ) -> float:
-    """Return the amplitude of a motion in counts. With ``is_angle``, it is given in degrees.
+    """Return the amplitude of a motion in counts. With ``is_angle``, the amplitude is in degrees.
 
     ``text`` is the whole motion, such as ``sine:0.5Hz:90deg``, for the messages.
 

@@ -29,7 +29,7 @@ def _load_families(specs: tuple[Path, ...]) -> tuple[Family, ...]:
 
 
 def _has_special_code(device: Device, text: str) -> bool:
-    """Return whether the text of an order code contains that of a special model of the family."""
+    """Return whether the text of an order code contains the code of a special model of the family."""
     return any(overlay.special and overlay.special in text for overlay in device.overlays)
 
 

@@ -2,7 +2,7 @@
 
 For each mistake, the CRC is computed as if it had been made. All that match are listed, most likely first. A mistake
 may match by coincidence: with a 6-bit CRC, one random frame in 64 does. So each explanation, and the list as a whole,
-comes with its chance.
+states its chance.
 """
 
 from __future__ import annotations
@@ -301,7 +301,8 @@ def _diagnose_equal_bits(variant: Variant, number: int, bit_count: int, doubt: s
         explanation_text = (
             f"every bit is {level}: the line never changes. Check for {cause}, the supply and {other_causes}"
         )
-    # The first bit can be either level, and the others must have the same. One in 2^62 is enough to be certain.
+    # The first bit can be either level, and all other bits must be equal to it. A chance of 1 in 2^62 is certain
+    # enough.
     bits_that_agree = min(bit_count - 1, 62)
     one_in = 1 << bits_that_agree
     score = MISTAKES["line_stuck"] * one_in

@@ -152,7 +152,7 @@ def test_the_bits_of_a_long_frame(ask: Ask) -> None:
 def test_other_frames_that_it_can_be(
     path: str, code: str, sender: str, text: str, alternatives: list[str], ask: Ask
 ) -> None:
-    """They are those that the command names."""
+    """They are the frames that the command names."""
     node = ask(library_of(f"../specs/{path}"), "node")
     (answer,) = node("values", [{"code": code, "sender": sender, "text": text, "answers": {}}])
     assert answer["others"] == alternatives
@@ -283,7 +283,7 @@ def test_texts_are_read_as_the_command_reads_them(node: Asker, library: Library)
 
 
 def test_an_order_code_is_inferred(node: Asker) -> None:
-    """The public reply of an AMM5, and the same one with another CRC."""
+    """The public reply of an AMM5, and the same reply with another CRC."""
     texts = ["02 20 C7 D1 6A 5E", "02 20 C7 D1 6A 5F", "hello"]
     reply, other_crc, nothing = node("inferred", [{"text": text} for text in texts])
     assert [name for name, _ in reply] == ["singleturn_reply"]
@@ -295,7 +295,7 @@ def test_an_order_code_is_inferred(node: Asker) -> None:
 
 
 def rows(case: Case, random_: random.Random) -> Iterator[dict[str, Any]]:
-    """Return values of a register: valid ones, or with one of them at or beyond the end of its range."""
+    """Return values of a register: all valid, or one of them at or beyond the end of its range."""
     data = [field for field in case.placed.fields if field.field.carries_data]
     for number in numbers(case, 12, random_):
         decoded = codec.decode(case.device, case.placed, number)
@@ -431,7 +431,7 @@ def test_several_frames_are_judged_like_the_command_does(part: int, node: Asker,
 
 
 def common_mistakes(case: Case, texts: Iterable[str]) -> list[CommonMistake] | None:
-    """Return the mistakes that the command names for all frames, or None if it knows one that the page does not."""
+    """Return the mistakes that the command names for all frames, or None if the page does not know one of them."""
     frames = [(text, why) for text in texts if (why := why_of(case, text)) is not None]
     if any(mistake.kind in COMMAND_KINDS for _, why in frames for mistake in why.explanations):
         return None
@@ -446,7 +446,7 @@ def common_mistakes(case: Case, texts: Iterable[str]) -> list[CommonMistake] | N
     "name", ["", "specs/gray", "../specs/ams/as5047p", "../specs/ams/as5048a", "../specs/mps/ma732"]
 )
 def test_other_positions_are_those_of_the_command(name: str, ask: Ask, library: Library) -> None:
-    """Words are written as bits, or as hex bytes with zeros in front. Those of the master are requests."""
+    """Words are written as bits, or as hex bytes with zeros in front. The positions of the master are requests."""
     library = library_of(name) if name else library
     random_ = random.Random("doubts")
     items, expected = [], []
@@ -582,7 +582,7 @@ def why_of(case: Case, text: str, *, with_pairs: bool = False) -> Diagnosis | No
 
 
 def of_page(why: Diagnosis) -> Diagnosis:
-    """Return the explanations with the mistakes that the page knows. It shows a dead line apart."""
+    """Return the explanations with the mistakes that the page knows. It shows a dead line separately."""
 
     def known(mistakes: tuple[Explanation, ...]) -> tuple[Explanation, ...]:
         return tuple(mistake for mistake in mistakes if mistake.kind not in COMMAND_KINDS | {"line_stuck"})

@@ -1,8 +1,8 @@
 """BiSS frames with two data channels, in five engines, against a decoder that is written here.
 
-The encoder is made up. Its words, their CRCs and their comparison are those of the profile BiSS Safety, and its order
-codes are configurations of table 1 in iC-Haus, BiSS Safety Concept, revision A5: the words of RXH have 24 and 16 bits
-for the angle, of which 13 must agree, with a tolerance of one.
+The encoder is made up. Its words, their CRCs and their comparison follow the profile BiSS Safety, and its order codes
+are configurations of table 1 in iC-Haus, BiSS Safety Concept, revision A5: the words of RXH have 24 and 16 bits for the
+angle, of which 13 must agree, with a tolerance of one.
 """
 
 from __future__ import annotations

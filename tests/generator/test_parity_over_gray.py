@@ -1,6 +1,6 @@
 """Parity bits over numbers in Gray code, in every engine, against words that are written here bit by bit.
 
-They are the parity of the bits as they are sent, so a receiver can check them before it converts the number.
+Such bits are the parity of the bits as they are sent, so a receiver can check them before it converts the number.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def words(code: str) -> Iterator[Sent]:
         turns, angle, error = numbers.randrange(16), numbers.randrange(1 << bits), bool(numbers.randrange(2))
         word = word_of(bits, is_gray, turns, angle, error)
         yield word, (turns, angle, error)
-        # Every bit is covered by a parity bit, or is one.
+        # Every bit is covered by a parity bit, or is a parity bit.
         yield word ^ 1 << numbers.randrange(bits + 8), None
     for parities in range(1, 8):
         yield word ^ parities, None

@@ -242,8 +242,10 @@ def test_what_the_frame_would_read(decode: Run) -> None:
 
 
 def test_what_follows_a_shorter_frame_is_0(decode: Run) -> None:
-    """The frame above, which ends four bits before that of AMM5A21/1SC1.
-    Stop bit and SLI are 0, so other bits cannot follow a shorter frame."""
+    """The frame above, which ends four bits before the end of an AMM5A21/1SC1 frame.
+
+    Stop bit and SLI are 0, so other bits cannot follow a shorter frame.
+    """
     frame = "0" * 16 + "1" + "11" + "110110"
     for behind, expected in (("0000", True), ("0100", False), ("0001", False)):
         explanations = decode("AMM5A21/1SC1", f"0b{frame}{behind}")[1]["why"]["explanations"]
@@ -275,7 +277,7 @@ def test_the_0_bit_of_asc85_may_be_missing(decode: Run) -> None:
         explanations = decode("ASC8525/SC1", frame, "--choose", "zero_bit=left_out")[1]["why"]["explanations"]
         readings = [(explanation["kind"], explanation["reads"]) for explanation in explanations]
         assert (("other_answer", {"position": 1}) in readings) is expected
-    # Without an open question there is nothing to try: AM36's constant bits are those for error and warning.
+    # Without an open question there is nothing to try: AM36's constant bits replace error and warning.
     frame = "0b" + "0" * 24 + "1" + "11" + "110110"
     explanations = decode("AM3616/4096-I7", frame.ljust(45, "0"))[1]["why"]["explanations"]
     assert all(explanation["kind"] != "other_answer" for explanation in explanations)

@@ -1,4 +1,4 @@
-"""Sheets of turning words: the gaps of a text, the sheet that is written, and each message about a filled one."""
+"""Sheets of turning words: the gaps of a text, the sheet that is written, and each message about a filled sheet."""
 
 from __future__ import annotations
 

@@ -66,10 +66,10 @@ def comment(text: object, indent: str) -> Markup:
     return Markup("\n".join(lines))
 
 
-# The files for the order codes of a family have most lines in common.
+# The files for the order codes of a family share most lines.
 @lru_cache(maxsize=1024)
 def _wrapped_lines(paragraph: str, width: int) -> Sequence[str]:
-    """Return the lines into which one line of a comment's text is wrapped. An indented one is an item of a list."""
+    """Return the lines into which one line of a comment's text is wrapped. An indented line is an item of a list."""
     is_list_item = paragraph.startswith("  ")
     return textwrap.wrap(
         str(comment_text(paragraph)),
@@ -124,7 +124,7 @@ def channels_by_length(
 
 
 def _number_of_lengths(lengths: Sequence[DataLength]) -> int:
-    """Return how many different numbers of data bits there are."""
+    """Return the number of different data lengths in bits."""
     return len({length.data_bits for length in lengths})
 
 
@@ -356,7 +356,7 @@ def _selected_code(device: Device, layout: Layout) -> str:
     """
     factory_codes = {_factory_code(variant, layout) for variant in device.variants_over(Biss.name)}
     factory_code = factory_codes.pop() if len(factory_codes) == 1 else "by order code"
-    # The numbers are in Gray code if the parameter ``gray_when`` is not 0. It can follow from others.
+    # The numbers are in Gray code if the parameter ``gray_when`` is not 0. It can be derived from other parameters.
     deciding_parameters = device.needed_parameters([layout.gray_when])
     register_fields = []
     for parameter in device.run_time_parameters:

@@ -98,7 +98,7 @@ def _order_code_xml(device: Device, variant: Variant) -> str:
 
 
 def _identified_nodes(devices: Sequence[Device]) -> tuple[list[Node], str]:
-    """Return the elements of the encoders that a master can identify, and a sentence about those without a device ID.
+    """Return the elements of the encoders that a master can identify, and a sentence about encoders without an ID.
 
     The sentence is empty if all have one. Families without single cycle data are left out of both.
     """
@@ -163,7 +163,7 @@ def _encoder_name(variant: Variant, answers: Iterable[Answer]) -> str:
 def _one_encoder(device: Device, variant: Variant, decided: Mapping[str, Answer]) -> Device:
     """Return the device with one order code, and with one answer to each of the decided questions.
 
-    ``decided`` has the answer to each question, by the name of the question.
+    ``decided`` contains the answer to each question, by the name of the question.
     """
     alternatives = list(device.alternatives)
     for index, alternative in enumerate(alternatives):

@@ -130,7 +130,7 @@ class SharedParts:
         self._indexes: dict[str, int] = {}
 
     def with_indexes(self, layout: Data) -> Data:
-        """Return the layout with indexes in place of its fields, checks and reports: ``{"fields": [0, 4], …}``."""
+        """Return the layout with indexes instead of its fields, checks and reports: ``{"fields": [0, 4], …}``."""
         names = [name for name in ("fields", "checks", "tells") if name in layout]
         return layout | {name: list(map(self._index_of_part, layout[name])) for name in names}
 
@@ -145,10 +145,10 @@ class SharedParts:
 
 
 def channel_data(device: Device, interface: Interface) -> Data:
-    """Return the frame with all data channels of an interface, empty if there is none. Indexes are those of its frames.
+    """Return the frame with all data channels of an interface, empty if there is none. Indexes refer to its frames.
 
-    ``order`` has the frames of the channels, ``position`` is the index in it of the one with the position, and
-    ``compared`` has the index in it and the name of each compared field.
+    ``order`` contains the frames of the channels, ``position`` is the index in it of the frame with the position, and
+    ``compared`` contains the index in it and the name of each compared field.
     """
     frame = channel_frame(interface)
     if frame is None:
@@ -166,7 +166,7 @@ def channel_data(device: Device, interface: Interface) -> Data:
 def frame_data(device: Device, interface: str, layout: Layout, reporting: Reporting | None) -> Data:
     """Return a frame with its verdict and reports (``tells``). ``reporting`` is None if it has neither.
 
-    ``usual`` has the values that fields usually have, which are evidence for the frame.
+    ``usual`` contains the values that fields usually have, which are evidence for the frame.
     """
     usual_values = usual_values_of(device, interface, layout)
     codec = codec_of(device, layout)
@@ -209,7 +209,7 @@ def register_data(device: Device, register: Register) -> Data:
         source=cite(register.source),
         place=register_at(register),
         length=register.length,
-        # The script gives the limits in numbers of the order code.
+        # The script states the limits in numbers of the order code.
         about=[PLAIN_STYLE.sentence(statement) for statement in statements if statement.label != "Limits"],
         writable=register.writable,
         default=default.hex(" ").upper() if default is not None else "",
@@ -325,7 +325,7 @@ def _without_empty_end(*row: Any) -> list[Any]:
 def _documented_value(field: Field) -> Any:
     """Return the documented value of a field: a string, or a number or expression in a list such as ``[27]``, or None.
 
-    A 0 of its own would be left out as empty, unlike ``[0]``.
+    A plain 0 would be left out as empty, unlike ``[0]``.
     """
     value = field.equals
     if value is None or isinstance(value, str):
@@ -337,7 +337,7 @@ def _documented_value(field: Field) -> Any:
 def _encoding_data(value: object) -> Data:
     """Return the data for encoding a field that users do not provide, empty for a field that they do provide.
 
-    ``value`` is that of the field's term. A CRC has no term.
+    ``value`` is the value of the field's term. A CRC has no term.
     """
     match value:
         case Fixed(constant):
@@ -355,7 +355,7 @@ def _encoding_data(value: object) -> Data:
 def _check_message(layout: Layout, check: Check) -> Data:
     """Return the message of a check that fails: ``says`` selects it. The other members fill it in.
 
-    ``always`` is 1 if the bits have one valid value in every such frame, so that they tell it from other frames.
+    ``always`` is 1 if the bits have one valid value in every such frame, so that they distinguish it from other frames.
     """
     field_name = check.field.name
     always = False

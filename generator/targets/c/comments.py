@@ -139,7 +139,7 @@ def call_in_lines(parts: Sequence[str], indent: int) -> str:
 
 def literals(text: object, indent: int) -> str:
     """Return text as a string literal, or as several literals on separate lines if it is too long."""
-    # 4 characters are the quotes, the space at the end of a literal, and what follows the last one.
+    # 4 characters are the quotes, the space at the end of a literal, and the character after the last literal.
     lines = textwrap.wrap(ascii_text(text), COLUMNS - indent - 4, break_long_words=False, break_on_hyphens=False)
     *other_lines, last_line = lines or [""]
     literals_of_lines = [string(f"{line} ") for line in other_lines]
@@ -148,7 +148,7 @@ def literals(text: object, indent: int) -> str:
 
 
 def mark_for_doxygen(text: str) -> str:
-    """Mark the comments of a header for Doxygen: those above a declaration, and those after one.
+    """Mark the comments of a header for Doxygen: comments above a declaration, and comments after one.
 
     A comment that becomes too long for the end of its line moves above it.
     """
@@ -160,7 +160,7 @@ def mark_for_doxygen(text: str) -> str:
         if in_body:
             lines.append(line)
         elif line == "/*" and not lines:
-            # The first comment is that on the file.
+            # The first comment describes the file.
             lines.append("/** @file")
         else:
             lines += _mark_for_doxygen(line)
@@ -215,7 +215,8 @@ def break_lines(text: str) -> str:
 def _broken_lines(line: str, *, continues_previous: bool) -> Iterator[str]:
     """Yield a long line of code as several, with the comment at its end, as in ``x = y; /* why */``, above them.
 
-    No line that is only a comment comes here. The head of a function has its parameters on the next line.
+    Lines that are only comments are not passed to this function. The parameters of a function's head are on the next
+    line.
     """
     code, mark, note = line.rpartition(" /*") if line.endswith("*/") else (line, "", "")
     margin = " " * (len(code) - len(code.lstrip()))

@@ -102,7 +102,10 @@ def _uses_function(codec: StructCodec, function: CrcFunction) -> bool:
 
 
 def _table_entries(function: CrcFunction) -> tuple[int, ...]:
-    """Return the entries of the table of a CRC, if it has one. A folded CRC has one only for frames that are words."""
+    """Return the entries of the table of a CRC, if it has one.
+
+    A folded CRC has a table only for frames that are words.
+    """
     crc = function.crc
     if function.form is Form.TABLE:
         is_reflected = function.carrier is Carrier.BYTES and crc.refin

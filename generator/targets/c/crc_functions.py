@@ -106,7 +106,7 @@ class BitsCrc:
 
 @dataclass(frozen=True)
 class WordCrc:
-    """The function that computes the CRC of a whole word. ``function`` is the one for any number of bits."""
+    """The function that computes the CRC of a whole word. ``function`` is the function for any number of bits."""
 
     name: str
     function: str

@@ -1,4 +1,4 @@
-"""Files next to the headers: those of build systems, the page for safety reviews, and receivers with DMA."""
+"""Files next to the headers: files of build systems, the page for safety reviews, and receivers with DMA."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def _yield_frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
             for crc, bits in _crcs_and_lengths(device, interface.name, layout):
                 key = (crc.width, crc.poly, bits)
                 crcs_by_width_poly_and_bits.setdefault(key, {}).setdefault(name, crc)
-    # The undetected errors depend only on width, polynomial and length, so any CRC with these stands for all.
+    # The undetected errors depend only on width, polynomial and length, so any CRC with these represents all.
     for (_, _, bits), crcs_by_name in sorted(crcs_by_width_poly_and_bits.items()):
         first_crc = next(iter(crcs_by_name.values()))
         yield Frames(first_crc, tuple(crcs_by_name), residual_of(first_crc, bits))
@@ -84,7 +84,8 @@ def _yield_frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
 def _crcs_and_lengths(device: Device, interface: str, layout: Layout) -> Iterator[tuple[Crc, int]]:
     """Yield each CRC of a layout with each length of its frames in bits. The same pair can come several times.
 
-    The length is that of each order code and answer, and if all have a CRC, also the longest that registers can cause.
+    The length is the length for each order code and answer, and if all have a CRC, also the longest that registers can
+    cause.
     """
     if layout.always_has_crc:
         for crc in device.crcs_of(layout):
@@ -171,7 +172,7 @@ class ReceiverCode:
 
 
 def receiver_codes(examples: Iterable[ExampleCode]) -> Iterator[ReceiverCode]:
-    """Yield a program for each example over BiSS whose frame is the only one and has a verdict and a position."""
+    """Yield a program for each example over BiSS whose only frame has a verdict and a position."""
     for example in examples:
         has_verdict = example.reports is not None and bool(example.reports.verdict)
         has_position = bool(example.counts) and example.position is not None
@@ -227,7 +228,7 @@ class Package(Named):
 def package_files(
     views: Sequence[DeviceView], runtime: Iterable[str], tests: Iterable[str], render: Render
 ) -> dict[str, str]:
-    """Return the files of the package that are not those of a family nor ``tests``, by their path in the C folder."""
+    """Return the files of the package that belong to no family nor to ``tests``, by their path in the C folder."""
     examples = [example for view in views for example in example_codes(view)]
     programs: list[ExampleCode | ReceiverCode] = [*examples, *receiver_codes(examples)]
     makers = manufacturers(view.device for view in views)
@@ -339,7 +340,7 @@ class Guide:
         """The macro of the length of its frame in bits, for a receiver."""
         variant = self.example.row.variant
         frames = (frame for frame in self.example.received if frame.variant is variant)
-        # The first of its two macros has the bits, the second one the bytes.
+        # The first of its two macros takes the bits, the second takes the bytes.
         macros = self.example.view.lengths.macros_of(first_of(frames, f"frame received from {variant.code}"))
         return first_of(macros, f"macro for the length of the frames of {variant.code}").name
 
@@ -373,8 +374,8 @@ class Guide:
 def choose_guide(examples: Sequence[ExampleCode]) -> Guide | None:
     """Choose the program for the README, or None without any: from the family with the most programs.
 
-    Of these it is the one whose procedure has the most steps. The README also shows its register with the most members,
-    and the procedure unless it reads values.
+    It is the program whose procedure has the most steps. The README also shows its register with the most members, and
+    the procedure unless it reads values.
     """
     if not examples:
         return None

@@ -114,7 +114,7 @@ def _introduction_for_biss(
 ) -> Iterator[str]:
     """Yield what the rows of commands show over BiSS, or without rows, what is known about commands.
 
-    The sentence that there are no commands needs a spec of a whole manual. Without one, the encoder may have some.
+    The sentence that there are no commands needs a spec of a whole manual. Otherwise the encoder may have commands.
     """
     if has_preset:
         # The script of the site changes this sentence together with the bytes.
@@ -166,7 +166,7 @@ def _commands_missing_in_t_format(device: Device, possible_commands: Commands) -
 
 
 def _preset_registers(device: Device) -> Iterator[Register]:
-    """Yield the registers to which procedures write a position: those of their arguments ``position``."""
+    """Yield the registers to which procedures write a position: the registers of their arguments ``position``."""
     for procedure in device.procedures:
         for argument in procedure.arguments:
             if argument.name == "position":
@@ -296,7 +296,7 @@ def _has_write_step(procedure: Procedure) -> bool:
 def _command_rows(device: Device, variant: Variant, errata_at: Callable[..., str]) -> Iterator[Row]:
     """Yield rows of task and bytes to send, for procedures that write something.
 
-    Errata about a single bit are next to it. ``_command_errata`` has the others.
+    Errata about a single bit are next to it. ``_command_errata`` yields errata about several bits.
     """
     for procedure in _writing_procedures(device):
         bytes_to_write = join_filled((_step_in_bytes(device, step, variant) for step in procedure.steps), ", ")
@@ -341,7 +341,7 @@ def _step_in_bytes(device: Device, step: Step, variant: Variant) -> str:
 
 
 def _bytes_to_write(device: Device, register: Register, value: int | None, variant: Variant) -> str:
-    """Return the bytes of a value, or those of the position 0 for a preset without a value."""
+    """Return the bytes of a value, or the bytes of the position 0 for a preset without a value."""
     register_bytes = bytes_of_zero_position(device, register, variant) if value is None else register.bytes_of(value)
     if register_bytes is None:
         return "the new value"
@@ -357,7 +357,7 @@ def _bits_of_field(register: Register, name: str, variant: Variant) -> str:
 def bytes_of_zero_position(device: Device, register: Register, variant: Variant) -> bytes | None:
     """Return the bytes of a preset register for the position 0, or None if they are unknown.
 
-    Constants have their values, and numbers are 0. With any other field, the bytes are unknown. They are also None for
+    Constants keep their values, and numbers are 0. With any other field, the bytes are unknown. They are also None for
     a register that is not a preset.
     """
     if register not in _preset_registers(device):

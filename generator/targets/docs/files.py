@@ -44,8 +44,8 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return ``docs/README.md``, the pages across families, and the pages and pictures of each family.
 
     A family has the page ``docs/<device>.md``, with the pages of its master settings, verdicts and changes next to it.
-    The folder ``docs/<device>/`` has the pages of each interface and each order code, those of the hardware, the errata
-    and the manual, and the pictures.
+    The folder ``docs/<device>/`` has the pages of each interface and each order code, the pages of the hardware, the
+    errata and the manual, and the pictures.
     """
     files = licence_in("docs")
     sections: list[Section] = []
@@ -97,7 +97,7 @@ def _family_page(
     """Return the text of a page of a family. ``name`` is its path in the folder ``docs``.
 
     After rendering, errata that the text names become links, and on a page about an interface, links to places on its
-    other pages get the paths of these.
+    other pages get the paths of these pages.
     """
     values = page_values()
     page_text = _page_text(template, values, library)

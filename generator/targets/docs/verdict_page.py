@@ -116,7 +116,7 @@ def _deciding_fields(layout: Layout, judgement: Judgement) -> list[_Decider]:
     for verdict, causes in judgement.worst_first:
         deciders += [_Decider(verdict, cause.by.field, cause.conditions) for cause in causes]
     if judgement.otherwise is Verdict.UNKNOWN:
-        # A warning does not improve on an unknown position.
+        # A warning cannot improve an unknown verdict.
         not_better = (Verdict.USABLE_WITH_WARNING, Verdict.UNKNOWN)
         warning_fields = [field for field in layout.fields if verdict_of(field) in not_better]
         deciders += [_Decider(judgement.otherwise, field) for field in warning_fields]
@@ -133,7 +133,7 @@ def _deciding_fields(layout: Layout, judgement: Judgement) -> list[_Decider]:
 
 
 def _decider_row(device: Device, interface: Interface, layout: Layout, decider: _Decider, sign: Sign | None) -> Row:
-    """Return a row of deciding field, its active value, verdict, source, errata. ``sign`` is that of the field."""
+    """Return a row of deciding field, its active value, verdict, source, errata. ``sign`` is the sign of the field."""
     field = decider.field
     if sign is None:
         active_value = _active_value(device, field, decider.conditions) + _condition_on_lower_flags(field, layout)
@@ -238,7 +238,10 @@ def _layout_links(device: Device, layouts: Sequence[Layout]) -> str:
 
 
 def _errata_links(device: Device, interface: Interface, layout: Layout, field: Field, sign: Sign | None) -> str:
-    """Return links to the errata about a field and, for a flag, about its group. A sign has those of its fields."""
+    """Return links to the errata about a field and, for a flag, about its group.
+
+    A sign has the errata of its fields.
+    """
     path_of_frame = f"interfaces.{interface.name}.{layout.name}"
     spec_paths = {f"{path_of_frame}.{field.name}"}
     deciding_fields = [field]

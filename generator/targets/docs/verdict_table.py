@@ -30,7 +30,7 @@ def verdict_table(family_device: Device, device: Device, layout: Layout, variant
     """Return the head and the rows of the table. Columns without any content are left out.
 
     The rows are the causes of each verdict, then all other flags, then the verdict without any cause. ``device`` is the
-    family with the order codes of the page, and has the alarms and remedies for these only.
+    family with only the order codes of the page, and their alarms and remedies.
     """
     judgement = judgement_in_family(family_device, layout)
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {}
@@ -206,11 +206,11 @@ def _verdict_if(verdict: Verdict, causes: Sequence[VerdictCause]) -> str:
 
 
 def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
-    """Yield the conditions of a verdict. Flags with the same active level are one: ``error or fault is 1``."""
+    """Yield the conditions of a verdict. Flags with the same active level share a row: ``error or fault is 1``."""
     names_by_level: dict[str, list[str]] = {}
     for cause in causes:
         if not isinstance(cause.by, Match):
-            # deciding_bits() gives the level at which the flag is active, such as "1".
+            # deciding_bits() returns the level at which the flag is active, such as "1".
             names_by_level.setdefault(deciding_bits(cause.by.field), []).append(_cause_text(cause))
     yield from (f"{join_as_any_of(names)} is {level}" for level, names in names_by_level.items())
     for cause in causes:

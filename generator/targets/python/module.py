@@ -358,7 +358,7 @@ class Module:
         one, the first frame.
         """
         interface = section.interface.name
-        # A word does not show which frame it is. Without a request, it is taken as the position.
+        # A word does not show which frame it is. Without a request, it is interpreted as the position.
         position_coders = [coder for coder in replies if self.device.sends_position(interface, coder.layout)]
         coder = position_coders[0] if position_coders else replies[0]
         for dispatcher in section.dispatchers:
