@@ -3369,9 +3369,9 @@
   globalThis.codewheelDecode = {
     table: TABLE, FrameText, Refusal, bytesFor, bytesIn, bytesOfNumber, checked, decodeBits, decodeBytes, decodeFrame,
     addField, anotherHelps, builtLine, canCrcContradict, deadLine, decodeRegister, explained, findCode,
-    findDisturbedBits, formOf,
-    highestNumber, inferred, judgedTogether, linesOf, lineFamily, missingPart, notOfAnyCode, numberIn, numbersRead,
-    otherFrames, otherPositions, ownRequest, parsedLine, placedFor, quantityOf, readLabel, UnknownCode,
+    findDisturbedBits, formOf, highestNumber, inferred, judgedTogether, linesOf, lineFamily, missingPart,
+    notOfAnyCode, numberIn, numbersRead, otherFrames, otherPositions, ownRequest, parsedLine, placedFor, quantityOf,
+    readLabel, UnknownCode,
   };
   if (typeof document === "undefined") return;
 
