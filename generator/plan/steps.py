@@ -262,9 +262,8 @@ def _with_taught_parameters(device: Device, operations: Sequence[Operation]) -> 
     """Yield the operations. Writes of an argument to a whole register get ``determines_limits``, see ``Writes``."""
     for index, operation in enumerate(operations):
         if isinstance(operation, Writes) and operation.field is None and not isinstance(operation.value, FixedNumber):
-            later_operations = operations[index + 1 :]
-            taught_parameters = _taught_parameters(device, operation, later_operations)
-            yield replace(operation, determines_limits=tuple(taught_parameters))
+            taught_parameters = tuple(_taught_parameters(device, operation, operations[index + 1 :]))
+            yield replace(operation, determines_limits=taught_parameters)
         else:
             yield operation
 
@@ -274,7 +273,8 @@ def _taught_parameters(device: Device, write: Writes, later_operations: Sequence
     limiting_names: set[str] = set()
     for operation in later_operations:
         if isinstance(operation, Writes):
-            for limit in (operation.register.min, operation.register.max):
+            argument = _argument_of_source(operation.value)
+            for limit in device.limits(operation.register, argument.meant_as if argument is not None else ""):
                 limiting_names.update(limit.parameters if limit is not None else ())
     for parameter in device.run_time_parameters:
         if parameter.register == write.register.name and parameter.name in limiting_names:
