@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..language.files import top_keys
-from ..language.problems import Report
-from ..loading.evidence import history_beside, history_text, read_history, with_release
+from ..loading.evidence import history_beside, history_text, with_release
 from ..loading.overlays import Family
 from ..model import Release, ReleasedChange
 from ..say.markdown import code as in_code
@@ -335,11 +334,9 @@ def files_of_release(findings: DiffResult, families: Sequence[Family]) -> Iterat
         for family in changed_families:
             families_by_spec.setdefault(family.document.file, []).append(family)
         for file, families_of_spec in families_by_spec.items():
-            spec = Path(file)
-            # A device with overlays has no releases. A history with problems was reported when the spec was read.
-            releases = read_history(spec, Report())
             release = _release_of(families_of_spec, package, findings)
-            yield history_beside(spec), history_text(with_release(releases, release))
+            earlier_releases = families_of_spec[0].device.releases
+            yield history_beside(Path(file)), history_text(with_release(earlier_releases, release))
 
 
 def _files_of_manufacturer(families: Iterable[Family]) -> set[str]:

@@ -212,6 +212,10 @@ def test_a_family_with_an_overlay_is_recorded(tmp_path: Path, applies_to: str) -
     assert main(["diff", str(old), str(new), "--record"]) == 1
     assert 'version: "2.0.0"' in (new / "manufacturer.yaml").read_text(encoding="utf-8")
     assert (new / "mine.yaml").read_text(encoding="utf-8").count("version") == 0
+    devices, _ = load_library([new])
+    assert [[release.version for release in device.releases] for device in devices] == len(devices) * [
+        ["2.0.0", "1.4.2"]
+    ]
     release, earlier_release = json.loads(history.read_text(encoding="utf-8"))["releases"]
     assert earlier_release == earlier
     assert release["changes"] == RECORDED["releases"][0]["changes"]
