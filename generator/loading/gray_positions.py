@@ -102,7 +102,7 @@ def _problem_of_counts(layout: Layout, measurement: Measurement, variants: Seque
         # 9 bits, (512 - 360) / 2 = 76.
         excess = ((1 << bits) - counts) // 2
         stated = layout.gray_excess.value(variant.parameters) if layout.gray_excess is not None else 0
-        is_odd = counts & 1 == 1
+        is_odd = counts > 1 and counts & 1 == 1
         # Counts below 1 are reported elsewhere. With an even number and the right excess, nothing is wrong.
         if counts < 1 or (stated == excess and not is_odd):
             continue
