@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import functools
 import gc
 import importlib
 import json
@@ -12,6 +13,7 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import deepcopy
+from itertools import chain
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -102,7 +104,7 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 @pytest.fixture(scope="session", autouse=True)
 def _specs_read_once() -> Iterator[None]:
     """Commands and tests of one process read the specs of this repository only once. Others are read each time."""
-    families, masters = _once(loading.load_families), _once(sheet.load_masters)
+    families, masters = _once(loading.load_families, _spec_files), _once(sheet.load_masters, tuple)
     with pytest.MonkeyPatch.context() as patch:
         for module in (loading, outputs, checked_specs):
             patch.setattr(module, "load_families", families)
@@ -131,13 +133,27 @@ def _tools_are_tried_once(pytestconfig: pytest.Config, tmp_path_factory: pytest.
     working_tools.results = (base_folder.parent if hasattr(pytestconfig, "workerinput") else base_folder) / "tools"
 
 
-def _once(read: Callable[..., Any]) -> Callable[..., Any]:
+def _spec_files(paths: Sequence[Path]) -> tuple[Path, ...]:
+    """Return the files of folders, so that ``specs`` is the same as all folders in it. Masters are no families."""
+    return tuple(chain.from_iterable(_files_in(path.resolve()) for path in paths))
+
+
+@functools.cache
+def _files_in(path: Path) -> tuple[Path, ...]:
+    if path.is_file():
+        return (path,)
+    return tuple(file for file in sorted(path.rglob("*.yaml")) if file.parent.name != "masters")
+
+
+def _once(read: Callable[..., Any], files_of: Callable[[Sequence[Path]], tuple[Path, ...]]) -> Callable[..., Any]:
     results: dict[Any, Any] = {}
 
     def once(*arguments: Any, **options: Any) -> Any:
         first = arguments[0] if arguments else None
         paths: Sequence[Path] = first or ()
-        key = (first is None, tuple(paths), None if all(path.is_absolute() for path in paths) else Path.cwd())
+        # Messages have paths as they were given.
+        is_absolute = all(path.is_absolute() for path in paths)
+        key = (first is None, files_of(paths)) if is_absolute else (first is None, tuple(paths), Path.cwd())
         if not all(_OURS & {*path.resolve().parents, path.resolve()} for path in paths):
             return read(*arguments, **options)
         if key not in results:
