@@ -28,6 +28,7 @@ from codewheel.masters import sheet
 from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.docs.files import generate as generate_docs
+from codewheel.virtual import find_order_code
 from hostile_texts import spoilt
 from hypothesis import HealthCheck, settings
 
@@ -104,9 +105,9 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 @pytest.fixture(scope="session", autouse=True)
 def _specs_read_once() -> Iterator[None]:
     """Commands and tests of one process read the specs of this repository only once. Others are read each time."""
-    families, masters = _once(loading.load_families, _spec_files), _once(sheet.load_masters, tuple)
+    families, masters = _once(loading.load_families, _spec_files), _once(sheet.load_masters, _as_given)
     with pytest.MonkeyPatch.context() as patch:
-        for module in (loading, outputs, checked_specs):
+        for module in (loading, outputs, checked_specs, find_order_code):
             patch.setattr(module, "load_families", families)
         patch.setattr(sheet, "load_masters", masters)
         yield
@@ -133,9 +134,14 @@ def _tools_are_tried_once(pytestconfig: pytest.Config, tmp_path_factory: pytest.
     working_tools.results = (base_folder.parent if hasattr(pytestconfig, "workerinput") else base_folder) / "tools"
 
 
-def _spec_files(paths: Sequence[Path]) -> tuple[Path, ...]:
+def _as_given(paths: Sequence[Path] | None) -> tuple[Path, ...]:
+    return tuple(paths or ())
+
+
+def _spec_files(paths: Sequence[Path] | None) -> tuple[Path, ...]:
     """Return the files of folders, so that ``specs`` is the same as all folders in it. Masters are no families."""
-    return tuple(chain.from_iterable(_files_in(path.resolve()) for path in paths))
+    all_paths = loading.packaged_families() if paths is None else paths
+    return tuple(chain.from_iterable(_files_in(path.resolve()) for path in all_paths))
 
 
 @functools.cache
@@ -145,17 +151,18 @@ def _files_in(path: Path) -> tuple[Path, ...]:
     return tuple(file for file in sorted(path.rglob("*.yaml")) if file.parent.name != "masters")
 
 
-def _once(read: Callable[..., Any], files_of: Callable[[Sequence[Path]], tuple[Path, ...]]) -> Callable[..., Any]:
+def _once(
+    read: Callable[..., Any], files_of: Callable[[Sequence[Path] | None], tuple[Path, ...]]
+) -> Callable[..., Any]:
     results: dict[Any, Any] = {}
 
     def once(*arguments: Any, **options: Any) -> Any:
-        first = arguments[0] if arguments else None
-        paths: Sequence[Path] = first or ()
-        # Messages have paths as they were given.
-        is_absolute = all(path.is_absolute() for path in paths)
-        key = (first is None, files_of(paths)) if is_absolute else (first is None, tuple(paths), Path.cwd())
-        if not all(_OURS & {*path.resolve().parents, path.resolve()} for path in paths):
+        paths: Sequence[Path] | None = arguments[0] if arguments else None
+        if not all(_OURS & {*path.resolve().parents, path.resolve()} for path in paths or ()):
             return read(*arguments, **options)
+        # Messages have relative paths as they were given.
+        is_absolute = all(path.is_absolute() for path in paths or ())
+        key = files_of(paths) if is_absolute else (*files_of(paths), Path.cwd(), *(paths or ()))
         if key not in results:
             results[key] = read(*arguments[:1])
         families, report = results[key]
