@@ -18,8 +18,7 @@ from ..language.written_layouts import WrittenField
 from ..language.written_parts import WrittenSpec
 from ..model import Biss, Crc, Device, Fault, PlacedField, Register, RegisterExample, Variant, number_to_bytes
 from ..reference import codec
-from .alike_connections import compare_connectors
-from .alike_facts import compare_facts
+from .alike_facts import compare_connectors, compare_facts
 from .from_mapping import Raw
 
 #: Shared facts of registers and CRCs with one name, with the format of numbers in messages.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 
 import pytest
@@ -42,13 +43,20 @@ def test_the_page_has_a_row_for_each_word() -> None:
     assert [*rows_of_page()] == [word.name for word in WORDS], "make words-page"
 
 
-@pytest.mark.parametrize("name", TEXTS)
-def test_the_page_names_the_encoders_whose_specs_contain_the_text_of_a_word(name: str) -> None:
-    families = []
+@functools.cache
+def spec_texts() -> dict[str, str]:
+    """Return the texts of the specs without comments, by the name of the family."""
+    texts = {}
     for path in sorted(ROOT.glob("specs/*/*.yaml")):
         text = re.sub(r"(^| )#.*", "", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
         device = re.search(r"^device: (\w+)", text, re.MULTILINE)
-        if device is not None and ".second" not in path.name and re.search(TEXTS[name], text, re.MULTILINE):
-            families.append(device[1])
+        if device is not None and ".second" not in path.name:
+            texts[device[1]] = text
+    return texts
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_the_page_names_the_encoders_whose_specs_contain_the_text_of_a_word(name: str) -> None:
+    families = [family for family, text in spec_texts().items() if re.search(TEXTS[name], text, re.MULTILINE)]
     (cell,) = [cell for word, cell in rows_of_page().items() if word.startswith(name)]
     assert cell == encoders_cell(families), "make words-page"
