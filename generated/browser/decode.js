@@ -19,6 +19,10 @@
   const extractBits = (number, low, width) => (number >> BigInt(low)) & ones(width);
   /** Return a number in hex, with 0x and leading zeros up to ``digits``. */
   const hex = (number, digits = 1) => "0x" + number.toString(16).padStart(digits, "0");
+  /** Return the digits of a number in hex, in capitals. */
+  const hexDigits = (number) => number.toString(16).toUpperCase();
+  /** Return bytes as text: two hex digits each, with spaces. */
+  const formatBytes = (bytes) => bytes.map((byte) => hexDigits(byte).padStart(2, "0")).join(" ");
   /** Return a count with its noun in the singular or plural. */
   const countWithNoun = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
   /** Fill the values into a template, at {0}, {1} and so on. */
@@ -162,7 +166,7 @@
     const crcFieldName = fields.find(({ field }) => field.crc)?.name;
     return {
       family, layout, parameters, fields, name: layout.name, bits: evaluate(layout.bits),
-      crc: layout.crcs ? layout.crcs[crcFieldName] : layout.crc,
+      crc: family.crcs?.[layout.crcs ? layout.crcs[crcFieldName] : layout.crc],
       gray: placeGray(layout.gray, parameters),
       joins: (layout.joins ?? []).map((join) => placeJoin(join, fields, parameters)),
       checks: sharedParts(layout.checks).map((check) => placeCheck(check, parameters))
@@ -218,7 +222,7 @@
     decoded.crc = checkCrc(placedLayout, number);
     if (decoded.crc && decoded.crc.received !== decoded.crc.computed) {
       const message = messageFor("crc", hex(decoded.crc.received, 2), hex(decoded.crc.computed, 2));
-      decoded.problems.push({ fault: "crc", field: decoded.crc.field, message: message });
+      decoded.problems.push({ fault: "crc", field: decoded.crc.field, message });
     }
     decoded.problems.push(...placedLayout.checks.flatMap((placedCheck) => findProblems(placedCheck, number, binary)));
     const rankOf = (problem) => TABLE.faults.indexOf(problem.fault);
@@ -336,17 +340,23 @@
 
   /** Return the received CRC and the computed one, or null if the layout lacks a CRC. */
   function checkCrc(placedLayout, number) {
-    if (!placedLayout.crc) return null;
-    const crc = placedLayout.family.crcs[placedLayout.crc];
+    const { crc } = placedLayout;
+    if (!crc) return null;
     const field = findCrcField(placedLayout);
     const received = extractBits(number, field.low, field.width);
     return { crc, field: field.name, received, computed: computeCrc(crc, placedLayout, number) };
   }
 
+  /** Return the lowest bit that the CRC of a frame covers, and the number of these bits. */
+  function placeOfCoveredBits(placedLayout) {
+    const { width } = findCrcField(placedLayout);
+    return placedLayout.layout.crc_of ?? [width, placedLayout.bits - width];
+  }
+
   /** Compute the CRC with these parameters over the bits of a frame that its CRC covers. */
   function computeCrc(crc, placedLayout, number) {
     const { width } = findCrcField(placedLayout);
-    const [low, bitCount] = placedLayout.layout.crc_of ?? [width, placedLayout.bits - width];
+    const [low, bitCount] = placeOfCoveredBits(placedLayout);
     if (!placedLayout.layout.order || width % 8) return crcOfBits(crc, number >> BigInt(low), bitCount);
     return crcOfBytes(crc, bytesOf(placedLayout.layout.order, number, placedLayout.bits / 8).slice(0, -width / 8));
   }
@@ -378,7 +388,7 @@
       case "no_value":
         return messageFor(messageName, field, hex(checkedNumber));
       case "of_other_frame":
-        return messageFor(messageName, field, checkedNumber.toString(16).toUpperCase());
+        return messageFor(messageName, field, hexDigits(checkedNumber));
       case "too_high":
         return messageFor(messageName, field, checkedNumber, limit);
       case "outside":
@@ -487,8 +497,7 @@
       number |= computeParity(number, coveredFields, placedField.field) << BigInt(placedField.low);
     });
     if (placedLayout.crc) {
-      const crc = placedLayout.family.crcs[placedLayout.crc];
-      number |= computeCrc(crc, placedLayout, number) << BigInt(findCrcField(placedLayout).low);
+      number |= computeCrc(placedLayout.crc, placedLayout, number) << BigInt(findCrcField(placedLayout).low);
     }
     for (const problem of decode(placedLayout, number).problems) throw new Refusal(problem.message);
     return number;
@@ -503,7 +512,7 @@
     if ("fixed" in field) return toBigInt(field.fixed) & ones(width);
     if (!isEnteredByUser(placedField)) return toBigInt(field.unused) & ones(width);
     const wantedValue = values[field.name];
-    if (field.kind === "flag" || field.kind === "not_flag") return BigInt(wantedValue === (field.kind === "flag"));
+    if (isFlag(field)) return BigInt(wantedValue === (field.kind === "flag"));
     if (field.kind === "text") return encodeText(placedField, wantedValue);
     const raw = field.zero_means && wantedValue === toBigInt(field.zero_means) ? 0n : BigInt.asUintN(width, wantedValue);
     if (interpretRaw({
@@ -565,9 +574,6 @@
     refuseOutsideLimits(placedLayout, number, limits);
     return formatBytes(bytesOf(placedLayout.layout.order, number, placedLayout.layout.length));
   }
-
-  /** Return bytes as text: two hex digits each, with spaces. */
-  const formatBytes = (bytes) => bytes.map((byte) => byte.toString(16).toUpperCase().padStart(2, "0")).join(" ");
 
   /**
    * Decode the frame in a text with all data channels. Return null if it is a single channel.
@@ -2014,7 +2020,7 @@
       const areBytes = pieces.length > 1 && longest >= 3 && longest <= 8;
       const cannotBeHex = lengths.some((length) => length % 2) || lengths.every((length) => length === 8);
       return areBytes && cannotBeHex
-        ? pieces.map((piece) => parseInt(piece, 2).toString(16).toUpperCase().padStart(2, "0")) : pieces;
+        ? pieces.map((piece) => formatBytes([parseInt(piece, 2)])) : pieces;
     }
     return longest === 2 && !hasLeadingZero(pieces) ? pieces.map((piece) => piece.padStart(2, "0")) : pieces;
   }
@@ -2063,7 +2069,7 @@
     }
     const isLongNumber = pieces.length === 1 && /^[1-9][0-9]{0,19}$/.test(compactText);
     const remedies = meanings.length || !isLongNumber ? meanings
-      : [messageFor("if_decimal", `0x${BigInt(compactText).toString(16).toUpperCase()}`), messageFor("if_hex", compactText)];
+      : [messageFor("if_decimal", `0x${hexDigits(BigInt(compactText))}`), messageFor("if_hex", compactText)];
     const remedy = remedies.length ? messageFor("write_one_of", remedies.join(", ")) : messageFor("write_number", bitCount);
     const spellings = remedies.map((remedyText) => remedyText.split(" ")[0]);
     throw new FrameText(messageFor("no_bits", quoteText(text), bitCount, remedy), spellings);
@@ -2086,7 +2092,7 @@
     const isDecimal = /^(0|[1-9][0-9]{0,39})$/.test(digits) && fits(BigInt(digits));
     const isHexadecimal = /^[0-9a-f]{1,40}$/i.test(digits) && fits(BigInt(`0x${digits}`));
     return [
-      ...(isDecimal ? [messageFor("if_decimal", `0x${BigInt(digits).toString(16).toUpperCase()}`)] : []),
+      ...(isDecimal ? [messageFor("if_decimal", `0x${hexDigits(BigInt(digits))}`)] : []),
       ...(isHexadecimal ? [messageFor("if_hex", digits)] : []),
       ...(/^[01]{1,160}$/.test(digits) ? [messageFor("if_bits", digits)] : []),
     ];
@@ -2159,14 +2165,20 @@
     };
   }
 
+  /** Return the layouts of a sender such as "encoder", or only the one with the name in "encoder:NAME". */
+  function layoutsOf(interface_, senderAndName) {
+    const [sender, layoutName] = senderAndName.split(":");
+    return interface_.frames.filter(
+      (layout) => layout.sender === sender && (!layoutName || layout.name === layoutName));
+  }
+
   /**
    * Decode the frame in a text. ``orderCode`` is {code, family, interface, parameters}. ``senderAndName`` is "encoder" or
    * "master", with a colon and the name of the frame where that is needed.
    */
   function decodeFrame(orderCode, senderAndName, text, registerContents, answers) {
     const [sender, layoutName] = senderAndName.split(":");
-    const layouts = orderCode.interface.frames.filter(
-      (layout) => layout.sender === sender && (!layoutName || layout.name === layoutName));
+    const layouts = layoutsOf(orderCode.interface, senderAndName);
     if (!layouts.length) {
       throw new FrameText(`the spec does not describe a frame from the ${sender} over ${orderCode.interface.title}`);
     }
@@ -2198,11 +2210,9 @@
 
   /** Return the placed layouts of the other frames that a text can be, if the frame lacks a selector. */
   function otherFrames(orderCode, sender, text, decoded, registerContents, answers) {
-    const { frames, told: selectors = [] } = orderCode.interface;
-    const hasSelector = selectors.some((selector) => selector.sender === sender);
-    if (!decoded.placedLayout || hasSelector) return [];
+    if (!decoded.placedLayout || findSelector(orderCode.interface, sender)) return [];
     const hasOtherLength = decoded.problems.some((problem) => problem.fault === "length");
-    return frames.filter((layout) => layout.sender === sender && layout !== decoded.placedLayout.layout
+    return layoutsOf(orderCode.interface, sender).filter((layout) => layout !== decoded.placedLayout.layout
       && !layout.order === !decoded.placedLayout.layout.order
       && !layout.asks?.some((question) => !(question in answers))).flatMap((layout) => {
       try {
@@ -2228,10 +2238,13 @@
     };
   }
 
+  /** Return the selector that identifies the frames of a sender, if they have one. */
+  const findSelector = (interface_, sender) => interface_.told?.find((selector) => selector.sender === sender);
+
   /** Return {layout} of the frame that the selector in these bytes identifies, or else a result with the problem. */
   function identifyLayout(interface_, sender, bytes) {
-    const selector = (interface_.told ?? []).find((candidate) => candidate.sender === sender);
-    if (!selector) return { layout: interface_.frames.find((layout) => layout.sender === sender) };
+    const selector = findSelector(interface_, sender);
+    if (!selector) return { layout: layoutsOf(interface_, sender)[0] };
     const fallbackLayout = interface_.frames[selector.fallback];
     if (bytes.length < selector.needs) {
       const message = messageFor("too_few_bytes", countWithNoun(bytes.length, "byte"));
@@ -2244,11 +2257,10 @@
     if (selectorRow || fallbackLayout) return {
       layout: selectorRow ? interface_.frames[selectorRow[0]] : fallbackLayout,
     };
-    const formatUpper = (number) => number.toString(16).toUpperCase();
     const allowedValues = selector.frames.flatMap(([, ...selectorValues]) => selectorValues)
-      .sort((first, second) => first - second).map(formatUpper);
+      .sort((first, second) => first - second).map(hexDigits);
     return makeFailedFrame("range", selector.selector,
-      messageFor("no_frame", selector.selector, formatUpper(selectorValue), allowedValues.join(", ")));
+      messageFor("no_frame", selector.selector, hexDigits(selectorValue), allowedValues.join(", ")));
   }
 
   /** Return the result of a frame whose layout is open, with its problem. */
@@ -2344,7 +2356,7 @@
     if (!placedLayout.crc) return findDisturbedConstants(placedLayout, number, receivedBytes);
     if (!problems.some((problem) => problem.fault === "crc")) return [];
     const { low, width } = findCrcField(placedLayout);
-    const crc = placedLayout.family.crcs[placedLayout.crc];
+    const { crc } = placedLayout;
     const isValid = (frameNumber) => computeCrc(crc, placedLayout, frameNumber) === extractBits(frameNumber, low, width)
       && hasRightConstants(placedLayout, frameNumber);
     return listNumbersBelow(placedLayout.bits).filter((bit) => isValid(number ^ (ONE << BigInt(bit))));
@@ -2388,7 +2400,7 @@
 
   /** Return the explanations of a frame of bits, {merged, all}. */
   function explainBits({ placedLayout, typedFrame, problems }, isWithPairs) {
-    const crc = placedLayout.crc && placedLayout.family.crcs[placedLayout.crc];
+    const { crc } = placedLayout;
     if (!crc) {
       return explainWithoutCrc([
         ...tryMovedFrames(placedLayout, null, typedFrame), ...tryRearrangedFrames(placedLayout, null, typedFrame)]);
@@ -2410,7 +2422,7 @@
 
   /** Return whether a CRC can contradict the frame: its own one or, for bytes, that of any frame from the sender. */
   const canCrcContradict = ({ placedLayout, receivedBytes, interface: interface_, sender }) => (
-    receivedBytes ? interface_.frames.some((layout) => layout.order && layout.sender === sender && layout.crc)
+    receivedBytes ? layoutsOf(interface_, sender).some((layout) => layout.order && layout.crc)
       : Boolean(placedLayout?.crc));
 
   /** Return the part that a recording without a complete frame lacks, or the bytes that a shorter text lacks, or "". */
@@ -2423,7 +2435,7 @@
     }
     const hasWrongLength = problems.some((problem) => problem.fault === "length");
     if (!hasWrongLength || mayHaveBits(typedFrame, placedLayout.bits)) return "";
-    const crc = placedLayout.crc && placedLayout.family.crcs[placedLayout.crc];
+    const { crc } = placedLayout;
     const isSignificant = (hypothesis) => !crc || (isSignificantWithCrc(hypothesis) && !isIdleLine(hypothesis));
     const isFoundByRule = (hypothesis) => (
       hypothesis.kind !== TABLE.inside[0] && fitsFrame(hypothesis) && isSignificant(hypothesis));
@@ -2685,8 +2697,7 @@
 
   /** Return the bits that the CRC covers, shifted to bit 0, and how many they are. */
   function coveredBitsOf(placedLayout, number) {
-    const { width } = findCrcField(placedLayout);
-    const [low, bitCount] = placedLayout.layout.crc_of ?? [width, placedLayout.bits - width];
+    const [low, bitCount] = placeOfCoveredBits(placedLayout);
     return { coveredData: extractBits(number, low, bitCount), coveredBits: bitCount };
   }
 
@@ -2711,7 +2722,7 @@
   ) {
     if (!crc) {
       return createHypothesis({
-        kind, text, placedLayout, number: frameNumber, missingLowBits: missingLowBits, coveredData: frameNumber,
+        kind, text, placedLayout, number: frameNumber, missingLowBits, coveredData: frameNumber,
         coveredBits: placedLayout.bits, likelihood: computeLikelihood(placedLayout, frameNumber),
         otherBitsRequired: otherBitsRequired + Math.max(countConstantBits(placedLayout) - missingLowBits, 0),
         isConsistent: isConsistent && hasRightConstants(placedLayout, frameNumber), ...otherMembers,
@@ -2774,22 +2785,23 @@
       ...startBitRules.map(coverStartBits)];
   }
 
-  /** Return the bits of error and warning in a frame, set to 1. */
-  const statusMaskOf = (placedLayout) => placedLayout.fields.filter(isStatusField)
-    .reduce((mask, { low, width }) => mask | (ones(width) << BigInt(low)), 0n);
+  /** Return the bits of fields in a frame, set to 1. */
+  const maskOf = (placedFields) => (
+    placedFields.reduce((mask, { low, width }) => mask | (ones(width) << BigInt(low)), 0n));
 
   /** The CRC does not cover error and warning, or they were inverted. */
   function tryOtherStatus(placedLayout, asSent, number, withMistake) {
-    const statusMask = statusMaskOf(placedLayout);
+    const statusFields = placedLayout.fields.filter(isStatusField);
+    const statusMask = maskOf(statusFields);
     if (!statusMask) return [];
     const crcWidth = BigInt(asSent.crcBitsReceived);
-    const remainingBits = [...Array(asSent.coveredBits).keys()].reverse()
+    const remainingBits = listNumbersBelow(asSent.coveredBits).reverse()
       .filter((bit) => !extractBits(statusMask >> crcWidth, bit, 1));
     const remainingData = remainingBits.reduce((sum, bit) => (sum << ONE) | extractBits(asSent.coveredData, bit, 1), 0n);
     const leftOut = withMistake("status_left_out", TABLE.texts.status_left_out, {
       coveredData: remainingData, coveredBits: remainingBits.length });
     // Only bits that are 1 while they are inactive can be converted to active high.
-    const hasActiveLow = placedLayout.fields.filter(isStatusField).some(({ field }) => field.kind !== "flag");
+    const hasActiveLow = statusFields.some(({ field }) => field.kind !== "flag");
     return hasActiveLow ? [leftOut, withMistake("status_turned", TABLE.texts.status_turned, {
       coveredData: (number ^ statusMask) >> crcWidth, likelihood: computeLikelihood(placedLayout, number ^ statusMask) })]
       : [leftOut];
@@ -2857,14 +2869,13 @@
 
   /** Error and warning are missing: removed after the CRC was computed, or before. */
   function tryRemovedStatus(placedLayout, crc, typedFrame) {
-    const statusMask = statusMaskOf(placedLayout);
+    const statusFields = placedLayout.fields.filter(isStatusField);
+    const statusMask = maskOf(statusFields);
     const statusBits = countOnes(statusMask);
     const shortBits = placedLayout.bits - statusBits;
     if (!statusMask || statusMask >> BigInt(crc.width) !== ones(statusBits)
       || !mayHaveBits(typedFrame, shortBits)) return [];
-    const idleStatus = placedLayout.fields.filter((placedField) => isStatusField(placedField)
-      && (placedField.field.kind === "not_flag" || "unused" in placedField.field))
-      .reduce((mask, { low, width }) => mask | (ones(width) << BigInt(low)), 0n);
+    const idleStatus = maskOf(statusFields.filter(({ field }) => field.kind !== "flag"));
     const data = typedFrame.number >> BigInt(crc.width);
     const receivedCrc = extractBits(typedFrame.number, 0, crc.width);
     const frameNumber = (data << BigInt(crc.width + statusBits)) | idleStatus | receivedCrc;
@@ -2973,8 +2984,7 @@
   /** The bits during the command are missing, and the command is the one that the layout expects. */
   function tryLeftOutCommand(placedLayout, crc, typedFrame) {
     if (interfaceOf(placedLayout)?.name !== "spi") return [];
-    const [coveredLow, coveredBits] = crc
-      ? placedLayout.layout.crc_of ?? [crc.width, placedLayout.bits - crc.width] : [0, placedLayout.bits];
+    const [coveredLow, coveredBits] = crc ? placeOfCoveredBits(placedLayout) : [0, placedLayout.bits];
     const isDuringCommand = (placedField) => "fixed" in placedField.field || placedField.low >= coveredLow + coveredBits;
     const fields = [...placedLayout.fields].sort((placedField, otherField) => otherField.low - placedField.low);
     const dataIndex = fields.findIndex((placedField) => !isDuringCommand(placedField));
@@ -3010,9 +3020,9 @@
     // Without a CRC, there is a hypothesis for each value of the lost last bits.
     const assumedBits = crc ? 0 : missingLowBits + missingFirstBits.length;
     const members = {
-      template, missingLowBits: crc ? missingLowBits : assumedBits, otherBitsRequired: startBits.length, isConsistent: isConsistent,
+      template, missingLowBits: crc ? missingLowBits : assumedBits, otherBitsRequired: startBits.length, isConsistent,
       hasAssumedBit: assumedBits > 0 };
-    const lastBitValues = [...Array(crc ? 1 : 1 << missingLowBits).keys()].map(BigInt);
+    const lastBitValues = listNumbersBelow(crc ? 1 : 1 << missingLowBits).map(BigInt);
     const text = fillTemplate(template, missingFirstBits);
     const hypotheses = lastBitValues.map((lastBits) => (
       createFrameHypothesis(placedLayout, crc, kind, text, frameNumber | lastBits, members)));
@@ -3049,13 +3059,12 @@
   function tryMistakesInBytes(decoded) {
     const { placedLayout: expectedLayout, receivedBytes: data, orderCode, interface: interface_, sender } = decoded;
     const wholeFrames = tryWholeFrames(decoded);
-    const layouts = orderCode ? interface_.frames : [];
     // Where the manual is ambiguous, the first answer decides, as on the command line.
     const firstAnswers = Object.fromEntries(
-      (orderCode?.family.alternatives ?? []).map((alternative) => [alternative.name, alternative.answers[0][0]]));
-    const hypotheses = layouts.filter((layout) => layout.order && layout.sender === sender).flatMap((layout) => {
+      (orderCode.family.alternatives ?? []).map((alternative) => [alternative.name, alternative.answers[0][0]]));
+    const hypotheses = layoutsOf(interface_, sender).filter((layout) => layout.order).flatMap((layout) => {
       const placedLayout = placedFor(orderCode, layout, {}, firstAnswers);
-      const crc = placedLayout.crc ? placedLayout.family.crcs[placedLayout.crc] : null;
+      const { crc } = placedLayout;
       if (crc && crc.width !== 8) return [];
       const isExpected = expectedLayout?.layout === layout && 8 * data.length === placedLayout.bits;
       return [...(crc && isExpected ? tryOtherByteCrcs(placedLayout, crc, data) : []),
@@ -3108,7 +3117,7 @@
     }
     if (extraBytes === 0 || extraBytes === -1) {
       for (const byte of findPossibleFirstBytes(placedLayout)) {
-        const [text, template] = [byte.toString(16).toUpperCase().padStart(2, "0"), "{0}"]
+        const [text, template] = [formatBytes([byte]), "{0}"]
           .map((byteText) => fillTemplate(texts.byte_missing, byteText))
           .map((missingText) => (extraBytes ? missingText : fillTemplate(texts.and_follows, missingText)));
         hypotheses.push(assumeFrame("first_byte_lost", text, [byte, ...data.slice(0, byteCount - 1)], template));
@@ -3155,8 +3164,7 @@
   /** Try the bytes as whole frames of RS-485: an echo of the request, a reply after it, or several replies. */
   function tryWholeFrames({ receivedBytes, orderCode, interface: interface_, sender }) {
     const { most: mostBytes, least: leastEvidence } = TABLE.exchanges;
-    if (!orderCode || receivedBytes.length > mostBytes) return [];
-    if (interface_.name !== "rs485" || sender !== "encoder") return [];
+    if (receivedBytes.length > mostBytes || interface_.name !== "rs485" || sender !== "encoder") return [];
     const placedLayouts = interface_.frames.filter((layout) => layout.order)
       .map((layout) => placedFor(orderCode, layout));
     const frames = splitIntoFrames(placedLayouts, receivedBytes);
@@ -3228,7 +3236,7 @@
       return sum + (isUsual ? placedField.width - bitLength(BigInt(usualValues.length - 1)) : 0);
     }, 0);
     return countConstantBits(placedLayout) + usualBits
-      + (placedLayout.crc ? placedLayout.family.crcs[placedLayout.crc].width : 0);
+      + (placedLayout.crc?.width ?? 0);
   }
 
   /** Find the request of SPI that a word from the encoder equals, with the most expected bits, or undefined. */
@@ -3242,7 +3250,7 @@
     const hasDocumentedBits = (request) => request.fields.every((placedField) => !("unused" in placedField.field)
       || extractBits(number, placedField.low, placedField.width)
         === (toBigInt(placedField.field.unused) & ones(placedField.width)));
-    const requests = interface_.frames.filter((layout) => layout.sender === "master" && !layout.order)
+    const requests = layoutsOf(interface_, "master").filter((layout) => !layout.order)
       .map((layout) => placeLayout(placedLayout.family, layout, placedLayout.parameters))
       .filter((request) => request.bits === placedLayout.bits && !decode(request, number).problems.length
         && hasDocumentedBits(request))
@@ -3376,6 +3384,8 @@
   if (typeof document === "undefined") return;
 
   const CLASS = "codewheel-decode";
+  /** Class for the colour and shape of a verdict. All others are plain. */
+  const VERDICT_CLASSES = { usable: "good", usable_with_warning: "warning", not_usable: "bad" };
 
   /** An element with attributes and children, without empty ones. */
   function createElement(tag, attributes = {}, ...children) {
@@ -3389,6 +3399,8 @@
 
   /** Create an element of the class ``codewheel-decode-NAME``. */
   const createPart = (tag, name, ...children) => createElement(tag, { class: `${CLASS}-${name}` }, ...children);
+  /** Create a paragraph with a sentence. */
+  const createSentence = (text) => createElement("p", {}, toSentence(text));
   /** Create a list with an entry for each content: a text, an element, or an array of both. */
   const createList = (contents) => createElement("ul", {}, contents.map((content) => createElement("li", {}, content)));
   /** Return the text with a capital first letter. */
@@ -3436,6 +3448,10 @@
   const breakableName = (name) => (
     name.split("_").flatMap((word, index) => (index ? ["_", createElement("wbr"), word] : [word])));
 
+  /** Return the length of a frame in bytes or bits, which with all its data channels is ``bitCount``. */
+  const describeLength = ({ layout, bits }, bitCount = bits) => (
+    layout.order ? countWithNoun(bits / 8, "byte") : countWithNoun(bitCount, "bit"));
+
   /** Create the table of the decoded fields: the place, the name with its meaning, and the value with the raw number. */
   function createFieldTable(decoded) {
     const { placedLayout } = decoded;
@@ -3450,19 +3466,22 @@
         createElement("td", {}, formatWithUnit(field), rawText));
     });
     const heads = ["Place", "Field", "Value, raw"].map((text) => createElement("th", { scope: "col" }, text));
-    const lengthText = layout.order
-      ? countWithNoun(placedLayout.bits / 8, "byte") : countWithNoun(placedLayout.bits, "bit");
     return createElement("table", {},
-      createElement("caption", {}, `${layout.title}, ${lengthText}`,
+      createElement("caption", {}, `${layout.title}, ${describeLength(placedLayout)}`,
         layout.source ? createPart("span", "source", `, manual ${layout.source}`) : ""),
       createElement("thead", {}, createElement("tr", {}, heads)), createElement("tbody", {}, rows));
+  }
+
+  /** Return the decoded field with the measured number, or with its part within a turn if only that is a number. */
+  function findMeasuredField({ fields }, measure) {
+    const findNumber = (name) => fields.find((field) => field.name === name && typeof field.value === "bigint");
+    return findNumber(measure?.of) ?? findNumber(measure?.part);
   }
 
   /** The position in degrees or micrometres if it is usable, or the angle of a frame with only an angle. */
   function describeMeasurement(decoded, measure) {
     if (!measure || !decoded.verdict || decoded.verdict === "not_usable") return "";
-    const findNumber = (name) => decoded.fields.find((field) => field.name === name && typeof field.value === "bigint");
-    const position = findNumber(measure.of) ?? findNumber(measure.part);
+    const position = findMeasuredField(decoded, measure);
     if (!position) return "";
     const { parameters } = decoded.placedLayout;
     const evaluate = (expression) => (expression === undefined ? 0n : evaluateExpression(expression, parameters));
@@ -3510,11 +3529,10 @@
     const phrases = [
       ...(decoded.reports.length ? [] : [errorText]), ...(decoded.verdict ? [TABLE.worth[decoded.verdict]] : [])];
     const verdict = decoded.verdict ? [createElement("code", {}, decoded.verdict), ": "] : [];
-    const classes = { not_usable: "bad", usable_with_warning: "warning", usable: "good" };
     const [firstSentence, ...moreSentences] = phrases.map(toSentence);
     const line = phrases.length
       ? [createElement("p", {}, verdict, [firstSentence, ...moreSentences.map(capitalize)].join(" "))] : [];
-    return createPart("div", classes[decoded.verdict] ?? "plain", line);
+    return createPart("div", VERDICT_CLASSES[decoded.verdict] ?? "plain", line);
   }
 
   /** Whether a wrong frame is a valid one of another kind, whose check bits match, so it has no mistake. */
@@ -3530,7 +3548,7 @@
     const names = otherLayouts.map((placedLayout) => placedLayout.name.replaceAll("_", " ")).join(", ");
     const textName = isAnotherFrame(decoded, otherLayouts) ? "valid_other" : decoded.problems.length ? "instead" : "also";
     const otherText = messageFor(textName, names);
-    return [createElement("p", {}, `${otherText[0].toUpperCase()}${otherText.slice(1)}. Choose it above.`)];
+    return [createElement("p", {}, `${capitalize(otherText)}. Choose it above.`)];
   }
 
   /** Other readings of a position that nothing in the frame can contradict, folded, and the request that it also is. */
@@ -3539,7 +3557,7 @@
     const requestName = ownRequest(decoded);
     return [
       ...(readings ? [foldDoubt(measure, readings)] : []),
-      ...(requestName ? [createElement("p", {}, toSentence(capitalize(messageFor("own_request", requestName))))] : []),
+      ...(requestName ? [createSentence(capitalize(messageFor("own_request", requestName)))] : []),
     ];
   }
 
@@ -3547,7 +3565,7 @@
   function foldDoubt(measure, readings) {
     const [question, ...answerParts] = messageFor("looks_wrong", positionNameOf(measure), readings).split("? ");
     return createElement("details", {},
-      createElement("summary", {}, `${question}?`), createElement("p", {}, toSentence(answerParts.join("? "))));
+      createElement("summary", {}, `${question}?`), createSentence(answerParts.join("? ")));
   }
 
   /** Create the lines about the mistakes that could explain a wrong frame. */
@@ -3650,7 +3668,7 @@
   /** Create all output about a frame with several data channels: its verdict, and then each channel. */
   function createWholeResult(decoded, measure) {
     const comparisonLines = decoded.compared
-      ? [createElement("p", {}, toSentence(capitalize(decoded.compared.words)))] : [];
+      ? [createSentence(capitalize(decoded.compared.words))] : [];
     const channelLines = decoded.channels.flatMap((channel) => [
       createElement("h3", {}, capitalize(channel.placedLayout.layout.title)),
       ...createResult({ ...channel, verdict: channel.verdict && decoded.verdict }, measure, []),
@@ -3660,23 +3678,17 @@
 
   /** Create a button for each order code, which calls ``pick`` with it. */
   function createCodeButtons(codes, pick) {
-    return createPart("div", "codes", codes.map((code) => {
-      const codeButton = createElement("button", { type: "button" }, code);
-      codeButton.addEventListener("click", () => pick(code));
-      return codeButton;
-    }));
+    return createPart("div", "codes", codes.map((code) => createButton(code, () => pick(code))));
   }
 
   /** List the order codes that match the frame in a text. ``pick`` selects one of them. */
   function createGuesses(frameText, pick) {
     const groups = inferred(frameText);
-    if (!groups.length) return [createPart("div", "bad", createElement("p", {}, toSentence(notOfAnyCode(frameText))))];
+    if (!groups.length) return [createPart("div", "bad", createSentence(notOfAnyCode(frameText)))];
     const groupsWithCrc = groups.filter((group) => group.decoded.crc);
     const entries = [...groupsWithCrc, ...groups.filter((group) => !group.decoded.crc)].map((group) => {
       const { placedLayout } = group.decoded;
-      const bitCount = group.decoded.bits ?? placedLayout.bits;
-      const lengthText = placedLayout.layout.order
-        ? countWithNoun(placedLayout.bits / 8, "byte") : countWithNoun(bitCount, "bit");
+      const lengthText = describeLength(placedLayout, group.decoded.bits);
       const crcText = group.decoded.crc ? "with a correct CRC" : "without a CRC";
       const mark = group.family.mark ? ` (${group.family.mark})` : "";
       const text = (
@@ -3772,14 +3784,11 @@
     return createPart("div", "frame-drawing", row, pointedLine);
   }
 
-  const VERDICT_CLASSES = { usable: "good", usable_with_warning: "warning", not_usable: "bad" };
-
   /** Return the verdict on a row in words, with the class for its colour and shape. */
   function describeVerdict({ decoded, error }) {
     if (error) return ["not a frame", "bad"];
     if (decoded.problems.length) return [`${decoded.problems[0].fault.replace("crc", "CRC")} error`, "bad"];
-    if (!decoded.verdict) return ["no verdict", "plain"];
-    return [decoded.verdict.replace(/_/g, " "), VERDICT_CLASSES[decoded.verdict]];
+    return [(decoded.verdict ?? "no verdict").replace(/_/g, " "), VERDICT_CLASSES[decoded.verdict] ?? "plain"];
   }
 
   /** Create the mark of a verdict: its text with the colour and shape of ``verdictClass``. */
@@ -3797,9 +3806,7 @@
   /** Return the field that the position is read from, or the first number of a frame. */
   function findMainField({ decoded }, measure) {
     if (!decoded?.fields.length || decoded.problems.length) return null;
-    const findNumber = (name) => decoded.fields.find((field) => field.name === name && typeof field.value === "bigint");
-    return findNumber(measure?.of) ?? findNumber(measure?.part)
-      ?? decoded.fields.find((field) => typeof field.value === "bigint");
+    return findMeasuredField(decoded, measure) ?? decoded.fields.find((field) => typeof field.value === "bigint");
   }
 
   /** Create a table of lines, each with its frame ``decoded`` or an ``error``. ``pick`` shows one in full. */
@@ -3807,9 +3814,8 @@
     const hasTimes = rows.some((row) => row.line.time);
     const heads = ["Line", ...(hasTimes ? ["Time"] : []), "Frame", "Verdict", "Value", "Remark"];
     const bodyRows = rows.map((row) => {
-      const showButton = createElement("button", { type: "button", "aria-label": `Show line ${row.line.number} in full` },
-        `${row.line.number}`);
-      showButton.addEventListener("click", () => pick(row));
+      const { number } = row.line;
+      const showButton = createButton(`${number}`, () => pick(row), `Show line ${number} in full`);
       const mainField = findMainField(row, measure);
       const valueTexts = mainField ? [`${mainField.name} ${formatWithUnit(mainField)}`] : [];
       const angleText = mainField ? describeMeasurement(row.decoded, measure).replace(/^\w+: /, "") : "";
@@ -3863,7 +3869,7 @@
       "together", `${mistakes[0].frames}`, `${Math.min(wrongFrames.length, TABLE.likely.frames)}`);
     const mistakeTexts = mistakes.map(
       ({ text, oneIn }) => (oneIn > ONE ? `${text} (matches by chance in 1 of ${oneIn})` : text));
-    const shiftLines = mistakes[0].hidesShift ? [createElement("p", {}, toSentence(messageFor("hidden_shift")))] : [];
+    const shiftLines = mistakes[0].hidesShift ? [createSentence(messageFor("hidden_shift"))] : [];
     return [createElement("p", {}, `${introduction}:`), createList(mistakeTexts), ...shiftLines];
   }
 
@@ -3881,20 +3887,18 @@
       (text) => `${readingsOfFrames.map((positionByText) => positionByText.get(text)).join(" ")} ${text}`).join(", ");
     return [
       ...(deadLineTexts.size === 1 && !deadLineTexts.has("") ? [createElement("p", {}, [...deadLineTexts][0])] : []),
-      ...(isOwnRequest ? [createElement("p", {}, toSentence(capitalize(requestsText)))] : []),
+      ...(isOwnRequest ? [createSentence(capitalize(requestsText))] : []),
       ...(readingsText ? [foldDoubt(measure, readingsText)] : []),
     ];
   }
 
   /** Create buttons that copy and download the lines as CSV. */
   function createExportButtons(rows) {
-    const copyButton = createElement("button", { type: "button" }, "Copy as CSV");
-    copyButton.addEventListener("click", () => {
+    const copyButton = createButton("Copy as CSV", () => {
       navigator.clipboard.writeText(writeCsv(rows)).then(() => { copyButton.textContent = "Copied"; },
         () => { copyButton.textContent = "The browser did not allow it"; });
     });
-    const downloadButton = createElement("button", { type: "button" }, "Download CSV");
-    downloadButton.addEventListener("click", () => {
+    const downloadButton = createButton("Download CSV", () => {
       const url = URL.createObjectURL(new Blob([writeCsv(rows)], { type: "text/csv" }));
       createElement("a", { href: url, download: "frames.csv" }).click();
       setTimeout(() => URL.revokeObjectURL(url), 1000);
@@ -3950,12 +3954,10 @@
 
   /** Create the button that enters the default bytes of a register. */
   function createDefaultButton(register, frameInput, showResult) {
-    const button = createElement("button", { type: "button" }, `Default: ${register.default}`);
-    button.addEventListener("click", () => {
+    return createButton(`Default: ${register.default}`, () => {
       frameInput.value = register.default;
       showResult();
     });
-    return button;
   }
 
   /** Return the limits of a register in numbers, or an empty string if it has neither. */
@@ -3977,7 +3979,7 @@
   function createFieldInput({ field, name, width }) {
     const hint = [field.meaning, field.unit].filter(Boolean).join(", ") || countWithNoun(width, "bit");
     const inputOf = (input, read, write) => ({ name, input, read, write, label: createLabelledInput(name, input, hint) });
-    if (field.kind === "flag" || field.kind === "not_flag") {
+    if (isFlag(field)) {
       const input = createElement("input", { type: "checkbox" });
       return inputOf(input, () => input.checked, (isActive) => Object.assign(input, { checked: isActive }));
     }
@@ -4160,10 +4162,8 @@
     /** Return the layout to paste: the one with the position, of those to choose from. Null if a question is open. */
     function findExpectedLayout() {
       if (selectedRegister()) return null;
-      const [sender, layoutName] = state.frameType.split(":");
       const { interface: interface_ } = state.orderCode;
-      const layouts = interface_.frames.filter(
-        (layout) => layout.sender === sender && (!layoutName || layout.name === layoutName));
+      const layouts = layoutsOf(interface_, state.frameType);
       const decidedLayouts = layouts.filter((layout) => !unansweredQuestions(layout).length);
       const placedLayouts = decidedLayouts.map(
         (layout) => placedFor(state.orderCode, layout, state.registerContents, state.answers));
@@ -4175,7 +4175,7 @@
     function resultOfLine({ line, decoded, error, spellings = [] }) {
       if (error) {
         const buttons = createCodeButtons(spellings, (spelling) => rewriteLine(line, spelling));
-        return [createPart("div", "bad", createElement("p", {}, toSentence(error))), buttons];
+        return [createPart("div", "bad", createSentence(error)), buttons];
       }
       const layout = decoded.placedLayout?.layout;
       // Even the length of a word can depend on the answers.
@@ -4350,16 +4350,16 @@
    * their length or all channels together identify a frame, an option for all frames comes first.
    */
   function createFrameChoices(interface_, sender) {
-    const layouts = interface_.frames.filter((layout) => layout.sender === sender);
-    const isIdentified = interface_.told?.some((selector) => selector.sender === sender);
-    if (layouts.length < 2 || isIdentified) return [createOption(sender, `a frame from the ${sender}`)];
+    const layouts = layoutsOf(interface_, sender);
+    const isIdentified = layouts.length < 2 || findSelector(interface_, sender);
+    if (isIdentified) return [createOption(sender, `a frame from the ${sender}`)];
     const hasWholeFrame = interface_.channels && sender === "encoder";
     const haveLengths = interface_.exact?.includes(sender) && !layouts[0].order;
-    const textForAll = hasWholeFrame ? "a whole frame" : "a frame of any length";
-    const choiceForAll = hasWholeFrame || haveLengths ? [createOption(sender, `${textForAll}, from the ${sender}`)] : [];
+    const choiceForAll = createOption(
+      sender, `${hasWholeFrame ? "a whole frame" : "a frame of any length"}, from the ${sender}`);
     const layoutChoices = layouts.map(
       ({ name }) => createOption(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
-    return [...choiceForAll, ...layoutChoices];
+    return hasWholeFrame || haveLengths ? [choiceForAll, ...layoutChoices] : layoutChoices;
   }
 
   /** Return the part of an address after #, with the inputs of the box. */

@@ -130,10 +130,8 @@ function box(root) {
   /** Return the layout to paste: the one with the position, of those to choose from. Null if a question is open. */
   function findExpectedLayout() {
     if (selectedRegister()) return null;
-    const [sender, layoutName] = state.frameType.split(":");
     const { interface: interface_ } = state.orderCode;
-    const layouts = interface_.frames.filter(
-      (layout) => layout.sender === sender && (!layoutName || layout.name === layoutName));
+    const layouts = layoutsOf(interface_, state.frameType);
     const decidedLayouts = layouts.filter((layout) => !unansweredQuestions(layout).length);
     const placedLayouts = decidedLayouts.map(
       (layout) => placedFor(state.orderCode, layout, state.registerContents, state.answers));
@@ -145,7 +143,7 @@ function box(root) {
   function resultOfLine({ line, decoded, error, spellings = [] }) {
     if (error) {
       const buttons = createCodeButtons(spellings, (spelling) => rewriteLine(line, spelling));
-      return [createPart("div", "bad", createElement("p", {}, toSentence(error))), buttons];
+      return [createPart("div", "bad", createSentence(error)), buttons];
     }
     const layout = decoded.placedLayout?.layout;
     // Even the length of a word can depend on the answers.
@@ -320,16 +318,16 @@ const UNANSWERED_QUESTION = "The manual is ambiguous here. Choose above, because
  * their length or all channels together identify a frame, an option for all frames comes first.
  */
 function createFrameChoices(interface_, sender) {
-  const layouts = interface_.frames.filter((layout) => layout.sender === sender);
-  const isIdentified = interface_.told?.some((selector) => selector.sender === sender);
-  if (layouts.length < 2 || isIdentified) return [createOption(sender, `a frame from the ${sender}`)];
+  const layouts = layoutsOf(interface_, sender);
+  const isIdentified = layouts.length < 2 || findSelector(interface_, sender);
+  if (isIdentified) return [createOption(sender, `a frame from the ${sender}`)];
   const hasWholeFrame = interface_.channels && sender === "encoder";
   const haveLengths = interface_.exact?.includes(sender) && !layouts[0].order;
-  const textForAll = hasWholeFrame ? "a whole frame" : "a frame of any length";
-  const choiceForAll = hasWholeFrame || haveLengths ? [createOption(sender, `${textForAll}, from the ${sender}`)] : [];
+  const choiceForAll = createOption(
+    sender, `${hasWholeFrame ? "a whole frame" : "a frame of any length"}, from the ${sender}`);
   const layoutChoices = layouts.map(
     ({ name }) => createOption(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
-  return [...choiceForAll, ...layoutChoices];
+  return hasWholeFrame || haveLengths ? [choiceForAll, ...layoutChoices] : layoutChoices;
 }
 
 /** Return the part of an address after #, with the inputs of the box. */

@@ -93,7 +93,7 @@ function withLeadingZeros(pieces) {
     const areBytes = pieces.length > 1 && longest >= 3 && longest <= 8;
     const cannotBeHex = lengths.some((length) => length % 2) || lengths.every((length) => length === 8);
     return areBytes && cannotBeHex
-      ? pieces.map((piece) => parseInt(piece, 2).toString(16).toUpperCase().padStart(2, "0")) : pieces;
+      ? pieces.map((piece) => formatBytes([parseInt(piece, 2)])) : pieces;
   }
   return longest === 2 && !hasLeadingZero(pieces) ? pieces.map((piece) => piece.padStart(2, "0")) : pieces;
 }
@@ -142,7 +142,7 @@ function numberIn(text, bitCount, areBytesExact) {
   }
   const isLongNumber = pieces.length === 1 && /^[1-9][0-9]{0,19}$/.test(compactText);
   const remedies = meanings.length || !isLongNumber ? meanings
-    : [messageFor("if_decimal", `0x${BigInt(compactText).toString(16).toUpperCase()}`), messageFor("if_hex", compactText)];
+    : [messageFor("if_decimal", `0x${hexDigits(BigInt(compactText))}`), messageFor("if_hex", compactText)];
   const remedy = remedies.length ? messageFor("write_one_of", remedies.join(", ")) : messageFor("write_number", bitCount);
   const spellings = remedies.map((remedyText) => remedyText.split(" ")[0]);
   throw new FrameText(messageFor("no_bits", quoteText(text), bitCount, remedy), spellings);
@@ -165,7 +165,7 @@ function listMeanings(digits, bitCount) {
   const isDecimal = /^(0|[1-9][0-9]{0,39})$/.test(digits) && fits(BigInt(digits));
   const isHexadecimal = /^[0-9a-f]{1,40}$/i.test(digits) && fits(BigInt(`0x${digits}`));
   return [
-    ...(isDecimal ? [messageFor("if_decimal", `0x${BigInt(digits).toString(16).toUpperCase()}`)] : []),
+    ...(isDecimal ? [messageFor("if_decimal", `0x${hexDigits(BigInt(digits))}`)] : []),
     ...(isHexadecimal ? [messageFor("if_hex", digits)] : []),
     ...(/^[01]{1,160}$/.test(digits) ? [messageFor("if_bits", digits)] : []),
   ];
@@ -238,14 +238,20 @@ function placedFor(orderCode, layout, registerContents, answers) {
   };
 }
 
+/** Return the layouts of a sender such as "encoder", or only the one with the name in "encoder:NAME". */
+function layoutsOf(interface_, senderAndName) {
+  const [sender, layoutName] = senderAndName.split(":");
+  return interface_.frames.filter(
+    (layout) => layout.sender === sender && (!layoutName || layout.name === layoutName));
+}
+
 /**
  * Decode the frame in a text. ``orderCode`` is {code, family, interface, parameters}. ``senderAndName`` is "encoder" or
  * "master", with a colon and the name of the frame where that is needed.
  */
 function decodeFrame(orderCode, senderAndName, text, registerContents, answers) {
   const [sender, layoutName] = senderAndName.split(":");
-  const layouts = orderCode.interface.frames.filter(
-    (layout) => layout.sender === sender && (!layoutName || layout.name === layoutName));
+  const layouts = layoutsOf(orderCode.interface, senderAndName);
   if (!layouts.length) {
     throw new FrameText(`the spec does not describe a frame from the ${sender} over ${orderCode.interface.title}`);
   }
@@ -277,11 +283,9 @@ function findLayoutOfLength(placedLayouts, text) {
 
 /** Return the placed layouts of the other frames that a text can be, if the frame lacks a selector. */
 function otherFrames(orderCode, sender, text, decoded, registerContents, answers) {
-  const { frames, told: selectors = [] } = orderCode.interface;
-  const hasSelector = selectors.some((selector) => selector.sender === sender);
-  if (!decoded.placedLayout || hasSelector) return [];
+  if (!decoded.placedLayout || findSelector(orderCode.interface, sender)) return [];
   const hasOtherLength = decoded.problems.some((problem) => problem.fault === "length");
-  return frames.filter((layout) => layout.sender === sender && layout !== decoded.placedLayout.layout
+  return layoutsOf(orderCode.interface, sender).filter((layout) => layout !== decoded.placedLayout.layout
     && !layout.order === !decoded.placedLayout.layout.order
     && !layout.asks?.some((question) => !(question in answers))).flatMap((layout) => {
     try {
@@ -307,10 +311,13 @@ function decodeBits(placedLayout, typedFrame) {
   };
 }
 
+/** Return the selector that identifies the frames of a sender, if they have one. */
+const findSelector = (interface_, sender) => interface_.told?.find((selector) => selector.sender === sender);
+
 /** Return {layout} of the frame that the selector in these bytes identifies, or else a result with the problem. */
 function identifyLayout(interface_, sender, bytes) {
-  const selector = (interface_.told ?? []).find((candidate) => candidate.sender === sender);
-  if (!selector) return { layout: interface_.frames.find((layout) => layout.sender === sender) };
+  const selector = findSelector(interface_, sender);
+  if (!selector) return { layout: layoutsOf(interface_, sender)[0] };
   const fallbackLayout = interface_.frames[selector.fallback];
   if (bytes.length < selector.needs) {
     const message = messageFor("too_few_bytes", countWithNoun(bytes.length, "byte"));
@@ -323,11 +330,10 @@ function identifyLayout(interface_, sender, bytes) {
   if (selectorRow || fallbackLayout) return {
     layout: selectorRow ? interface_.frames[selectorRow[0]] : fallbackLayout,
   };
-  const formatUpper = (number) => number.toString(16).toUpperCase();
   const allowedValues = selector.frames.flatMap(([, ...selectorValues]) => selectorValues)
-    .sort((first, second) => first - second).map(formatUpper);
+    .sort((first, second) => first - second).map(hexDigits);
   return makeFailedFrame("range", selector.selector,
-    messageFor("no_frame", selector.selector, formatUpper(selectorValue), allowedValues.join(", ")));
+    messageFor("no_frame", selector.selector, hexDigits(selectorValue), allowedValues.join(", ")));
 }
 
 /** Return the result of a frame whose layout is open, with its problem. */
