@@ -1,8 +1,4 @@
-<<<<<<< HEAD:generator/readings/table_order.py
-"""Pair the rows of the tables of two readings by their cells, so that a missing row does not move the other rows."""
-=======
 """Pair the connectors and the table rows of two readings, so that a new one does not move the others."""
->>>>>>> outd:generator/readings/pairing.py
 
 from __future__ import annotations
 
