@@ -50,7 +50,9 @@ def device_text(device: Device) -> str:
     lines = [wrapped(f"{device.title} ({device.manufacturer.title})", WIDTH)]
     lines += [*_manual_lines(device), *_order_code_lines(device)]
     parameters = [(parameter.name, _about_parameter(device, parameter)) for parameter in device.parameters]
-    lines += ["", "Parameters", *two_columns(parameters, indent=2), *alternative_lines(device)]
+    if parameters:
+        lines += ["", "Parameters", *two_columns(parameters, indent=2)]
+    lines += alternative_lines(device)
     measurements = [("", device.measurement)]
     measurements += [(interface.title, interface.measurement) for interface in device.interfaces]
     # Without an order code, there are no parameters, and expressions are shown as text.
