@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -11,12 +12,14 @@ from typing import Any
 
 import pytest
 from browser_harness import Asker, Case, cases, frames_with_checksums
+from codewheel.commands.cli import main
 from codewheel.commands.decode.frames import FrameTextError, decode_text, frame_bytes, frame_number, undecorated
 from codewheel.loading.library import load_library
 from codewheel.model import Choice, Decimal, Device, Flag, FrameExample, RegisterExample, Text, number_to_bytes
 from codewheel.model.registers import bounds, name_with_limits
 from codewheel.reference import codec
 from codewheel.targets import Library
+from codewheel.targets.browser.files import generate
 from codewheel.why.diagnosis import Diagnosis, Explanation
 from codewheel.why.doubts import other_positions
 from codewheel.why.exchanges import own_request
@@ -96,6 +99,15 @@ def test_a_parity_error_names_only_the_bits_of_the_order_code(ask: Ask) -> None:
         "multiturn, singleturn",
         "multiturn, singleturn, toggle",
     ]
+
+
+@pytest.mark.parametrize("name", ["", "amm5", "amt21", "icmr", "orbis", "ts5700"])
+def test_the_link_of_the_readme_has_a_valid_frame(name: str, library: Library, every_encoder: Library) -> None:
+    """The frames are bits with a CRC, a channel of several, and bytes."""
+    families = [device for device in every_encoder.devices if device.name == name] or library.devices
+    readme = generate(Library(tuple(families)))["browser/README.md"]
+    ((order_code, frame),) = re.findall(r"^decode.html#code=(.+)&frame=(.+)$", readme, re.MULTILINE)
+    assert main(["decode", order_code, frame]) == 0
 
 
 def test_bytes_of_a_word_of_another_length_are_refused(ask: Ask) -> None:

@@ -61,6 +61,7 @@ from ...why.texts import START_BITS, TEXTS
 from .. import NO_OPTIONS, Library, Options, Target
 from ..palette import palette_css
 from ..registry import licence_in, our_runtime
+from .example_link import LinkedFrame, linked_frame
 from .layouts import (
     Data,
     SharedParts,
@@ -346,7 +347,7 @@ _MESSAGES = {
 class Page(TypedDict):
     title: Annotated[str, "the manufacturers on one line"]
     codes: Annotated[int, "number of order codes"]
-    example: Annotated[str, "an order code"]
+    example: Annotated[LinkedFrame, "an order code, and a valid frame if there is one"]
     table: Annotated[Data, "data of the script: messages, mistakes with a frame, and the families"]
     runtime: Annotated[Mapping[str, str], "the parts of the script that are the same for all encoders, by name"]
     palette: Annotated[str, "style sheet with the colours as custom properties"]
@@ -358,7 +359,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     page: Page = {
         "title": listed(plain(manufacturer.title) for manufacturer, _ in library.by_manufacturer()),
         "codes": len(set(codes)),
-        "example": codes[0] if codes else "",
+        "example": linked_frame(library.devices),
         "table": script_table(library),
         "runtime": {path.stem: _code_without_comment(path) for path in our_runtime("browser").glob("*.js")},
         "palette": palette_css().rstrip("\n"),

@@ -140,6 +140,11 @@ class DeviceView:
         return _with_path_in_errors(build, "procedures", procedure.name)
 
     @property
+    def order_code_kind(self) -> str:
+        """Name of its order codes in a sentence, which says whether they are on a label."""
+        return "made-up order code" if self.device.order_code.not_on_label else "order code from the label"
+
+    @property
     def header(self) -> str:
         """Include path of the header for reading positions."""
         return f"{self.maker.name}/{self.stem}.h"

@@ -274,7 +274,7 @@ def lookup(label: str) -> Variant:
     of other editions are accepted. The edition is in ``Variant.written_as_in``.
 
     Args:
-        label: Order code on the label. Case and spaces do not matter.
+        label: Made-up order code. Case and spaces do not matter.
 
     Returns:
         The encoder. Type checkers infer its class for each listed order code.
