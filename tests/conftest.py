@@ -52,7 +52,10 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: Sequence[pytest.Item]) -> None:
-    """A test that needs a shared artefact is slow, because one of them must build it. So are exhaustive tests."""
+    """A test that needs a shared artefact is slow, because one of these tests must build it.
+
+    So are exhaustive tests.
+    """
     cases_seen: Counter[tuple[Path, str, str]] = Counter()
     for test in items:
         for thinned in test.iter_markers("one_in"):
@@ -101,7 +104,7 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 @pytest.fixture(scope="session", autouse=True)
 def _specs_read_once() -> Iterator[None]:
-    """Commands and tests of one process read the specs of this repository only once. Others are read each time."""
+    """Commands and tests of one process read the specs of this repository only once. Other specs are read each time."""
     families, masters = _once(loading.load_families), _once(sheet.load_masters)
     with pytest.MonkeyPatch.context() as patch:
         for module in (loading, outputs, checked_specs):
@@ -112,7 +115,7 @@ def _specs_read_once() -> Iterator[None]:
 
 @pytest.fixture(scope="session", autouse=True)
 def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Processes keep results in a folder of their own, and tests, which patch the code, keep none.
+    """Processes keep results in a folder of their own, and tests, which patch the code, store none.
 
     pip keeps its downloads in their usual place.
     """
@@ -158,7 +161,7 @@ def every_encoder() -> Library:
 
 @pytest.fixture(scope="session")
 def library(every_encoder: Library) -> Library:
-    """The encoders whose code and pages are in ``generated/``: those of the highest two grades."""
+    """The encoders whose code and pages are in ``generated/``: the encoders of the highest two grades."""
     return Library(tuple(device for device in every_encoder.devices if device.evidence.grade in TRACKED_GRADES))
 
 
@@ -192,7 +195,10 @@ def hostile(library: Library) -> Library:
 
 @pytest.fixture(scope="session")
 def made_once(filled_once: MadeOnce) -> MadeOnce:
-    """Fill a folder once for all workers of a run, with something that takes long. Tests that use this are slow."""
+    """Fill a folder once for all workers of a run, with something that takes long to build.
+
+    Tests that use this are slow.
+    """
     return filled_once
 
 
@@ -249,7 +255,7 @@ def import_generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Libr
             path = folder / "python" / name.replace(".", "/")
             if not path.is_dir() and not path.with_suffix(".py").exists():
                 sys.modules.setdefault(name, module)
-        # Some modules are loaded on first use, so those of an older package of this name must be found.
+        # Some modules are loaded on first use, so modules of an older package with this name must be found.
         inner = {name: importlib.import_module(f"{package}.{name}") for name in ("facts", "_shapes")}
         for older in folders.setdefault(package, []):
             imported.__path__.append(str(older))

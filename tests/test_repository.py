@@ -47,7 +47,7 @@ def test_the_first_page_for_contributors_begins_with_a_first_change_and_is_short
 
 
 def test_no_line_of_a_template_is_too_wide_to_read() -> None:
-    """In a template, ``{# -#}`` at the end of a line goes on with the next one."""
+    """In a template, ``{# -#}`` at the end of a line continues with the next line."""
     wide_lines = []
     for path in sorted((ROOT / "templates").rglob("*.jinja")):
         lines = enumerate(path.read_text(encoding="utf-8").splitlines(), 1)

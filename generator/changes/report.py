@@ -167,7 +167,7 @@ _TITLES = {
 def as_markdown(findings: DiffResult) -> str:
     """Return the output of ``codewheel diff --markdown``.
 
-    It has the package versions as a heading, notices, a section for each family, and the number of changed files.
+    It contains the package versions as a heading, notices, a section for each family, and the number of changed files.
     """
     versions_text = "; ".join(map(describe_versions, findings.packages))
     lines = [f"## {versions_text or 'Changes'}", ""]
@@ -315,7 +315,8 @@ class NotRecorded(ValueError):
 def files_of_release(findings: DiffResult, families: Sequence[Family]) -> Iterator[tuple[Path, str]]:
     """Yield the files to write with their new texts: histories of families, and the manufacturer's file.
 
-    Manufacturers without changed families are left out. The version is only replaced if the spec states another one.
+    Manufacturers without changed families are left out. The version is only replaced if the spec states another
+    version.
 
     Raises:
         NotRecorded: A manufacturer's file has no version to replace.
@@ -326,7 +327,7 @@ def files_of_release(findings: DiffResult, families: Sequence[Family]) -> Iterat
         changed_families = [family for family in families_of_package if family.device.name in changed_names]
         if not changed_families:
             continue
-        # Files that a family includes, such as that of the manufacturer.
+        # Files that a family includes, such as the file of the manufacturer.
         included_files: set[str] = set()
         for family in families_of_package:
             included_files |= family.files - {family.document.file}
@@ -339,10 +340,10 @@ def files_of_release(findings: DiffResult, families: Sequence[Family]) -> Iterat
 
 
 def _files_with_new_version(package: Package, files: set[str]) -> Iterator[tuple[Path, str]]:
-    """Yield each file with its text, in which the version of the package is the new one.
+    """Yield each file with its text and the new version of the package.
 
     Raises:
-        NotRecorded: A file has no line with a version, or several.
+        NotRecorded: A file has no line with a version, or several such lines.
     """
     for path in map(Path, sorted(files)):
         old_text = path.read_text(encoding="utf-8")

@@ -33,7 +33,7 @@ class Stop(Exception):
 def prepare_streams(as_json: bool = False) -> None:
     """Make the standard streams accept any text. JSON keeps every character, as an escape if necessary.
 
-    A closed output stream discards everything. A closed input has nothing to read.
+    A closed output stream discards everything. A closed input provides nothing to read.
     """
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
@@ -41,7 +41,7 @@ def prepare_streams(as_json: bool = False) -> None:
     if sys.stdin is None:
         # Reading it raises Stop.
         sys.stdin = _ClosedInput()
-    # A byte that does not decode is shown as an escape, and so rejected as not being a frame.
+    # A byte that does not decode is shown as an escape, and therefore rejected as not being a frame.
     _configure_stream(sys.stdin, None, "backslashreplace")
     _configure_stream(sys.stderr, None, "codewheel")
     if as_json:
@@ -140,7 +140,7 @@ def _replace_in_json(error: UnicodeError) -> tuple[str, int]:
         raise error
     character = error.object[error.start]
     hex_digits = character.encode("utf-16-be", "surrogatepass").hex()
-    # An escape has four digits. A character beyond 16 bits has two escapes.
+    # An escape has four digits. A character beyond 16 bits becomes two escapes.
     escapes = [f"\\u{hex_digits[start : start + 4]}" for start in range(0, len(hex_digits), 4)]
     return "".join(escapes), error.start + 1
 

@@ -230,7 +230,10 @@ class _Dump:
         return expression.constant if expression.is_constant else expression.render()
 
     def _interface_data(self, interface: Interface) -> Item:
-        """Return an interface with its kind and the names of its layouts. Members that it lacks have their defaults."""
+        """Return an interface with its kind and the names of its layouts.
+
+        Members that the interface lacks have their defaults.
+        """
         interface_data: Item = self.plain(interface, interface.source)
         # In the data, these objects are a word, and their source is a member of the interface.
         for name, word_member in (("alignment", "end"), ("output_code", "code")):
@@ -245,7 +248,7 @@ class _Dump:
     def _layout_data(self, layout: Layout, interface: str, inherited: Sources) -> Item:
         """Return a frame with its interface, the questions that it depends on, its joined numbers and its fields."""
         own_sources = layout.source or inherited
-        # The fields are added at the end, in a shape of their own.
+        # The fields are added at the end, in a different form.
         layout_data: Item = self.plain(replace(layout, fields=()), own_sources)
         layout_data |= {"carried_as": layout.carried_as, "interface": interface}
         layout_data["alternatives"] = [alternative.name for alternative in self.device.alternatives_of(layout)]
@@ -256,7 +259,7 @@ class _Dump:
     def _fields_data(self, layout: Layout, inherited: Sources) -> list[Item]:
         """Return the fields of a layout, each with its highest bit.
 
-        For a family, these are all fields, and for an order code only those that have bits.
+        For a family, these are all fields, and for an order code only fields with bits.
         """
         fields_data: list[Item] = []
         if self.variant is None:
@@ -273,7 +276,7 @@ class _Dump:
 
         ``high`` is its highest bit.
         """
-        # A plain number has no members that would get in the way of those of the real kind.
+        # A plain number has no members that conflict with members of the real kind.
         field_data: Item = self.plain(replace(field, kind=Number()), inherited)
         field_data["high"] = self._number_or_text(high)
         if isinstance(field.equals, str):
@@ -337,7 +340,7 @@ class _Dump:
         return fill_members({"from": "encoder"} | self.plain(example, ()), "example")
 
     def _timings_data(self) -> list[Item]:
-        """Return the times of the device, whose ``interface`` is empty, and those of each interface."""
+        """Return the times of the device, whose ``interface`` is empty, and the times of each interface."""
         timings = [self.plain(timing, ()) | {"interface": ""} for timing in self.device.timings]
         for interface in self.device.interfaces:
             for timing in interface.timings:

@@ -40,7 +40,7 @@ class Split:
     """The place of the position, and the other fields in front of it and behind it.
 
     ``byte_order`` is set if the position has several bytes over RS-485. ``is_smooth`` is true if the values of the
-    position are those of a moving shaft, or those that the user turned to.
+    position fit a moving shaft or the positions that the user turned to.
     """
 
     start: int
@@ -60,8 +60,8 @@ class Split:
 def splits_of(recording: Recording, first: int, end: int) -> Iterator[Split]:
     """Yield every split of the bits from ``first`` to before ``end`` that has a position, with its cost in bits.
 
-    There is one for each place of the position, and each code or byte order in which it may be sent. The cost is the
-    number of bits that describe the recording with this split, so the lowest one is the best.
+    There is a split for each place of the position, and each code or byte order in which it may be sent. The cost is
+    the number of bits that describe the recording with this split, so the lowest one is the best.
     """
     step = 8 if recording.interface == "rs485" else 1
 
@@ -146,7 +146,7 @@ def _with_bytes_swapped(two_bytes: int, byte_count: int) -> int:
 def _constant_bits(recording: Recording, start: int) -> int:
     """Return the number of constant bits at the beginning of a position, or 0 over RS-485.
 
-    Constant bytes there are rather other fields.
+    Constant bytes there are more likely other fields.
     """
     if recording.interface == "rs485":
         return 0
@@ -154,9 +154,10 @@ def _constant_bits(recording: Recording, start: int) -> int:
 
 
 def _position_cost(recording: Recording, values: Sequence[int], width: int, constant_bits: int) -> tuple[float, bool]:
-    """Return the bits that describe the values of a position, and whether they are those of a moving shaft.
+    """Return the bits that describe the values of a position, and whether the values fit a moving shaft.
 
-    They are if the steps from value to value, or the user's positions, describe them with fewer bits than random ones.
+    They fit if the steps from value to value, or the user's positions, describe them with fewer bits than random
+    values.
     """
     random_cost = constant_bits + uniform_cost(width - constant_bits, len(values))
     if recording.positions:

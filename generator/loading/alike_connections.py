@@ -1,4 +1,4 @@
-"""Compare the serial ports and the connectors that the file of a manufacturer lists as alike."""
+"""Compare the connectors that the file of a manufacturer lists as alike."""
 
 from __future__ import annotations
 
@@ -12,42 +12,13 @@ from ..language.document import Document, Path
 from ..language.problems import Report, quoted
 from ..language.rules.connectors import signal_names
 from ..language.rules.parts import has_erratum_at
-from ..language.rules.walk import items, mapping
+from ..language.rules.walk import items
 
-_PORT_KEYS = ("baud", "data_bits", "parity", "stop_bits", "flow_control")
 #: A supply or ground line, such as ``0vdc`` or ``+5vdc ±5%``, but not that of a battery, ``+vb``.
 _SUPPLY = re.compile(r"(?P<ground>0\s?v(?:dc)?)|\+\s?[\d.,]*\s?v(?!b).*")
 _SHIELDS = frozenset(("shield", "screen"))
 #: Any voltage, such as ``+vb``.
 _VOLTAGE = re.compile(r"[+-]?\s?[\d.,]*\s?v\w*")
-
-
-def compare_ports(interface_names: Sequence[str], documents: Sequence[Document], report: Report) -> None:
-    """Report each serial port with a setting that differs from that of the first device with the same interface."""
-    for name in interface_names:
-        path: Path = ("interfaces", name, "port")
-        documents_with_port = [document for document in documents if mapping(document.data, *map(str, path))]
-        for document in documents_with_port[1:]:
-            for key in _PORT_KEYS:
-                _compare_setting(documents_with_port[0], document, (*path, key), report)
-
-
-def _compare_setting(first: Document, document: Document, path: Path, report: Report) -> None:
-    """Report a setting of a port that differs from that of the first device, unless an erratum affects it."""
-    place = [str(step) for step in path]
-    *path_of_port, key = place
-    first_setting = mapping(first.data, *path_of_port).get(key)
-    setting = mapping(document.data, *path_of_port).get(key)
-    if first_setting is None or setting is None or first_setting == setting:
-        return
-    if has_erratum_at(document, *place) or has_erratum_at(first, *place):
-        return
-    line, _ = first.position(path)
-    message = (
-        f"this is {setting}, but {first_setting} in {PurePath(first.file).name}:{line}; according to the manufacturer's"
-        f" file, the port is the same in all devices. If it is not, add an erratum that affects {'.'.join(place)}"
-    )
-    report.add("not-alike", document, path, message)
 
 
 class _Contact(NamedTuple):
@@ -116,7 +87,7 @@ def _compare_wires(cables: Sequence[_Cable], report: Report) -> None:
         return
     first_cable, *other_cables = cables
     for cable in other_cables:
-        different_wires = sorted(cable.wires ^ first_cable.wires)  # Those that only one of the two has.
+        different_wires = sorted(cable.wires ^ first_cable.wires)  # Wires that only one of the two has.
         if different_wires and not _has_erratum(first_cable) and not _has_erratum(cable):
             line_number, _ = first_cable.document.position(first_cable.path)
             message = (

@@ -18,15 +18,16 @@ _STEPS_OF_INTERFACE = 2
 _NOT_COMPARED = PROSE | {"printed_name", "only", "erratum"}
 #: Shown for a fact that a device lacks.
 _ABSENT = "nothing"
-#: Facts at a place by their paths below it: ``{(0, "below_hz"): 400000}``.
+#: Facts at a place, by their relative paths: ``{(0, "below_hz"): 400000}``.
 _Facts = Mapping[Path, object]
 
 
 def compare_facts(places: Sequence[str], documents: Sequence[Document], report: Report) -> None:
-    """Report each device with other facts at a place such as ``interfaces.ssi.cable_lengths`` than most devices.
+    """Report each device whose facts at a place such as ``interfaces.ssi.cable_lengths`` differ from most devices.
 
     All devices with the interface are compared, so one that lacks the facts is reported, too. Among equally common
-    facts, those of the first file apply. An erratum of either device that affects the place explains a difference.
+    facts, those of the first device without an erratum about the place apply. An erratum that only one of two devices
+    has about it explains a difference.
     """
     for place in places:
         steps = place.split(".")
@@ -36,7 +37,7 @@ def compare_facts(places: Sequence[str], documents: Sequence[Document], report: 
         counts = Counter(frozenset(facts.items()) for facts in facts_by_file.values())
         if len(counts) < 2:
             continue  # All devices have the same facts, or there are none.
-        # Of several devices with the highest count, one without an erratum is compared with the others.
+        # If several devices have the most frequent facts, a device without an erratum is compared with the others.
         frequencies = {
             document.file: (
                 counts[frozenset(facts_by_file[document.file].items())],

@@ -12,7 +12,7 @@ from .line import POSITION, Line, LineError, LineField, LineProblem, Options
 from .options import with_option
 
 INTERFACES = ("biss", "ssi", "spi", "rs485")
-#: Characters of the longest line, and the most fields in one.
+#: Characters of the longest line, and the highest number of fields in a line.
 LONGEST = 1000
 _MOST_FIELDS = 64
 _ALLOWED = re.compile(r"[A-Za-z0-9_=:,. ]*")
@@ -57,7 +57,8 @@ _EXAMPLE = "INTERFACE:FIELD,FIELD, such as biss:position=32,error,warning,crc=6:
 def _read_interface(text: str, problems: list[LineProblem]) -> tuple[str, int]:
     """Return the interface, and the offset of the colon after its options, or 0 if the line begins with a field.
 
-    A line without an interface is read as one for BiSS, to find its other problems.
+    Without a colon, the offset is the end of a line that begins with an interface. A line without an interface is read
+    as one for BiSS, to find its other problems.
     """
     head, colon, _ = text.partition(":")
     word = head.partition(",")[0].strip()
@@ -99,7 +100,10 @@ def _read_options(head: str, interface: str, problems: list[LineProblem]) -> tup
 
 
 def _read_fields(text: str, column: int, interface: str, problems: list[LineProblem]) -> list[LineField]:
-    """Return the valid fields, and add the problems of the others. ``column`` is that of the first character."""
+    """Return the valid fields, and report the invalid fields in ``problems``.
+
+    ``column`` is the column of the first character.
+    """
     fields: list[LineField] = []
     if not text.strip():
         problems.append(LineProblem(column, f"the line has no fields; write {_EXAMPLE}"))

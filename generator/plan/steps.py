@@ -89,7 +89,7 @@ class Writes:
     ``pieces`` are the affected bytes, whose bits ``mask << low_in_byte`` become ``(number >> low_in_number) & mask``,
     or empty if the position of the field depends on the order code. ``determines_limits`` are the run-time parameters
     in the register on which limits of later steps depend. Those steps use the written value. ``closes`` is true if the
-    write undoes an earlier opening step. It is then also done if a step between the two fails.
+    write undoes an earlier opening step. The write is then also done if a step between the two fails.
     """
 
     step: WriteStep | ModifyStep
@@ -146,7 +146,7 @@ class Verifies:
 
     @property
     def step(self) -> WriteStep | ModifyStep:
-        """The step that wrote the value. The manual has no step for this operation."""
+        """The step that wrote the value. The manual contains no step for this operation."""
         return self.write.step
 
 
@@ -178,7 +178,7 @@ Operation = Writes | Reads | Polls | Verifies | Waits | Sends
 
 @dataclass(frozen=True, slots=True)
 class OutsideArgumentLimits:
-    """The argument is outside its limits: those of the register or, if it has several meanings, of one ``meaning``."""
+    """The argument is outside the limits of the register or, if it has several meanings, of one ``meaning``."""
 
     register: Register
     meaning: RegisterMeaning | None
@@ -197,7 +197,7 @@ ArgumentRefusal = OutsideArgumentLimits | TooWide | NotOneOf | Undecodable
 
 @dataclass(frozen=True, slots=True)
 class CheckedArgument:
-    """An argument, the operation that writes it, and the reasons for which it is rejected before any write.
+    """An argument, the operations that write it, and the reasons for which it is rejected before any write.
 
     Values that do not fit are also rejected when the register is encoded.
     """
@@ -247,7 +247,10 @@ def run_of(device: Device, procedure: Procedure) -> Run:
 
 
 def _changes_frames(device: Device, write: Writes) -> bool:
-    """Return whether a write changes a parameter that a register holds at run time. Frames depend on these."""
+    """Return whether a write changes a parameter that a register holds at run time.
+
+    Frames depend on these parameters.
+    """
     for parameter in device.run_time_parameters:
         writes_field = write.field is None or parameter.field == write.field.name
         if parameter.register == write.register.name and writes_field:
@@ -283,7 +286,7 @@ def _with_verification(operations: Iterable[Operation]) -> Iterator[Operation]:
 
     The manuals have no such step. On BiSS, however, a disturbed write can be echoed as if it had been stored. A written
     value takes effect when the procedure writes to a register that cannot be read, such as a command register, makes a
-    closing write, or writes to the same place again.
+    closing write, or writes to the same place again. A write that no such write follows is not read back.
     """
     pending: list[Verifies] = []
     for operation in operations:
@@ -310,7 +313,7 @@ def _writes_same_place(write: Writes, earlier_write: Writes) -> bool:
 
 
 def _can_be_read_back(write: Writes) -> bool:
-    """Return whether a write can be verified: its register keeps the value, and its reserved bits have fixed places."""
+    """Return whether a write can be verified: it does not close, and the register keeps it, in fixed places."""
     register = write.register
     unused_fields = [field for field in register.layout.fields if isinstance(field.kind, Unused)]
     has_fixed_unused_bits = all(field.is_fixed for field in unused_fields)
@@ -319,7 +322,10 @@ def _can_be_read_back(write: Writes) -> bool:
 
 
 def _meaningful_pieces(write: Writes) -> Iterator[Piece]:
-    """Yield the pieces without reserved bits, which can have any value when read. A whole access keeps all bytes."""
+    """Yield the pieces without reserved bits, which can have any value when they are read.
+
+    A whole access includes all bytes.
+    """
     for piece in write.pieces:
         unused_in_piece = _unused_bits(write.register, piece.byte) >> piece.low_in_byte
         meaningful_mask = piece.mask & ~unused_in_piece
@@ -335,7 +341,7 @@ def _unused_bits(register: Register, byte_index: int) -> int:
 
 
 def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> Operation:
-    """Return the operation of a step in the manual, with its register, its field and the bytes of these."""
+    """Return the operation of a step in the manual, with its register, its field and their bytes."""
     match step:
         case WaitStep():
             return Waits(step)
@@ -442,7 +448,7 @@ def field_refusals(
 
 
 def _limit_refusals(device: Device, register: Register, argument: Argument) -> Iterator[OutsideArgumentLimits]:
-    """Yield the limits of the register or, if the argument has one of its meanings, those of the meaning."""
+    """Yield the limits of the register or, if the argument has one of its meanings, the limits of the meaning."""
     meanings = {meaning.name: meaning for meaning in register.meanings}
     meaning = meanings.get(argument.meant_as)
     limits = limits_of(device, register, meaning)

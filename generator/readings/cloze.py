@@ -63,7 +63,7 @@ def _led_states(spec: Document) -> Iterator[tuple[Path, str]]:
 
 
 def vocabulary_of(spec: Document) -> Vocabulary:
-    """Return the turning words of a family: those of the language, and the signals of its contacts."""
+    """Return the turning words of a family: the turning words of the language, and the signals of its contacts."""
     signals: list[str] = []
     for connector in spec.data.get("connectors", ()):
         signals += [str(contact["signal"]) for contact in connector["contacts"] if "signal" in contact]
@@ -78,25 +78,28 @@ def sheet(spec: Document, old_entries: Mapping[str, Any]) -> dict[str, Any]:
     sheet_entries: dict[str, Any] = {}
     kinds: set[str] = set()
     choices = vocabulary_of(spec).choices
-    # A text can move with the name of the part that has it.
+    # A text can move with the name of its part.
     old_entry_by_text = {old_entry["text"]: old_entry for old_entry in old_entries.values()}
     for path, (_, cloze) in clozes(spec).items():
         kinds.update(gap.kind for gap in cloze.gaps)
-        sheet_entry = old_entries.get(path) or old_entry_by_text.get(cloze.text, {})
+        sheet_entry = old_entries.get(path, {})
         if sheet_entry.get("text") != cloze.text:
             unfilled_words = ["?"] * len(cloze.gaps)
-            sheet_entry = {"text": cloze.text, "words": unfilled_words}
+            sheet_entry = old_entry_by_text.get(cloze.text, {"text": cloze.text, "words": unfilled_words})
         sheet_entries[path] = {**sheet_entry, "words": _valid_words(cloze, sheet_entry["words"], choices)}
     choices_of_kinds = {kind: list(words) for kind, words in choices.items() if kind in kinds}
     return {"choices": choices_of_kinds, "texts": sheet_entries}
 
 
 def _valid_words(cloze: ClozeText, words: Sequence[str], choices: Mapping[str, Sequence[str]]) -> list[str]:
-    """Return the filled words, with a question mark for one that is no longer a choice, such as a renamed signal.
+    """Return the word of each gap, with a question mark for one that is missing or no longer a choice.
+
+    A renamed signal, for example, is no longer a choice.
 
     ``choices`` are the valid words by kind of gap.
     """
-    return [word if word in choices[gap.kind] else "?" for gap, word in zip(cloze.gaps, words, strict=False)]
+    enough_words = [*words, *["?"] * len(cloze.gaps)]
+    return [word if word in choices[gap.kind] else "?" for gap, word in zip(cloze.gaps, enough_words, strict=False)]
 
 
 def open_gaps(sheet_data: Mapping[str, Any]) -> int:
@@ -104,7 +107,7 @@ def open_gaps(sheet_data: Mapping[str, Any]) -> int:
     return sum(text["words"].count("?") for text in sheet_data["texts"].values())
 
 
-#: Function that reads the sheet of a family, if there is one, and adds its problems to the report.
+#: Function that reads the sheet of a family, if it has a sheet, and adds its problems to the report.
 Reader = Callable[[Family, Report], Document | None]
 
 
@@ -137,8 +140,8 @@ def check_sheets(families: Iterable[Family], sound: Collection[str], report: Rep
 def compare_words(spec: Document, sheet_document: Document, report: Report) -> None:
     """Report each gap that the sheet fills with another word than the spec, and each outdated text of the sheet.
 
-    A text is outdated if only the spec has it, or if it has changed. Texts that only the sheet has are not reported
-    next to these, since the command that refills the sheet also removes them.
+    A text is outdated if only the spec has it, or if it has changed. Texts that only the sheet has are not reported in
+    addition, since the command that refills the sheet also removes them.
     """
     spec_texts = clozes(spec)
     sheet_texts = sheet_document.data["texts"]

@@ -14,7 +14,8 @@ from .comparison import Comparison, Disagreement, Read
 from .frame_bits import continues_item, describe_bits
 from .reading import FACTORY_DEFAULTS, Bit, Case, Fact, Sort, Word, WordCase
 
-#: Identity of a disagreement in all cases: its places, its class, and its number among those of a case with these.
+#: Identity of a disagreement in all cases: its places, its class, and its number among the disagreements of a case with
+#: the same places and class.
 _DisagreementKey = tuple[Path, Path, Sort, int]
 
 
@@ -105,7 +106,7 @@ def _compare_in_case(
         return
     yield from _compare_bits(comparison, spec_word, spec_case.bits, second_case.bits)
     for low_and_width, spec_properties in spec_case.fields.items():
-        # All properties of a field have places in or near it. The first one stands for the field.
+        # All properties of a field have places in or near it. The first property represents the field.
         property_places = [fact.place for fact in spec_properties.values()]
         field_place = property_places[0] if property_places else spec_word.place
         second_properties = second_case.fields.get(low_and_width, {})

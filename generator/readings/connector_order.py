@@ -1,4 +1,4 @@
-"""Pair the connectors of two readings by their names, so that a new one does not move the others."""
+"""Pair the connectors of two readings by their names, so that a new connector does not move the other connectors."""
 
 from __future__ import annotations
 

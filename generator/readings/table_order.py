@@ -1,4 +1,4 @@
-"""Pair the rows of the tables of two readings by their cells, so that a missing row does not move the others."""
+"""Pair the rows of the tables of two readings by their cells, so that a missing row does not move the other rows."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ _Row = tuple[tuple[int, Value], ...]
 def with_rows_of(spec: Facts, second: Facts) -> Facts:
     """Return the facts of a spec, in which a table has the rows numbered as in the second reading.
 
-    This concerns tables with another number of rows than in the second reading. Rows that only the spec has come last.
+    This concerns tables with another number of rows with numbers than in the second reading, if it has some. Rows that
+    only the spec has come last.
     """
     new_keys: dict[Key, Key] = {}
     for table_key in [key for key in spec.facts if key[0] == "table" and len(key) == 2]:
@@ -71,7 +72,7 @@ def _paired_numbers(spec_rows: Mapping[int, _Row], second_rows: Mapping[int, _Ro
 
 
 def _pairs(spec_rows: Sequence[_Row], second_rows: Sequence[_Row]) -> Iterator[tuple[int, int]]:
-    """Yield the indices of equal rows in their order, and of the rows between them as far as both readings have one."""
+    """Yield the indices of equal rows in order, and of the rows between them as far as both readings have rows."""
     for _, spec_start, spec_end, second_start, second_end in SequenceMatcher(
         a=spec_rows, b=second_rows, autojunk=False
     ).get_opcodes():

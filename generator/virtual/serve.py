@@ -58,7 +58,10 @@ def has_terminals() -> bool:
 
 
 def terminal() -> _Port:
-    """Open a pseudo-terminal. Its name is that of the device to open. Replies that are not read in time are lost."""
+    """Open a pseudo-terminal.
+
+    Its name is the name of the device to open. Replies that are not read in time are lost.
+    """
     import tty
 
     master, slave = os.openpty()
@@ -181,8 +184,7 @@ def serving(encoder: VirtualEncoder, line: Line | None = None, *, tcp: bool = Fa
 
     Args:
         encoder: The encoder.
-        line: Its line, by default that of its interface.
-        tcp: Use TCP even if the system has pseudo-terminals.
+        line: Its line, by default the line of its interface. Use TCP even if the system has pseudo-terminals.
 
     Yields:
         The name of the device or the URL to open.

@@ -222,13 +222,13 @@ function findProblems(placedCheck, number, binary) {
 }
 
 /** Return the message about a wrong number. Its name in the table is that of the check. */
-function describeProblem({ check, limit, lowest }, checkedNumber, rightValue) {
+function describeProblem({ check, limit, lowest, coveredPlaces }, checkedNumber, rightValue) {
   const { field, says: messageName } = check;
   switch (messageName) {
     case "constant":
       return messageFor(messageName, field, hex(checkedNumber), hex(rightValue));
     case "parity":
-      return messageFor(messageName, field, checkedNumber, check.of_name, rightValue);
+      return messageFor(messageName, field, checkedNumber, listCoveredFields(check, coveredPlaces), rightValue);
     case "no_value":
       return messageFor(messageName, field, hex(checkedNumber));
     case "of_other_frame":
@@ -243,6 +243,10 @@ function describeProblem({ check, limit, lowest }, checkedNumber, rightValue) {
       throw new TypeError(`unknown check ${messageName}`);
   }
 }
+
+/** Return the names of the fields that a parity bit covers, without those of 0 bits, which the order code lacks. */
+const listCoveredFields = (check, coveredPlaces) => (
+  check.of_name.split(", ").filter((_, index) => coveredPlaces[index].width > 0).join(", "));
 
 /** Add the reports, the verdict and the differences from the manual to the result of a valid frame or register. */
 function judgeFrame(decoded) {

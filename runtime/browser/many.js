@@ -52,9 +52,10 @@ function createLineTable(rows, measure, pick) {
   });
   const headCells = heads.map((text) => createElement("th",
     { scope: "col", class: text === "Frame" && `${CLASS}-frame` }, text));
-  return createElement("table", { class: `${CLASS}-many` },
+  const table = createElement("table", { class: `${CLASS}-many` },
     createElement("caption", {}, countWithNoun(rows.length, "frame")),
     createElement("thead", {}, createElement("tr", {}, headCells)), createElement("tbody", {}, bodyRows));
+  return createPart("div", "scroll", table);
 }
 
 /** Return the cells of a field by column: its value, and the quantity that a number stands for. */

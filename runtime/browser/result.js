@@ -188,15 +188,16 @@ function createExplanations(decoded, hasOtherFrames) {
     (explanation) => describeExplanation(explanation.placedLayout ?? decoded.placedLayout, explanation));
   const explanationLines = explanations.length ? [
     createElement("p", {}, introduceExplanations(decoded, noiseText !== "")), createList(describedExplanations)] : [];
-  const isUnexplained = !explanations.length && !missingText && !hasOtherFrames && isCorrupted(decoded);
+  const isIncomplete = missingText && decoded.problems.some(({ fault }) => fault === "length");
+  const isUnexplained = !explanations.length && !isIncomplete && !hasOtherFrames && isCorrupted(decoded);
   const notes = [
     ...(isUnexplained ? [toSentence(messageFor("no_explanation"))] : []),
     ...describeEqualReadings(decoded, explanations),
     ...(explanations.length && hidesShift(explanations[0]) ? [toSentence(messageFor("hidden_shift"))] : []),
-    ...(missingText ? [toSentence(capitalize(missingText))] : []),
     ...(anotherHelps(explanations) ? [messageFor("another_frame")] : []),
   ];
   return [
+    ...(missingText ? [createElement("p", {}, toSentence(capitalize(missingText)))] : []),
     ...(noiseText ? [createElement("p", {}, noiseText)] : []), ...explanationLines,
     ...notes.map((note) => createElement("p", {}, note)),
   ];
@@ -208,14 +209,15 @@ function describeNoise(decoded) {
   if (!disturbedBits.length) return "";
   const bitText = disturbedBits.length === 1
     ? nameBit(decoded.placedLayout, disturbedBits[0]) : `one of ${disturbedBits.length} bits`;
+  const proofText = decoded.placedLayout.crc ? "the CRC matches" : "the frame is valid";
   return "If only some frames fail, one bit may have been disturbed on the line: "
-    + `the CRC matches with ${bitText} inverted. `
+    + `${proofText} with ${bitText} inverted. `
     + "In that case, no change is needed.";
 }
 
 /** Return the words in front of the explanations, which are another cause if noise is one (``hasNoise``). */
 function introduceExplanations(decoded, hasNoise) {
-  if (!decoded.placedLayout?.crc) return `${messageFor("uncertain")}:`;
+  if (!canCrcContradict(decoded)) return `${messageFor("uncertain")}:`;
   return hasNoise ? "If all frames fail, these changes make the CRC match:" : "These changes make the CRC match:";
 }
 
@@ -224,8 +226,8 @@ const isCorrupted = ({ problems, crc }) => problems.some(
   ({ fault }) => ["crc", "length", "constant"].includes(fault)) && !(crc && crc.received === crc.computed);
 
 /** Return the sentence on readings of a frame without a CRC that fit equally well, in a list, or an empty list. */
-function describeEqualReadings({ placedLayout }, explanations) {
-  if (placedLayout?.crc || explanations.length < 2) return [];
+function describeEqualReadings(decoded, explanations) {
+  if (canCrcContradict(decoded) || explanations.length < 2) return [];
   const mostFrames = explanations.map(({ oneIn }) => oneIn).reduce((most, oneIn) => (oneIn > most ? oneIn : most));
   const equalCount = explanations.filter(({ oneIn }) => oneIn === mostFrames).length;
   return equalCount > 1 ? [toSentence(messageFor("equal_readings", `${equalCount}`))] : [];

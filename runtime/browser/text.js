@@ -29,13 +29,18 @@ const PASTED_SPELLINGS = [
 const LEADING_TIME = new RegExp("^\\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"
   + "|[0-9]+[.][0-9]+(?: ?(?:s|ms|us|µs))?|[0-9]+ ?(?:s|ms|us|µs))\\]?[ \\t,;]+(?=[^ \\t])");
 
-/** Return the frames in a text, one per line, as {number, time, text}. Comments after # and empty lines are skipped. */
+/**
+ * Return the frames in a text, one per line, as {number, time, text, offset} with the ``offset`` of the text in its
+ * line. Comments after # and empty lines are skipped.
+ */
 function linesOf(input) {
   return input.split(/\r\n|\r|\n/).flatMap((line, lineIndex) => {
-    const lineText = line.split("#")[0].trim();
-    const timeMatch = LEADING_TIME.exec(lineText);
-    const frameText = timeMatch ? lineText.slice(timeMatch[0].length) : lineText;
-    return frameText ? [{ number: lineIndex + 1, time: timeMatch ? timeMatch[1] : "", text: frameText }] : [];
+    const beforeComment = line.split("#")[0].trimEnd();
+    const timeAndFrame = beforeComment.trimStart();
+    const timeMatch = LEADING_TIME.exec(timeAndFrame);
+    const frameText = timeMatch ? timeAndFrame.slice(timeMatch[0].length) : timeAndFrame;
+    const offset = beforeComment.length - frameText.length;
+    return frameText ? [{ number: lineIndex + 1, time: timeMatch?.[1] ?? "", text: frameText, offset }] : [];
   });
 }
 
@@ -114,7 +119,8 @@ function numberIn(text, bitCount, areBytesExact) {
   let compactText = prefixedText.replace(/[\s_]/g, "");
   if (/^0b[01]+$/i.test(compactText)) return makeTypedFrame(compactText, compactText.length - 2, true);
   const pieces = prefixedText.split(/\s+/);
-  if (pieces.length > 1 && pieces.every((piece) => /^(0x)?([0-9a-f]{2})+$/i.test(piece))) {
+  const isPieceOfBytes = (piece) => /^(0x)?([0-9a-f]{2})+$/i.test(piece);
+  if (pieces.length > 1 && pieces.every(isPieceOfBytes)) {
     if (pieces.every((piece) => /^[01]{2}$/.test(piece))) throw new FrameText(messageFor("bits_or_bytes", quoteText(text)));
     compactText = "0x" + pieces.map((piece) => piece.replace(/^0x/i, "")).join("");
     const writtenBits = 4 * (compactText.length - 2);
@@ -124,6 +130,7 @@ function numberIn(text, bitCount, areBytesExact) {
   if (/^0x[0-9a-f]+$/i.test(compactText)) {
     return {
       ...makeTypedFrame(compactText, bitLength(BigInt(compactText)), false), written: 4 * (compactText.length - 2),
+      isBytes: pieces.length > 1 && pieces.every(isPieceOfBytes),
     };
   }
   const meanings = pieces.length === 1 ? listMeanings(compactText, bitCount) : [];
@@ -131,7 +138,7 @@ function numberIn(text, bitCount, areBytesExact) {
   if (meanings.length === 1 && /^[0-9]+$/.test(compactText)) {
     const areBits = meanings[0] === messageFor("if_bits", compactText);
     return areBits ? makeTypedFrame(`0b${compactText}`, compactText.length, true)
-      : makeTypedFrame(compactText, bitLength(BigInt(compactText)), false);
+      : { ...makeTypedFrame(compactText, bitLength(BigInt(compactText)), false), written: 0 };
   }
   const isLongNumber = pieces.length === 1 && /^[1-9][0-9]{0,19}$/.test(compactText);
   const remedies = meanings.length || !isLongNumber ? meanings
@@ -143,10 +150,10 @@ function numberIn(text, bitCount, areBytesExact) {
 
 /**
  * Return a typed frame: its number with its bits. Unless ``exact``, it may have more. ``written`` counts the bits of
- * all digits.
+ * all digits, or is 0 for a decimal number. ``isBytes`` is true for several bytes, which usually have all their zeros.
  */
 const makeTypedFrame = (text, bitCount, isExact) => ({
-  number: BigInt(text), bits: bitCount, exact: isExact, written: bitCount,
+  number: BigInt(text), bits: bitCount, exact: isExact, written: bitCount, isBytes: false,
 });
 
 /**
@@ -247,11 +254,10 @@ function decodeFrame(orderCode, senderAndName, text, registerContents, answers) 
     ? decodeChannels(orderCode, plainText, registerContents, answers) : null;
   if (wholeFrame) return { ...wholeFrame, interface: interface_ };
   if (!layouts[0].order) {
-    const placedLayout = placedFor(orderCode, layouts[0], registerContents, answers);
-    return {
-      ...decodeBits(placedLayout, numberIn(plainText, placedLayout.bits, orderCode.interface.exact?.includes(sender))),
-      interface: interface_,
-    };
+    const haveLengths = interface_.exact?.includes(sender);
+    const placedLayouts = layouts.map((layout) => placedFor(orderCode, layout, registerContents, answers));
+    const placedLayout = haveLengths ? findLayoutOfLength(placedLayouts, plainText) : placedLayouts[0];
+    return { ...decodeBits(placedLayout, numberIn(plainText, placedLayout.bits, haveLengths)), interface: interface_ };
   }
   const firstLayout = placedFor(orderCode, layouts[0], registerContents, answers);
   const bytes = placedBytes(firstLayout, plainText, interface_.name === "rs485");
@@ -259,6 +265,14 @@ function decodeFrame(orderCode, senderAndName, text, registerContents, answers) 
   const decoded = layoutOrFailure.layout
     ? decodeBytes(placedFor(orderCode, layoutOrFailure.layout, registerContents, answers), bytes) : layoutOrFailure;
   return { ...decoded, receivedBytes: bytes, interface: interface_, orderCode, sender };
+}
+
+/** Return the first layout, unless the text has another length and only one other layout has that length. */
+function findLayoutOfLength(placedLayouts, text) {
+  const hasLength = ({ bits }) => mayHaveBits(numberIn(text, bits, true), bits);
+  const [firstLayout] = placedLayouts;
+  const fittingLayouts = hasLength(firstLayout) ? [firstLayout] : placedLayouts.filter(hasLength);
+  return fittingLayouts.length === 1 ? fittingLayouts[0] : firstLayout;
 }
 
 /** Return the placed layouts of the other frames that a text can be, if the frame lacks a selector. */

@@ -41,14 +41,22 @@ function deadLine(decoded) {
 }
 
 /** Return the bits that make the frame valid if one of them is inverted: the usual cause if only some frames fail. */
-function findDisturbedBits({ placedLayout, number, problems }) {
-  const hasWrongCrc = problems.some((problem) => problem.fault === "crc");
-  if (!placedLayout?.crc || problems[0]?.fault === "length" || !hasWrongCrc) return [];
+function findDisturbedBits({ placedLayout, number, problems, receivedBytes }) {
+  if (!placedLayout || problems[0]?.fault === "length") return [];
+  if (!placedLayout.crc) return findDisturbedConstants(placedLayout, number, receivedBytes);
+  if (!problems.some((problem) => problem.fault === "crc")) return [];
   const { low, width } = findCrcField(placedLayout);
   const crc = placedLayout.family.crcs[placedLayout.crc];
   const isValid = (frameNumber) => computeCrc(crc, placedLayout, frameNumber) === extractBits(frameNumber, low, width)
     && hasRightConstants(placedLayout, frameNumber);
   return listNumbersBelow(placedLayout.bits).filter((bit) => isValid(number ^ (ONE << BigInt(bit))));
+}
+
+/** Return the bits that make the constants and the parity of a frame of bits right if one of them is inverted. */
+function findDisturbedConstants(placedLayout, number, receivedBytes) {
+  if (receivedBytes || hasRightConstants(placedLayout, number)) return [];
+  return listNumbersBelow(placedLayout.bits).filter(
+    (bit) => hasRightConstants(placedLayout, number ^ (ONE << BigInt(bit))));
 }
 
 /** Return the numbers from 0 to ``count`` - 1. */
@@ -77,7 +85,7 @@ function findExplanations(decoded, isWithPairs = false) {
 /** Return the explanations of a frame of bytes, {merged, all}. */
 function explainBytes(decoded, isWithPairs) {
   const hypotheses = tryMistakesInBytes(decoded);
-  return hasCrcInBytes(decoded) ? explainWithCrc(hypotheses, [], isWithPairs) : explainWithoutCrc(hypotheses);
+  return canCrcContradict(decoded) ? explainWithCrc(hypotheses, [], isWithPairs) : explainWithoutCrc(hypotheses);
 }
 
 /** Return the explanations of a frame of bits, {merged, all}. */
@@ -102,16 +110,19 @@ function explainBits({ placedLayout, typedFrame, problems }, isWithPairs) {
   return significant.length ? explainWithCrc(significant, [], isWithPairs) : { merged: [], all: [] };
 }
 
-/** Return whether any frame in bytes from the sender has a CRC. */
-const hasCrcInBytes = ({ orderCode, interface: interface_, sender }) => !orderCode
-  || interface_.frames.some((layout) => layout.order && layout.sender === sender && layout.crc);
+/** Return whether a CRC can contradict the frame: its own one or, for bytes, that of any frame from the sender. */
+const canCrcContradict = ({ placedLayout, receivedBytes, interface: interface_, sender }) => (
+  receivedBytes ? interface_.frames.some((layout) => layout.order && layout.sender === sender && layout.crc)
+    : Boolean(placedLayout?.crc));
 
-/** Return the part that a recording without a complete frame lacks, or "". */
+/** Return the part that a recording without a complete frame lacks, or the bytes that a shorter text lacks, or "". */
 function missingPart(decoded) {
-  const { placedLayout, typedFrame, problems } = decoded;
-  if (!typedFrame || !placedLayout || deadLine(decoded)) return "";
-  if (isCutWord(decoded) && !explained(decoded).length) return findMissingPart(
-    placedLayout, typedFrame.number.toString(2).padStart(typedFrame.written, "0"));
+  const { placedLayout, typedFrame, receivedBytes, problems } = decoded;
+  if (!placedLayout || !(typedFrame || receivedBytes) || deadLine(decoded)) return "";
+  if (receivedBytes) return explained(decoded).length ? "" : describeMissingBytes(placedLayout, 8 * receivedBytes.length);
+  if (hasMissingDigits(decoded) && (typedFrame.isBytes || !explained(decoded).length)) {
+    return fillTemplate(TABLE.texts.read_as_zeros, describeMissingBytes(placedLayout, typedFrame.written));
+  }
   const hasWrongLength = problems.some((problem) => problem.fault === "length");
   if (!hasWrongLength || mayHaveBits(typedFrame, placedLayout.bits)) return "";
   const crc = placedLayout.crc && placedLayout.family.crcs[placedLayout.crc];
@@ -122,10 +133,21 @@ function missingPart(decoded) {
   return findMissingPart(placedLayout, writeReceivedBits(placedLayout, typedFrame));
 }
 
-/** Whether a wrong word of SSI or SPI with a CRC has at least a byte fewer hex digits than the frame. */
-const isCutWord = ({ placedLayout, typedFrame, problems }) => !typedFrame.exact && typedFrame.written > 0
-  && typedFrame.written <= placedLayout.bits - 8 && interfaceOf(placedLayout).name !== "biss"
-  && problems.some((problem) => problem.fault === "crc");
+/** Return whether the digits of a frame with a wrong CRC lack whole bytes, so that these were read as 0. */
+const hasMissingDigits = ({ placedLayout, typedFrame, problems }) => !typedFrame.exact && typedFrame.written > 0
+  && countBytes(typedFrame.written) < countBytes(placedLayout.bits)
+  && problems.some(({ fault }) => fault === "crc");
+
+/** Return the number of bytes that bits fill, the last one at least in part. */
+const countBytes = (bitCount) => Math.ceil(bitCount / 8);
+
+/** Return how many bytes of the frame are missing, or "". */
+function describeMissingBytes(placedLayout, receivedBits) {
+  const [receivedCount, frameCount] = [countBytes(receivedBits), countBytes(placedLayout.bits)];
+  if (receivedCount >= frameCount) return "";
+  const missingText = countWithNoun(frameCount - receivedCount, "byte");
+  return fillTemplate(TABLE.texts.bytes_missing, receivedCount, frameCount, missingText);
+}
 
 /** Return the part that these received bits lack, by the patterns of the line. */
 function findMissingPart(placedLayout, receivedText) {

@@ -137,7 +137,7 @@ def is_expression(text: str) -> bool:
 
 
 def number_or_text(text: str) -> int | str:
-    """Return the number that a power such as 2^16 stands for, or else the text."""
+    """Return the number that a power such as 2^16 represents, or else the text."""
     power = re.fullmatch(r"2\^(\d+)", text)
     return text if power is None else 1 << int(power[1])
 

@@ -374,7 +374,7 @@ def test_every_register_alarm_and_limit_is_there(
     comments = " ".join(re.sub(r"\n *\*", " ", text).split())
     used = {f"crcs.{crc.name}" for _, layout in device.layouts() for crc in device.crcs_of(layout)}
     for erratum in device.errata:
-        # The headers do not compute a CRC that is in no frame, such as that of a memory.
+        # The headers do not compute a CRC that is in no frame, such as the CRC of a memory.
         parts = {path.split(".")[0] for path in erratum.affects if path in used or not path.startswith("crcs.")}
         if erratum.severity != "wording" and parts & {
             "registers",

@@ -213,7 +213,10 @@ def test_an_erratum_says_what_is_used(c_devices: tuple[Device, ...]) -> None:
 
 @pytest.mark.slow
 def test_an_erratum_says_what_is_used_where_data_is_at_stake(c_devices: tuple[Device, ...]) -> None:
-    """An AMM5 EEPROM write with the address at another encoder's position hits another one. The functions say so."""
+    """An AMM5 EEPROM write with the address at another encoder's position hits another address.
+
+    The functions say so.
+    """
     header = " ".join(generate(Library(c_devices))["c/include/lika/amm5_rs485.h"].replace("\n *", "\n").split())
     for name in ("EEPROM_WRITE_REQUEST", "EEPROM_READ_REQUEST"):
         before = header.partition(f"typedef struct lika_amm5_rs485_{name.lower()} ")[0].rpartition("/*")[2]

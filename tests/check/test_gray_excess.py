@@ -103,7 +103,7 @@ def test_only_masters_with_remainder_code_get_settings(tmp_path: Path, capsys: p
 
 
 def test_no_master_gets_settings_for_the_way_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The settings would be those of a binary position."""
+    """The settings would be the settings of a binary position."""
     raw = _write(
         tmp_path,
         ("        gray: {of: position, when: ssi_gray}\n", ""),
@@ -112,3 +112,13 @@ def test_no_master_gets_settings_for_the_way_out(tmp_path: Path, capsys: pytest.
     )
     assert main(["master", "EXC360G", "--specs", str(raw), "--master", "omron_nx"]) != 0
     assert "Encoder Resolution" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("wrong", "rule"), [("first", "undefined-reference"), ("2 *", "bad-expression"), ("2^200", "bad-expression")]
+)
+def test_an_excess_must_be_an_expression_of_parameters(tmp_path: Path, wrong: str, rule: str) -> None:
+    power_of_two = ('        "360": {sets: {counts: 360}}\n', "")
+    assert _rules(_write(tmp_path, power_of_two)) == []
+    changes = (power_of_two, ("when: ssi_gray}", f'when: ssi_gray, excess: "{wrong}"}}'))
+    assert _rules(_write(tmp_path, *changes)) == [rule]

@@ -155,7 +155,7 @@ def test_decode_a_reply(capsys: pytest.CaptureFixture[str]) -> None:
         (("AMM5A23/65KJP1", *AS_PRINTED, "--from", "master", "32 01 5a 69"), "constant"),
         (("AMM5A23/65KJP1", *AS_PRINTED, "--from", "master", "ea", "01", "eb"), "constant"),
         (("AMM5A23/65KJP1", "02 20 C7 D1 6A 5F"), "crc"),
-        (("AMM5A23/65KJP1", "A2 00 10 32 54 00 D4"), "range"),  # data ID 4 is not one of this family
+        (("AMM5A23/65KJP1", "A2 00 10 32 54 00 D4"), "range"),  # data ID 4 does not exist in this family
         (("AMM5A17/1SC1", "0x2000000"), "length"),
         (("AMM5A17/1SC1", "0b1"), "length"),
         (("AMM5A17/1SC1", "0x0"), "crc"),

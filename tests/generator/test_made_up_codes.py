@@ -1,4 +1,4 @@
-"""Order codes that are on no label say so, wherever an encoder is named by one."""
+"""Order codes that are on no label are marked as made up, wherever an encoder is named by such a code."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def test_pages_say_it(every_encoder: Library) -> None:
 
 
 def test_every_code_with_a_width_of_our_own_says_it(every_encoder: Library) -> None:
-    """The families whose sources name no labels. Those of the others are in their sources."""
+    """The families whose sources name no labels. The widths of other codes are in their sources."""
     made_up = {device.name for device in every_encoder.devices if device.order_code.not_on_label}
     settings = {"bml_s1g", "c58", "dl100", "dl1000", "icmr"}
     assert made_up == {"aksim2", "amt22", "icmu", "orbis", "orbis_serial", "resolute", "resolute_linear"} | settings

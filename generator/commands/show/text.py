@@ -127,7 +127,7 @@ def _parameter_lines(device: Device, variant: Variant) -> list[str]:
     """Return a section about the fixed parameters of an order code, and one about those that registers decide."""
     parameters = parameters_of(device, variant.interface)
     run_time_parameter_names = run_time_names(device)
-    # Those read from a register, and those calculated from them.
+    # Parameters read from a register, and parameters calculated from them.
     in_registers = [parameter for parameter in parameters if parameter.name in run_time_parameter_names]
     # The user chooses parameters of alternatives, so they are listed with the questions.
     others = [parameter for parameter in parameters if parameter not in in_registers]
@@ -183,7 +183,7 @@ def alternative_lines(device: Device) -> list[str]:
 def _how_to_choose(alternative: Alternative) -> str:
     """Return a sentence with the option of ``decode`` for an answer: ``… with --choose first_bit=low``.
 
-    The answer is an example, the first one that is not the default.
+    The answer is an example, the first answer that is not the default.
     """
     if alternative.default:
         default_sentence = f"{alternative.default} applies without a choice. "
@@ -234,7 +234,7 @@ def _whole_length(measurement: Measurement, parameters: Mapping[str, int] | None
 
 
 def _range_lines(device: Device, interface: str, parameters: Mapping[str, int] | None) -> list[str]:
-    """Return a line for each layout in which the position has another range, such as ``in short  4,096 counts …``."""
+    """Return a line for each layout with another range of the position, such as ``in short 4,096 counts …``."""
     style = style_with(parameters)
     range_rows = []
     for layout_name, own_range in say_measurement.own_ranges(device, interface):
@@ -256,7 +256,7 @@ def interface_lines(device: Device, interface: Interface) -> list[str]:
 def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[str]:
     """Return the lines about a frame of a family: a row for each field or group of fields, with their widths.
 
-    The row of a group has all of its fields: ``status  error 1, warning 1``.
+    The row of a group contains all of its fields: ``status error 1, warning 1``.
     """
     widths_by_name: dict[str, list[str]] = {}
     for field in layout.fields:

@@ -62,7 +62,8 @@ from .references import (
     check_unused_crc,
 )
 
-#: Rules on order codes and parameters, on which every width depends. If they find an error, the build omits these.
+#: Rules on order codes and parameters, on which every width depends. If they find an error, the build omits order codes
+#: and parameters.
 FOUNDATIONS: tuple[Rule, ...] = (
     check_order_code_references,
     parameters.check_alternative_references,
@@ -76,7 +77,7 @@ FOUNDATIONS: tuple[Rule, ...] = (
     order_code.check_order_code_pattern,
 )
 
-#: Rules on layouts, registers, groups and CRCs. One with an error cannot be built.
+#: Rules on layouts, registers, groups and CRCs. A part with an error cannot be built.
 SHAPES: tuple[Rule, ...] = (
     shapes.check_layout_keys,
     position_verdicts.check_combinations,

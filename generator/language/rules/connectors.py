@@ -39,7 +39,7 @@ class _Contact:
 
     @property
     def main_names(self) -> set[str]:
-        """Names of the signal, without those in parentheses."""
+        """Names of the signal, without names in parentheses."""
         return set(_yield_names(_IN_PARENTHESES.sub("", self.signal)))
 
     @property
@@ -136,7 +136,7 @@ def check_incomplete_pair(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 
 
 def check_connector_and_cable(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a connector and a cable for the same interface have the same signals, or a note on missing ones.
+    """Check that a connector and a cable for the same interface have the same signals, or a note on missing signals.
 
     A second reading has no notes.
     """
@@ -155,7 +155,7 @@ def check_connector_and_cable(spec: WrittenSpec, as_read: WrittenSpec, report: D
 def _report_missing_signals(incomplete: _Connector, complete: _Connector, report: DocumentReport) -> None:
     """Report the signals of a connector or cable that another, ``incomplete``, neither has nor names in its note.
 
-    It has a signal if it has one of its names, such as ``MA +`` of ``CLOCK IN + / MA +``.
+    A part has a signal if it has one of the signal's names, such as ``MA +`` of ``CLOCK IN + / MA +``.
     """
     names: set[str] = set()
     for contact in incomplete.contacts:

@@ -40,7 +40,7 @@ def check_repeated_items(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
 def _unique_lists(path: Path, node: object) -> Iterator[tuple[Path, list[object]]]:
     """Yield every list that is a set, at a place and below it, with its path.
 
-    The key of a list decides, or that of the map in which it is: both ``sums_up`` and each list in ``only_with`` are
+    The key of a list decides, or the key of the map in which it is: both ``sums_up`` and each list in ``only_with`` are
     sets.
     """
     if isinstance(node, list):
@@ -77,7 +77,7 @@ def check_repeated_text(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
 
 
 def _check_values(field: WrittenField, report: DocumentReport) -> None:
-    """Check that the values of a field do not have the same printed name or the same meaning of several words."""
+    """Check that the values of a field do not have the same printed name or the same meaning with several words."""
     printed_names = []
     meanings = []
     for name, value in field.values.items():
@@ -99,14 +99,17 @@ def _printed_name_of(register_or_field: WrittenRegister | WrittenField) -> _Name
 
 
 def _has_data(field: WrittenField) -> bool:
-    """Return True for a field that is neither fixed nor a check. Each word of a frame can repeat the names of these."""
+    """Return True for a field that is neither fixed nor a check.
+
+    Each word of a frame can repeat the names of such fields.
+    """
     is_fixed = field.constant is not None or field.unused is not None
     is_check = bool(field.crc or field.parity_of)
     return not is_fixed and not is_check
 
 
 def _report_repeated(text_key: str, texts: Iterable[_NamedText], report: DocumentReport) -> None:
-    """Report every text under a key that an earlier neighbour of another name has. Empty texts are missing ones."""
+    """Report every text under a key that an earlier neighbour of another name has. Empty texts are missing texts."""
     first_names: dict[str, str] = {}
     for text, name, path in texts:
         if not text:

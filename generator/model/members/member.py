@@ -30,9 +30,9 @@ class Member:
             * ``[name]``: a list. ``{integer}``: a map. ``{kind:interface}``: a map of parts by their member ``kind``.
             * ``text?``: the same or null. ``boolean=false``: the same with a default. ``=1``: always this number.
         about: Description for users of the data.
-        rule: Rule of ``diff`` for a change. Empty for a member that is compared elsewhere or follows from others.
-        label: Name in sentences, if it differs from ``name``.
-        read: Class of facts of a second reading to which a stated value belongs. Empty for a member without such facts,
+        rule: Rule of ``diff`` for a change. Empty for a member that is compared elsewhere or derived from other
+        members. label: Name in sentences, if it differs from ``name``. read: Class of facts of a second reading to
+        which a stated value belongs. Empty for a member without such facts,
             or whose facts have several parts.
         noun: Name in messages about second readings, where ``label`` does not name a thing.
         form: Notation in sentences: ``hex``, ``bytes``, ``word``, ``level``, ``unit``, ``plain``, or a unit. By default
@@ -73,14 +73,14 @@ class Member:
         return unit if unit in _UNITS else ""
 
     def is_stated(self, value: object) -> bool:
-        """Return True if the manual gives a value, which is not just the default."""
+        """Return True if the manual states a value, and not just the default."""
         _, _, default = self.shape.partition("=")  # ``false`` of ``boolean=false``.
         is_default = bool(default) and str(value).lower() == default
         return value not in (None, "", ()) and not is_default
 
     @property
     def is_limit(self) -> bool:
-        """True if a change that allows more and one that allows less have different rules."""
+        """True if changes in the two directions, allowing more and allowing less, have different rules."""
         return self.rule in WIDER
 
     @property

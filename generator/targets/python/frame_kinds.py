@@ -23,7 +23,7 @@ def _column_names(coder: Coder) -> list[str]:
     names: list[str] = []
     for column in columns:
         if column.runs:
-            # A run has a name, a divisor and a modulus.
+            # A run consists of a name, a divisor and a modulus.
             names += [attribute_of(run_name) for run_name, _, _ in column.runs]
         else:
             names.append(attribute_of(column.name))

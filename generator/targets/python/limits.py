@@ -32,7 +32,7 @@ def limit_expressions(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
 def _limits_of_width(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
     """Return the lowest and the highest value that the width allows.
 
-    If 0 stands for a number above all others, the values are 1 to this number.
+    If 0 stands for a number above all other values, the values are 1 to this number.
     """
     if limits.signed:
         half_of_range = scope.power(limits.width - Expression(1))

@@ -81,10 +81,10 @@ class ChannelTable:
 
 def decode_channels(layout: Any, frames: object) -> ChannelTable:
     """Decode many frames. For the arguments, see ``decode_many`` of their layout."""
-    # The frames are rows of this many bytes, with zeros in front.
+    # The frames are rows of this many bytes, with leading zeros.
     length = (layout.bits + 7) // 8
     rows, is_wrong_length = _read_frames(frames, layout.bits, length)
-    # The first channel has the highest bits.
+    # The first channel forms the highest bits.
     low_bit = layout.bits
     tables: list[Table] = []
     for frame_class, bits in zip(layout.kinds, layout.channel_bits, strict=True):

@@ -209,7 +209,7 @@ class ChannelLayout:
             bits_to_drop = field.width - self.compared_bits
             highest_bits.append(number >> bits_to_drop)
         modulus = 1 << self.compared_bits
-        # The difference is taken the shorter way around, because the lowest and the highest number are adjacent.
+        # The shorter way around counts as the difference, because the lowest and the highest number are adjacent.
         differences = [(bits - highest_bits[0]) % modulus for bits in highest_bits]
         return all(min(difference, modulus - difference) <= self.tolerance for difference in differences)
 

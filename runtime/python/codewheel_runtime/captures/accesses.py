@@ -75,7 +75,7 @@ class Accesses:
     ``_state`` is the method that follows the next cycle. ``_time`` is the time at which the control frame began, and
     ``_is_write`` is True if it writes. ``_is_free`` is True outside a control frame. ``_zeros`` is the number of CDM
     zeros since the last 1. ``_sent`` and ``_answers`` are the CDM and CDS bits of the header or byte, the last one in
-    bit 0, and ``_bit_count`` is the number of its cycles so far. ``_head`` has CTS, ID and address.
+    bit 0, and ``_bit_count`` is the number of its cycles so far. ``_head`` contains CTS, ID and address.
     """
 
     def __init__(self) -> None:
@@ -137,7 +137,7 @@ class Accesses:
     def _follow_cycle(self, cds: int, cdm: int) -> Iterator[Access]:
         """Follow one cycle within a control frame. Yield the access if it ends.
 
-        A lost cycle (CDS -1) and 14 zeros of CDM also end it. It is yielded if its address is known.
+        A lost cycle (CDS -1) and 14 zeros of CDM also end it. The access is yielded if its address is known.
         """
         self._zeros = 0 if cdm else self._zeros + 1
         if cds < 0:
@@ -206,7 +206,7 @@ class Accesses:
     def _check_echo(self) -> Outcome:
         """Return the outcome of the answers to the header. RUNNING if the slave participates."""
         head = ControlHead.decode(self._head)
-        # The value is not known yet. Any value makes it a write.
+        # The value is not known yet. Any value turns the access into a write.
         value = 0 if self._is_write else None
         return Request(head.slave_id, head.address, value)._check_echo(self._answers)
 

@@ -49,7 +49,7 @@ class TableForm(NamedTuple):
         unit: Unit of the time column in seconds. None if there is no such column, and 0 if its times are not used.
         rate: Sample rate in Hz, if the file contains it.
         skipped: Number of lines before the first row.
-        is_stamped: True if times are time stamps, which are converted to seconds from the first one.
+        is_stamped: True if times are time stamps, which are converted to seconds from the first stamp.
         has_decimal_commas: True if numbers are written like ``0,5``.
     """
 
@@ -155,14 +155,14 @@ def _find_headers(cells_by_line: Sequence[list[str]]) -> _Headers | None:
 
 
 def _is_time(name: str) -> bool:
-    """Return whether a name is that of a time column, such as ``TIME`` or ``Time (s)``, and not only a unit."""
+    """Return whether a name belongs to a time column, such as ``TIME`` or ``Time (s)``, and is not only a unit."""
     return name.strip().lower().startswith(("time", "zeit"))
 
 
 def _name_channels(
     headers: _Headers, comments: Sequence[str], first_rows: Sequence[list[str]], has_times: bool
 ) -> list[str]:
-    """Return the names of the channels: those of a comment of sigrok, those of the header, or numbers from 1.
+    """Return the names of the channels: from a comment of sigrok, from the header, or numbers from 1.
 
     The names of a comment count only if there is one for each channel. ``comments`` are lines without the mark of the
     comment. ``first_rows`` are the cells of some rows, the first of which shows the number of channels. ``has_times``
@@ -208,7 +208,7 @@ def _find_increment_rate(headers: _Headers) -> float | None:
 
 
 def _is_row(cells: Sequence[str]) -> bool:
-    """Return whether all cells can be those of a row: numbers, a time stamp, or X for a channel that was off."""
+    """Return whether the cells can form a row: numbers, a time stamp, or X for a channel that was off."""
     if not cells:
         return False
     for index, cell in enumerate(cells):
@@ -297,5 +297,5 @@ def _find_unit(name: str) -> float | None:
     unit = match["unit"].lower().replace("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}")
     if unit in UNITS:
         return UNITS[unit]
-    # Without a unit, the sample rate gives the times.
+    # Without a unit, the times follow from the sample rate.
     return 0.0 if name.strip().lower() in ("time", "zeit") else None

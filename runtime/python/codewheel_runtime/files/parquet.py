@@ -50,7 +50,7 @@ def _read_batches(
     """Yield the frames of a column, with the other columns of the same rows, and the number of rows read.
 
     Raises:
-        InputError: The column has no frames, or the file is damaged.
+        InputError: The column contains no frames, or the file is damaged.
     """
     done = 0
     with _convert_to_readable(name):

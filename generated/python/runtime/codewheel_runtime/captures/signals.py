@@ -53,8 +53,8 @@ class Signals(NamedTuple):
 class Names(NamedTuple):
     """Choice of the signals: the clock and the data line, or one data line if ``clock`` is None.
 
-    A name is that of a channel, or its number from 1. An empty name is replaced by a channel with a common name for the
-    line. ``exchanged`` is True to use the clock as the data line and the data line as the clock.
+    A name is the name of a channel, or its number from 1. An empty name is replaced by a channel with a common name for
+    the line. ``exchanged`` is True to use the clock as the data line and the data line as the clock.
     """
 
     clock: str | None = ""
@@ -74,9 +74,9 @@ class Names(NamedTuple):
     def _places(self, channels: Sequence[str], file: str) -> tuple[int, ...]:
         """Return the index of each signal, the clock first, without an exchange of them. Raises as ``places`` does.
 
-        A signal without a chosen name has the channel with a usual name. If no name is chosen, a usual name is missing,
-        and there are as many channels as signals, they are taken in order. If only one of two signals has a channel,
-        the other gets the remaining one of two channels.
+        A signal without a chosen name uses the channel with a usual name. If no name is chosen, a usual name is
+        missing, and there are as many channels as signals, they are taken in order. If only one of two signals has a
+        channel, the other gets the remaining one of two channels.
         """
         signals: list[_Signal] = [(self.data, _SERIAL, "--data")]
         if self.clock is not None:
@@ -107,7 +107,7 @@ class Names(NamedTuple):
 def _add_remaining_channel(signals: Sequence[_Signal], places: list[int | None]) -> list[int | None]:
     """Return the places of two signals among two channels. If one is known, the other has the remaining channel.
 
-    A place is None if it is not known. It stays None if the chosen name of the signal does not exist.
+    A place that is not known is None. It stays None if the chosen name of the signal does not exist.
     """
     known = [place for place in places if place is not None]
     has_unknown_name = any(name and place is None for (name, _, _), place in zip(signals, places, strict=True))
