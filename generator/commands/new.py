@@ -119,8 +119,8 @@ def write_spec(name: str, output: Path | None, like: str = "", text_of: DeviceTe
         The files that were written.
 
     Raises:
-        NameRefused: The name is not valid for a family, or the file has another name. NotWritten: A file already exists
-        or cannot be written.
+        NameRefused: The name is not valid for a family, or the file has another one.
+        NotWritten: A file already exists or cannot be written.
     """
     _refuse_invalid_name(name)
     file_name = f"{name}.yaml"

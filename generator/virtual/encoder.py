@@ -42,8 +42,8 @@ class VirtualEncoder:
         faults: Faults by name, each with a rate per reply, such as ``flip:1e-3``.
         seed: Seed of the random faults.
         clock: Function that returns the time in seconds. By default, the time since the encoder was created.
-        edition: Revision of the manual. By default, the revision of the spec. Specs to use. By default, those shipped
-        with codewheel.
+        edition: Revision of the manual. By default, that of the spec.
+        specs: Specs to use. By default, those shipped with codewheel.
 
     Attributes:
         device: The family.
@@ -52,8 +52,8 @@ class VirtualEncoder:
         faults: The faults, and the number of times that each was injected.
 
     Raises:
-        ValueError: The order code, edition, register, answer or fault does not exist, the interface cannot have this
-        fault, or an answer is missing.
+        ValueError: There is no such order code, edition, register, answer or fault, the interface cannot have this
+            fault, or an answer is missing.
     """
 
     def __init__(

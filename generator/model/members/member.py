@@ -35,8 +35,9 @@ class Member:
             * ``text?``: the same or null. ``boolean=false``: the same with a default. ``=1``: always this number.
         about: Description for users of the data.
         rule: Rule of ``diff`` for a change. Empty for a member that is compared elsewhere or derived from other
-        members. label: Name in sentences, if it differs from ``name``. read: Class of facts of a second reading to
-        which a stated value belongs. Empty for a member without such facts,
+            members.
+        label: Name in sentences, if it differs from ``name``.
+        read: Class of facts of a second reading to which a stated value belongs. Empty for a member without such facts,
             or whose facts have several parts.
         noun: Name in messages about second readings, where ``label`` does not name a thing.
         form: Notation in sentences: ``hex``, ``bytes``, ``word``, ``level``, ``unit``, ``plain``, or a unit. By default

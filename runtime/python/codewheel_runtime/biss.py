@@ -410,8 +410,9 @@ class Master:
 
     Attributes:
         outcome: State or result of the access.
-        slaves: Number of slaves that have taken an ID, 9 for more than 8. The number is known after the header. Number
-        of bytes that were read or written. data: Bytes that were read.
+        slaves: Number of slaves that have taken an ID, 9 for more than 8. It is known after the header.
+        done: Number of bytes that were read or written.
+        data: Bytes that were read.
     """
 
     def __init__(self) -> None:
@@ -829,7 +830,7 @@ class Slave:
     def _take_address(self) -> None:
         """Take the address of the register from the header. Leave the frame if it is not for this slave.
 
-        The request is for another slave if it is a command (CTS = 0), has another ID, or has a CRC error.
+        It is not for this slave if it is a command (CTS = 0), has another ID, or has a CRC error.
         """
         head = ControlHead.decode_with_crc(self._received)
         is_for_this_slave = head is not None and head.is_register_access and head.slave_id == self.slave_id

@@ -22,9 +22,9 @@ def why(encoder: Sender, frame: object) -> tuple[str, ...]:
     """Return the changes that make an invalid frame valid, as text, the most likely first.
 
     An example is ``"with all bits inverted: check for swapped wires of the data line"``. If the line is dead, or if the
-    frame has all data channels, this is the only answer. A short CRC is sometimes correct by chance. A CRC of 6 bits is
-    correct in 1 of 64 cases, and in most cases there is a bit whose inversion makes it correct. Check several frames,
-    and look for the mistake that explains all of them.
+    frame has all data channels, a sentence about that is the only answer. A short CRC is sometimes correct by chance. A
+    CRC of 6 bits is correct in 1 of 64 cases, and in most cases there is a bit whose inversion makes it correct. Check
+    several frames, and look for the mistake that explains all of them.
     """
     if explanation := _explain_whole_frame(encoder, frame):
         return (explanation,)

@@ -194,7 +194,7 @@ def as_bytes(data: Data) -> bytes:
     except TypeError:
         advice = "bytes.fromhex(text)" if isinstance(data, str) else "bytes or another buffer of bytes"
         raise TypeError(f"expected bytes, got {shorten(data)}: pass {advice}") from None
-    # The formats of signed and unsigned bytes, and of characters. The byte order can precede the number.
+    # The formats of signed and unsigned bytes, and of characters. A mark of the byte order can precede them.
     if view.ndim != 1 or view.itemsize != 1 or view.format[-1] not in "Bbc":
         shape = "items" if view.ndim == 1 else f"items in {view.ndim} dimensions"
         raise TypeError(f"expected a row of bytes, got a buffer of {shape} of the format '{view.format}': pass bytes")

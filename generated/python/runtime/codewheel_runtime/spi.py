@@ -61,8 +61,9 @@ class Pipeline:
         encoder: The encoder.
         replies: Class of the reply to each class of requests.
         late: True if the encoder answers in the word after the request.
-        read: Class of the request that reads a register, if there is such a request. write: Classes of the requests
-        that write a register, one for each word. registers: Address and number of bytes of each class of registers.
+        read: Class of the request that reads a register, if there is one.
+        write: Classes of the requests that write a register, one for each word.
+        registers: Address and number of bytes of each class of registers.
     """
 
     def __init__(
@@ -85,7 +86,7 @@ class Pipeline:
         self._registers = registers
         #: Request whose word is on the bus: its received word has not been taken. None between ``take`` and ``ask``.
         self._sent: _Sent | None = None
-        #: Request before the previous one, to which a late reply belongs.
+        #: Request before ``_sent``, to which a late reply belongs.
         self._before: _Sent | None = None
         #: Number of bits of the last word.
         self._bits = 0
@@ -122,7 +123,7 @@ class Pipeline:
         return self._start_request(self._make_read_request(address), register)
 
     def write(self, value: Value) -> Iterator[int]:
-        """Yield the words that write a register. Exchange and take each request before the next.
+        """Yield the words that write a register. Exchange and take each word before the next.
 
         Args:
             value: The value, an object of the register's class.

@@ -165,7 +165,8 @@ def _get_limb_type(is_little: bool) -> str:
 def _read_short_rows(rows: Any, is_little: bool) -> Any:
     """Return rows of fewer than eight bytes as numbers.
 
-    Eight bytes are read for each row. The last rows would be read beyond the array, so these rows are copied.
+    Eight bytes are read for each row. For the last rows, some of them would be outside the array, so these rows are
+    copied.
     """
     row_count, row_bytes = rows.shape
     # After these rows, at least eight bytes follow.

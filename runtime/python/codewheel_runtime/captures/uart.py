@@ -70,9 +70,9 @@ def read_serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, 
         # with an odd index fall.
         falls = edges[1 - level :: 2]
         # Falling edges whose byte is complete. At the end of the capture (None), all are used.
-        complete_count = (
-            int(np.searchsorted(falls, end - _BITS * bit_time, "right")) if part is not None else len(falls)
-        )
+        complete_count = len(falls)
+        if part is not None:
+            complete_count = int(np.searchsorted(falls, end - _BITS * bit_time, "right"))
         falls = falls[:complete_count]
         if not len(falls):
             continue

@@ -60,7 +60,7 @@ def find_class_encoder(frame: Any) -> Encode:
 def make_encoder(kind: type, arguments: tuple[Any, ...]) -> Encode:
     """Return a function that encodes frames of a class. ``arguments`` are the encoder and the answers that it needs.
 
-    The function is compiled for this class. A field without a fast path, or with limits of the encoder, uses
+    The function is compiled for this class. If a field has no fast path, or limits that depend on the encoder, it is
     ``encode_any`` instead, which reads the description of the frame each time.
     """
     shape = shape_of(kind, *arguments)

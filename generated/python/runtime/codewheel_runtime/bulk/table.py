@@ -86,7 +86,7 @@ class Table(_TableOf[_Name, _Unit]):
     """Columns of many frames: a NumPy array for each field, and ``fault`` with the error of each frame.
 
     The arrays hold the raw bits of every frame, including invalid ones. Use ``usable_position`` for positions: it is
-    masked if there is none. ``to_arrow`` and ``to_pandas`` return null for frames without a position.
+    masked if there is none. ``to_arrow`` and ``to_pandas`` return null for frames without a usable position.
 
     Frames with a verdict also have a column ``verdict``: the index of the verdict in ``Verdict``. It is 0 if the
     position is not usable or the frame has an error.

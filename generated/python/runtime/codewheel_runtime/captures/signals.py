@@ -22,7 +22,7 @@ class Edges(NamedTuple):
     Attributes:
         levels: Level of each signal at the beginning of the stretch.
         times: Times at which each signal changes, in ascending order, as an array of float64 for each signal.
-        begin: Beginning of the stretch.
+        begin: Beginning of the stretch. Minus infinity if it is not known.
         end: End of the stretch.
         done: Amount of the file that has been read so far.
     """
