@@ -140,7 +140,7 @@ def crc(value: int, bits: int) -> int:
 
 
 def bit_at(bits: int, place: int) -> int:
-    """Return a bit of a number. The lowest one is at place 0."""
+    """Return a bit of a number. The lowest bit is at place 0."""
     return (bits >> place) & 1
 
 
@@ -298,8 +298,8 @@ class Request:
 
     def _check_echo(self, answers: int) -> Outcome:
         """Return the outcome of 18 answers, from IDL0 in bit 17 to W in bit 0. RUNNING if the slave participates."""
-        # With all answers 1, CDS never changes. IDL0 is the first answer, followed by those of the other IDs: a 1 shows
-        # that a slave has taken the ID.
+        # With all answers 1, CDS never changes. IDL0 is the first answer, followed by the answers of the other IDs: a 1
+        # shows that a slave has taken the ID.
         has_taken_id = bit_at(answers, _ECHO_BITS - 1 - self.slave_id)
         if answers == _ALL_ONES or not has_taken_id:
             return Outcome.NO_ANSWER
@@ -313,7 +313,7 @@ class Request:
             return Outcome.RUNNING
         if access_bits == refused_bits:
             return Outcome.REFUSED
-        # Only a read gets here with 00.
+        # Only a read gets here with the bits 00.
         return Outcome.NO_ANSWER if access_bits == 0 else Outcome.BAD_ECHO
 
     def _check_data(self, answers: int) -> tuple[Outcome, int | None]:
@@ -349,7 +349,8 @@ class Answer:
     def decode(cls, request: Request, cds: int) -> Answer:
         """Decode the CDS bits of the 32 frames in which the word of a request was sent.
 
-        This is for masters that send a whole word before they look at the answer. They cannot wait for a busy slave.
+        This function is for masters that send a whole word before they look at the answer. They cannot wait for a busy
+        slave.
 
         Args:
             request: The request.
@@ -384,8 +385,8 @@ def _count_slaves(idl: int) -> int:
 
     Three slaves give ``0b1110_0000_0000_0000``.
     """
-    # Slaves take IDs from 0 on, so their number is that of the ones before the first 0. In the inverted bits, this is
-    # the highest 1.
+    # Slaves take IDs from 0 on, so their number is the number of 1 bits before the first 0. In the inverted bits, this
+    # is the highest 1.
     inverted = ~idl & 0xFFFF
     return min(9, 16 - inverted.bit_length())
 
@@ -409,9 +410,8 @@ class Master:
 
     Attributes:
         outcome: State or result of the access.
-        slaves: Number of slaves that have taken an ID, 9 for more than 8. It is known after the header.
-        done: Number of bytes that were read or written.
-        data: Bytes that were read.
+        slaves: Number of slaves that have taken an ID, 9 for more than 8. The number is known after the header. Number
+        of bytes that were read or written. data: Bytes that were read.
     """
 
     def __init__(self) -> None:
@@ -471,7 +471,7 @@ class Master:
     def _begin_frame(self, slave_id: int, address: int, values: list[int | None], busy_limit: int) -> None:
         """Start a control frame, and forget the state of the previous one.
 
-        ``values`` has the byte to write for each register from ``address`` on, or None to read it.
+        ``values`` contains the byte to write for each register from ``address`` on, or None to read it.
         """
         slave_id = whole_number("slave_id", slave_id)
         address = whole_number("address", address)
@@ -542,7 +542,7 @@ class Master:
         # R and W, the last two answers, follow the IDL bits.
         idl = self._answer_bits >> 2
         self.slaves = _count_slaves(idl)
-        # The header is that of the first register.
+        # The header belongs to the first register.
         first_request = self._requests[0]
         echo = first_request._check_echo(self._answer_bits)
         if echo is not Outcome.RUNNING:
@@ -687,12 +687,9 @@ class Slave:
     side effects on reading must allow for that.
 
     Attributes:
-        readable: Addresses that a master may read. Others are refused.
-        writable: Addresses that a master may write. Others are refused.
-        wants: Request of the slave.
-        address: Address of the register in the request.
-        value: Value to store.
-        slave_id: ID in the last control frame, or None.
+        readable: Addresses that a master may read. Other addresses are refused. Addresses that a master may write.
+        Other addresses are refused. Request of the slave. address: Address of the register in the request. value: Value
+        to store. slave_id: ID in the last control frame, or None.
     """
 
     def __init__(self, readable: Iterable[int] = range(128), writable: Iterable[int] = range(128)) -> None:
@@ -713,7 +710,7 @@ class Slave:
         self._register_address = 0
         #: Number of zeros that were received since the last 1.
         self._zeros = 0
-        #: Number of CDM bits in ``_received``, which are those of this phase, the last one in bit 0.
+        #: Number of CDM bits of this phase in ``_received``, the last one in bit 0.
         self._bit_count = 0
         self._received = 0
 
@@ -800,7 +797,7 @@ class Slave:
     def _answer_id_bit(self, upstream: int) -> int:
         """Return the CDS bit of an IDL bit: 1 to take it as the ID, otherwise the bit that arrives at SLI.
 
-        The IDL bits stand for the IDs 0, 1, 2 and so on. A slave takes the first one that no slave further from the
+        The IDL bits stand for the IDs 0, 1, 2 and so on. A slave takes the first ID that no slave further from the
         master has taken.
         """
         if upstream or self._has_taken_id or self._bit_count > IDS:
@@ -813,7 +810,7 @@ class Slave:
     def _follow_header(self, cdm: int, upstream: int) -> int:
         """Return the answer to a CDM bit of steps 2 and 3, which are in the table of this module.
 
-        The answers to CTS, ID, ADR and their CRC are the IDL bits. Those to R and W follow.
+        The answers to CTS, ID, ADR and their CRC are the IDL bits. The answers to R and W follow.
         """
         self._received = append_bit(self._received, cdm)
         self._bit_count += 1
@@ -828,7 +825,7 @@ class Slave:
     def _take_address(self) -> None:
         """Take the address of the register from the header. Leave the frame if it is not for this slave.
 
-        It is not if it is a command (CTS = 0), has another ID, or has a CRC error.
+        The request is for another slave if it is a command (CTS = 0), has another ID, or has a CRC error.
         """
         head = ControlHead.decode_with_crc(self._received)
         is_for_this_slave = head is not None and head.is_register_access and head.slave_id == self.slave_id

@@ -23,8 +23,8 @@ def why(encoder: Sender, frame: object) -> tuple[str, ...]:
 
     An example is ``"with all bits inverted: check for swapped wires of the data line"``. If the line is dead, this is
     the only answer. A short CRC is sometimes correct by chance. A CRC of 6 bits is correct in 1 of 64 cases, and in
-    most cases there is a bit whose inversion makes it correct. Check several frames, and look for the mistake that
-    explains all of them.
+    most cases inverting a single bit makes it correct. Check several frames, and look for the mistake that explains all
+    of them.
     """
     # Without a CRC or another check, every frame is valid, so nothing can be concluded.
     can_be_invalid = _can_be_invalid(encoder)
@@ -81,7 +81,7 @@ def _explain_dead_line(encoder: Sender, frame: object, has_crc: bool) -> str:
 
 
 def _convert_to_number(frame: object, frame_bits: int) -> tuple[int, int] | None:
-    """Return a frame as a number, and its length in bits. None if it is not one, such as a text of other digits.
+    """Return a frame as a number, and its length in bits. None if it is not a number, such as a text of other digits.
 
     A number without its length has at least ``frame_bits`` bits.
     """
@@ -190,7 +190,7 @@ def _try_changed_words(encoder: Sender, frame: int, bits: int) -> Iterator[_Chan
 def _try_flipped_bits(
     encoder: Sender, flipped_frames: Iterable[object], name_of_bit: Callable[[int], str]
 ) -> Iterator[_Change]:
-    """Yield a frame that is valid with one bit inverted, if there is one. The bit is named if only one is possible.
+    """Yield a valid frame that one inverted bit explains, if there is one. The bit is named if only one is possible.
 
     ``flipped_frames`` are the frames with bit 0, 1, … inverted, and ``name_of_bit`` returns the name of a bit.
     """
@@ -204,7 +204,7 @@ def _try_flipped_bits(
 
 
 def _count_frame_bits(encoder: Sender) -> int:
-    """Return the number of bits in a frame, or 0 if it is made of bytes or the order code does not determine it."""
+    """Return the number of bits in a frame, or 0 for a frame of bytes or if the order code does not determine it."""
     try:
         return cast(int, getattr(encoder, "frame_bits", 0))
     except ValueError:

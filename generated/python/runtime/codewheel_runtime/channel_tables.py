@@ -78,10 +78,10 @@ class ChannelTable:
 
 def decode_channels(layout: Any, frames: object) -> ChannelTable:
     """Decode many frames. For the arguments, see ``decode_many`` of their layout."""
-    # The frames are rows of this many bytes, with zeros in front.
+    # The frames are rows of this many bytes, with leading zeros.
     length = (layout.bits + 7) // 8
     rows, is_wrong_length = _read_frames(frames, layout.bits, length)
-    # The first channel has the highest bits.
+    # The first channel forms the highest bits.
     low_bit = layout.bits
     tables: list[Table] = []
     for frame_class, bits in zip(layout.kinds, layout.channel_bits, strict=True):
@@ -144,7 +144,7 @@ def _extract_bits(rows: Any, low_bit: int, width: int) -> Any:
 def _compare_fields(layout: Any, channels: tuple[Table, ...]) -> Any:
     """Return True for each frame whose compared fields agree, whether it is valid or not.
 
-    Of fields with different widths, only the highest bits are compared, as many as the narrowest field has.
+    Of fields with different widths, only the highest bits are compared, up to the width of the narrowest field.
     """
     compared_values: list[Any] = []
     for field in layout.compared:

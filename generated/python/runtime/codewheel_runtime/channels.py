@@ -148,7 +148,7 @@ class ChannelLayout:
 
         Args:
             frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
-            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show missing bits.
 
         Returns:
             The frame. Check its ``verdict`` before you use the position.
@@ -205,7 +205,7 @@ class ChannelLayout:
             bits_to_drop = field.width - self.compared_bits
             highest_bits.append(number >> bits_to_drop)
         modulus = 1 << self.compared_bits
-        # The difference is taken the shorter way around, because the lowest and the highest number are adjacent.
+        # The shorter way around counts as the difference, because the lowest and the highest number are adjacent.
         differences = [(bits - highest_bits[0]) % modulus for bits in highest_bits]
         return all(min(difference, modulus - difference) <= self.tolerance for difference in differences)
 

@@ -11,7 +11,7 @@ from typing import Any, Final, NamedTuple, NoReturn, Protocol, SupportsIndex, Ty
 
 from .errors import FrameError, LengthError, RangeError
 
-#: A frame or register made of bytes: any buffer of single bytes, such as one row of an array.
+#: A frame or register in bytes: any buffer of single bytes, such as one row of an array.
 Data = bytes | bytearray | memoryview
 
 #: A frame that is a string of bits: a number, the first bit sent most significant, text of 0 and 1, or bytes that
@@ -32,7 +32,7 @@ _TUPLE: Final[Any] = tuple
 
 
 def by_class(kind: type[_Kind]) -> type[_Kind]:
-    """Make objects of ``kind`` equal only to those of the same class, unlike a plain NamedTuple."""
+    """Make objects of ``kind`` equal only to objects of the same class, unlike a plain NamedTuple."""
 
     def equals(self: tuple[object, ...], other: object) -> object:
         """Compare the items if the classes are the same. No other tuple is equal."""
@@ -148,7 +148,7 @@ def as_word(frame: Word, length: int, bits: int | None) -> int:
         bits = len(digits)
         number = int(digits or "0", 2)
     elif isinstance(frame, (bytes, bytearray, memoryview)):
-        # As in files: as few bytes as possible, padded with zeros in front.
+        # As in files: as few bytes as possible, with leading zeros.
         data = as_bytes(frame)
         byte_count = (length + 7) // 8
         if len(data) != byte_count:
@@ -162,7 +162,9 @@ def as_word(frame: Word, length: int, bits: int | None) -> int:
 
 
 def _take_binary_digits(text: str) -> str:
-    """Return the binary digits of a frame, without ``0b`` in front. Raises RangeError if there are other characters.
+    """Return the binary digits of a frame, without a leading ``0b``.
+
+    Raises RangeError if the text contains other characters.
 
     Underscores and spaces between digits are accepted: they make long frames readable.
     """
@@ -187,7 +189,7 @@ def as_bytes(data: Data) -> bytes:
     except TypeError:
         advice = "bytes.fromhex(text)" if isinstance(data, str) else "bytes or another buffer of bytes"
         raise TypeError(f"expected bytes, got {shorten(data)}: pass {advice}") from None
-    # The formats of signed and unsigned bytes, and of characters. The byte order can be in front.
+    # The formats of signed and unsigned bytes, and of characters. The byte order can precede the number.
     if view.ndim != 1 or view.itemsize != 1 or view.format[-1] not in "Bbc":
         shape = "items" if view.ndim == 1 else f"items in {view.ndim} dimensions"
         raise TypeError(f"expected a row of bytes, got a buffer of {shape} of the format '{view.format}': pass bytes")
@@ -202,7 +204,8 @@ def assert_never(kind: NoReturn) -> NoReturn:
 def check_width(field: str, value: SupportsIndex, bits: int) -> int:
     """Return ``value`` as an int. Raises RangeError unless it fits into ``bits`` bits."""
     number = value if type(value) is int else whole_number(field, value)
-    # Nothing is left of a number that fits. A negative number keeps its sign when it is shifted, so it is not 0 either.
+    # Nothing is left of a number that fits. A negative number keeps its sign when it is shifted, so the result is not 0
+    # either.
     if number >> bits:
         raise RangeError(field, number, f"0 to {(1 << bits) - 1}")
     return number
@@ -264,7 +267,7 @@ def check_power_of_two(field: str, value: SupportsIndex) -> None:
 
 
 def as_member(kind: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
-    """Return ``value`` as a member of ``kind``. Raises RangeError unless it is the number of one."""
+    """Return ``value`` as a member of ``kind``. Raises RangeError unless it is the number of a member."""
     number = value if type(value) is int else whole_number(field, value)
     try:
         return kind(number)
@@ -275,13 +278,13 @@ def as_member(kind: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
 def text_number(field: str, text: str, length: int) -> int:
     """Return ``length`` characters as one number, with the first one most significant: ``0x4142`` for ``"AB"``.
 
-    Latin-1 has a character for each byte, so every decoded text can be encoded again. Raises RangeError for another
-    length or other characters.
+    Latin-1 contains a character for each byte, so every decoded text can be encoded again. Raises RangeError for
+    another length or other characters.
     """
     try:
         data = text.encode("latin-1")
     except UnicodeEncodeError:
-        # No bytes have the wrong length, so the error below follows.
+        # No bytes are of the wrong length, so the error below follows.
         data = b""
     if len(data) != length:
         raise RangeError(field, text, f"{length} Latin-1 characters")
@@ -291,7 +294,7 @@ def text_number(field: str, text: str, length: int) -> int:
 def signed(value: int, bits: int) -> int:
     """Interpret ``bits`` bits as a two's complement number: with 4 bits, 15 is -1.
 
-    It is called for each frame, so it is one expression. A field without bits has no sign bit.
+    The function is called for each frame, so it is one expression. A field without bits has no sign bit.
     """
     return value - (1 << bits) if value & ((1 << bits) >> 1) else value
 
@@ -451,7 +454,7 @@ def make_crc_tables(
 def _make_table(first: int, changes: Sequence[int]) -> Sequence[int]:
     """Return a table with an entry for each number: ``first``, XORed with the change of each bit that is 1.
 
-    Each bit doubles the table: its second half has the entries with this bit set.
+    Each bit doubles the table: its second half contains the entries with this bit set.
     """
     table = [first]
     for change in changes:

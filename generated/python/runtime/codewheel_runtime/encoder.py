@@ -108,7 +108,7 @@ class Encoder:
         unlisted: Names of the parts whose values the manual does not list.
         tail: Text that followed the order code on the label.
         special_code: Ending ``/Sxxx`` of the label, or empty.
-        written_as_in: Document that uses the label's spelling of the order code, if it is not the usual one.
+        written_as_in: Document that uses the label's spelling of the order code, if it is not the usual spelling.
     """
 
     family: ClassVar[Family]
@@ -182,7 +182,7 @@ class Encoder:
 
     def _facts(self) -> Any:
         """Return the facts about the interface for this order code, such as ``SsiFacts``."""
-        # The generated class of the family's encoders has the family.
+        # The generated class of the family's encoders knows the family.
         family_class = next(base_class for base_class in type(self).__mro__ if "family" in vars(base_class))
         facts: Any = load_fact(family_class.__module__, self.interface.name)
         return facts.for_code(self.code)
@@ -195,7 +195,7 @@ class Encoder:
             arguments, answers: Further arguments of the class for the family and the interface.
 
         Returns:
-            The frame. It is a :class:`PositionFrame` if it has a position.
+            The frame. It is a :class:`PositionFrame` if it contains a position.
 
         Raises:
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
@@ -367,9 +367,9 @@ def look_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
     text = check_label(label)
     if text in variants:
         return variants[text]
-    # The label is not a listed code. It can have a tail, a suffix, unlisted values or another spelling. ``read`` splits
-    # it, and ``listed`` has the parts of the listed code that fits best. The encoder of that is changed where the label
-    # differs: X-24-TAIL becomes the encoder of X-24 with the tail "-TAIL".
+    # The label is not a listed code. The label can have a tail, a suffix, unlisted values or another spelling. ``read``
+    # splits it, and ``listed`` contains the parts of the listed code that fits best. The encoder of that is changed
+    # where the label differs: X-24-TAIL becomes the encoder of X-24 with the tail "-TAIL".
     codes = {code: variant.parts for code, variant in variants.items()}
     family = next(iter(variants.values())).family
     parsed_label = cast(OrderCode, load_fact(module, "ORDER_CODE")).read(text, family.name.upper(), codes)
@@ -444,7 +444,10 @@ return_frame_error: ErrorHandler = cast(ErrorHandler, _return_frame_error)
 
 
 def _find_encoder(error: Exception, frame: object, encoder: Encoder) -> Exception:
-    """Return a frame error after the frame and the encoder are added to it. Others become a TypeError with the code."""
+    """Return a frame error after the frame and the encoder are added to it.
+
+    Other errors become a TypeError with the code.
+    """
     if isinstance(error, FrameError):
         error.add(frame, encoder)
         return error

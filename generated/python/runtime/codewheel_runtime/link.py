@@ -56,7 +56,10 @@ class Transport(Protocol):
         ...
 
     def read(self, timeout_s: float, /) -> bytes:
-        """Return all bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``."""
+        """Return all bytes that have arrived.
+
+        If no bytes have arrived, wait for the first byte for at most ``timeout_s``.
+        """
         ...
 
 
@@ -106,7 +109,8 @@ class Link:
         """Return the position in counts.
 
         Args:
-            request: Request for the position, with the encoder's address. Default: that with the factory defaults.
+            request: Request for the position, with the encoder's address. Default: the request with the factory
+            defaults.
 
         Raises:
             NotUsableError: The encoder reports that its position is not usable.
@@ -118,7 +122,8 @@ class Link:
         """Return a frame with the position. Check its ``verdict`` before you use the position.
 
         Args:
-            request: Request for the position, with the encoder's address. Default: that with the factory defaults.
+            request: Request for the position, with the encoder's address. Default: the request with the factory
+            defaults.
 
         Raises:
             LinkError: There is no valid reply. The subclass indicates the reason.
@@ -164,7 +169,8 @@ class Link:
         """Return ``length`` bytes, or fewer after a time-out."""
         data = b""
         deadline = monotonic() + self.session.timeout_s
-        # After the time-out, ``read`` returns what has arrived, without a wait. If that is nothing, the loop ends.
+        # After the time-out, ``read`` returns the bytes that have arrived, without a wait. If that is nothing, the loop
+        # ends.
         with self.lock:
             while len(data) < length and (further_bytes := self.transport.read(max(0.0, deadline - monotonic()))):
                 data += further_bytes
@@ -247,10 +253,13 @@ class SerialTransport:
         self._port.write(data)
 
     def read(self, timeout_s: float, /) -> bytes:
-        """Return all bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``."""
+        """Return all bytes that have arrived.
+
+        If no bytes have arrived, wait for the first byte for at most ``timeout_s``.
+        """
         try:
             handle = self._port.fileno()
-        except (OSError, AttributeError):  # Windows has no file number that can be waited for.
+        except (OSError, AttributeError):  # Windows offers no file number for waiting.
             self._port.timeout = timeout_s
             first_byte: bytes = self._port.read(1)
             return first_byte + bytes(self._port.read(self._port.in_waiting)) if first_byte else b""
@@ -347,10 +356,9 @@ class Ports:
 
         Args:
             port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
-            label: Order code on the label, or an encoder whose class shows that it has RS-485.
-            timeout_s: Time in seconds in which a reply must be complete.
-            retries: Number of further attempts after a failure.
-            settle_s: Time in seconds for which the line must be quiet after a reply. The default depends on the baud
+            label: Order code on the label, or an encoder whose class has RS-485. timeout_s: Time in seconds in which a
+            reply must be complete. retries: Number of further attempts after a failure. settle_s: Time in seconds for
+            which the line must be quiet after a reply. The default depends on the baud
                 rate and the measured reply times. With 0, a request of another kind is sent before each request
                 instead.
             rs485: Let the driver of the port switch the direction of the line. Few adapters need this.

@@ -39,12 +39,15 @@ class AsyncTransport(Protocol):
         ...
 
     async def read(self, timeout_s: float, /) -> bytes:
-        """Return all bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``."""
+        """Return all bytes that have arrived.
+
+        If no bytes have arrived, wait for the first byte for at most ``timeout_s``.
+        """
         ...
 
 
 class StreamTransport:
-    """Line over asyncio streams, such as those of ``asyncio.open_connection``."""
+    """Line over asyncio streams, for example from ``asyncio.open_connection``."""
 
     def __init__(self, reader: StreamReader, writer: StreamWriter) -> None:
         self._reader = reader
@@ -56,7 +59,10 @@ class StreamTransport:
         await self._writer.drain()
 
     async def read(self, timeout_s: float, /) -> bytes:
-        """Return all bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``."""
+        """Return all bytes that have arrived.
+
+        If no bytes have arrived, wait for the first byte for at most ``timeout_s``.
+        """
         try:
             return await wait_for(self._reader.read(4096), max(timeout_s, 0.0005))
         except (Late, TimeoutError):
@@ -78,7 +84,10 @@ class ThreadTransport:
         await _finish_in_thread(self._transport.write, data)
 
     async def read(self, timeout_s: float, /) -> bytes:
-        """Return all bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``."""
+        """Return all bytes that have arrived.
+
+        If no bytes have arrived, wait for the first byte for at most ``timeout_s``.
+        """
         return await _finish_in_thread(self._transport.read, timeout_s)
 
     def close(self) -> None:
@@ -105,7 +114,7 @@ async def _finish_in_thread(function: Callable[[_Argument], _Result], argument: 
 class AsyncLink:
     """Link to an encoder, for asyncio. Requests of several tasks are sent one after the other.
 
-    The methods are those of :class:`codewheel_runtime.link.Link`.
+    The methods are the same as in :class:`codewheel_runtime.link.Link`.
 
     Args:
         encoder: The encoder, with RS-485.
@@ -158,7 +167,7 @@ class AsyncLink:
 
     async def close(self) -> None:
         """Close the transport, if it can be closed."""
-        # A transport can have a function or a coroutine ``close``, or none.
+        # A transport can have a function or a coroutine ``close``, or neither.
         done = getattr(self.transport, "close", lambda: None)()
         if isawaitable(done):
             await done
@@ -243,10 +252,9 @@ class AsyncPorts:
 
         Args:
             port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
-            label: Order code on the label, or an encoder whose class shows that it has RS-485.
-            timeout_s: Time in seconds in which a reply must be complete.
-            retries: Number of further attempts after a failure.
-            settle_s: Time in seconds for which the line must be quiet after a reply. The default depends on the baud
+            label: Order code on the label, or an encoder whose class has RS-485. timeout_s: Time in seconds in which a
+            reply must be complete. retries: Number of further attempts after a failure. settle_s: Time in seconds for
+            which the line must be quiet after a reply. The default depends on the baud
                 rate and the measured reply times. With 0, a request of another kind is sent before each request
                 instead.
 

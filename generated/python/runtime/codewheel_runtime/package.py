@@ -39,7 +39,7 @@ class Package(NamedTuple):
                 encoder: Encoder = self._import_module(family).lookup(text)
             except OrderCodeError:
                 continue  # Several families can have special models of that name, or codes with that prefix.
-            # What is a tail after the code of one family can be a part of the code of another one.
+            # The tail of one family's code can be a part of another family's code.
             if best is None or len(encoder.tail) < len(best.tail):
                 best = encoder
             if not best.tail:

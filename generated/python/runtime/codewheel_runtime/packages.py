@@ -11,7 +11,7 @@ def load(module: str) -> Any:
     """Return a module of an optional package.
 
     Raises:
-        ModuleNotFoundError: The package is not installed. The message has the command that installs it.
+        ModuleNotFoundError: The package is not installed. The message contains the command that installs it.
     """
     try:
         return import_module(module)

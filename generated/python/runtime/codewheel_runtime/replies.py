@@ -61,8 +61,8 @@ class FoundReply(NamedTuple):
 def find_reply(received: bytes, pending: PendingRequest, kinds: Mapping[int, ReplyKind]) -> FoundReply | None:
     """Return the reply to a request in the received bytes, or None.
 
-    The reply has the length and the first byte of its kind, and no error. Any bytes may precede it, such as an echo,
-    but only complete replies may follow it. If several places fit, the last one is the reply.
+    The reply has the length and the first byte of its kind, and contains no error. Any bytes may precede it, such as an
+    echo, but only complete replies may follow it. If several places fit, the last one is the reply.
     """
     if not pending.kind.repeats_first:
         return _find_among_any_bytes(received, pending)
@@ -131,7 +131,7 @@ def find_error(reply: bytes, pending: PendingRequest) -> FrameError | None:
     except FrameError as error:
         return error
     except TypeError:
-        # Fields that need an answer cannot be decoded here. The last byte is the XOR of all others.
+        # Fields that need an answer cannot be decoded here. The last byte is the XOR of all other bytes.
         difference = compute_xor(reply)
         return CrcError(reply[-1], reply[-1] ^ difference) if difference else None
     return None

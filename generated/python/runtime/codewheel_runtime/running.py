@@ -15,18 +15,18 @@ class Bus(Protocol):
     """Object that reads and writes registers, such as ``biss.RegisterBus`` or your own master."""
 
     def read(self, address: int, length: int, /) -> bytes:
-        """Return ``length`` bytes, starting at an address. Over SPI, they are those of the register there."""
+        """Return ``length`` bytes, starting at an address. Over SPI, they are the bytes of the register there."""
         ...
 
     def write(self, address: int, data: bytes, /) -> object:
-        """Write bytes, starting at an address. Over SPI, they are those of the register there."""
+        """Write bytes, starting at an address. Over SPI, they are the bytes of the register there."""
         ...
 
 
 class Line(Protocol):
     """Connection that sends a request and receives the reply, such as a serial port.
 
-    The reply to each request is read and checked, so it cannot be mistaken for a later one.
+    The reply to each request is read and checked, so it cannot be mistaken for a later reply.
     """
 
     def drain(self) -> object:
@@ -165,7 +165,7 @@ class _Procedure:
         elif isinstance(step, Modify):
             data = self._read(step)
             number = (int.from_bytes(data, step.order) & ~step.mask) | step.value
-            # Of several changes, the first one has the original bytes.
+            # Of several changes, the first contains the original bytes.
             self._before.setdefault(step.address, (step.register, data))
             changed = number.to_bytes(step.length, step.order)
             self._store(step.address, changed, whole=step.whole)
@@ -176,7 +176,7 @@ class _Procedure:
             self._poll(step)
 
     def _store(self, address: int, data: bytes, *, whole: bool) -> None:
-        """Remember written bytes. With ``whole``, they are those of a register with a single address."""
+        """Remember written bytes. With ``whole``, they are the bytes of a register with a single address."""
         if whole:
             self._stored_registers[address] = data
         else:
@@ -225,7 +225,7 @@ class _Procedure:
         line.drain()
 
     def restore(self, remaining: Sequence[Step]) -> tuple[str, ...]:
-        """Close the registers that remaining steps would have closed, and restore the modified ones.
+        """Close the registers that remaining steps would have closed, and restore the modified registers.
 
         Return the names of the registers for which this failed.
         """
@@ -239,7 +239,7 @@ class _Procedure:
         return tuple(failed)
 
     def _try_to_write(self, register: str, address: int, data: bytes) -> list[str]:
-        """Write to a register. Return a list with its name if this failed, otherwise an empty one."""
+        """Write to a register. Return a list with its name if this failed, otherwise an empty list."""
         try:
             cast(Bus, self.bus).write(address, data)
         except Exception:  # The original error is the one to report.
@@ -250,8 +250,8 @@ class _Procedure:
 def _check_reply(step: Send, reply: bytes) -> None:
     """Raise an error unless ``reply`` is a complete reply to the request of the step.
 
-    It has the length in the step, the first byte of the request, and at its end the XOR of all other bytes, if the step
-    says so.
+    A complete reply has the length in the step, the first byte of the request, and at its end the XOR of all other
+    bytes, if the step says so.
     """
     reply_text = f"the reply to {step.request.hex(' ').upper()} is {reply.hex(' ').upper()}"
     if not reply:
@@ -264,7 +264,7 @@ def _check_reply(step: Send, reply: bytes) -> None:
     for byte in reply[:-1]:
         crc ^= byte
     if step.reply_ends_in_xor and crc != reply[-1]:
-        # After an echo, the reply repeats the first byte of the request. So a request of one byte comes twice.
+        # After an echo, the reply repeats the first byte of the request. A request of one byte therefore comes twice.
         echo = ". Is it an echo of the request?" if reply.startswith(step.request * 2) else ""
         raise ValueError(f"{reply_text}: expected CRC {crc:#04x}, got {reply[-1]:#04x}{echo}")
 
@@ -304,7 +304,7 @@ def run(
             value that was written.
     """
     procedure = _Procedure(bus, poll_s, wait)
-    # Another thread must not send requests between those of a procedure.
+    # Another thread must not send requests between the requests of a procedure.
     lock: Any = getattr(bus, "lock", None)
     with lock if hasattr(lock, "__enter__") else nullcontext():
         procedure.carry_out(steps, progress)

@@ -44,7 +44,7 @@ class Answer(NamedTuple):
 
 
 class _Sent(NamedTuple):
-    """Request that was sent in a word of ``bits`` bits, with the class of its register if it reads or writes one."""
+    """Request that was sent in a word of ``bits`` bits, with the class of the register that it reads or writes."""
 
     request: Any
     register: type | None
@@ -61,9 +61,8 @@ class Pipeline:
         encoder: The encoder.
         replies: Class of the reply to each class of requests.
         late: True if the encoder answers in the word after the request.
-        read: Class of the request that reads a register, if there is one.
-        write: Classes of the requests that write a register, one for each word.
-        registers: Address and number of bytes of each class of registers.
+        read: Class of the request that reads a register, if there is such a request. write: Classes of the requests
+        that write a register, one for each word. registers: Address and number of bytes of each class of registers.
     """
 
     def __init__(
@@ -86,7 +85,7 @@ class Pipeline:
         self._registers = registers
         #: Request whose word is on the bus: its received word has not been taken. None between ``take`` and ``ask``.
         self._sent: _Sent | None = None
-        #: Request before that one, to which a late reply belongs.
+        #: Request before the previous one, to which a late reply belongs.
         self._before: _Sent | None = None
         #: Number of bits of the last word.
         self._bits = 0
@@ -110,27 +109,26 @@ class Pipeline:
         return self._start_request(request, None)
 
     def read(self, register: type) -> int:
-        """Return the word that reads a register. Its answer has the value in ``register``.
+        """Return the word that reads a register. Its answer contains the value in ``register``.
 
         Args:
             register: Class of the register.
 
         Raises:
-            TypeError: The encoder has no such register over SPI.
-            RuntimeError: The word that was received with the previous request has not been taken.
+            TypeError: The encoder does not have the register over SPI. RuntimeError: The word that was received with
+            the previous request has not been taken.
         """
         address, _ = self._find_place(register)
         return self._start_request(self._make_read_request(address), register)
 
     def write(self, value: Value) -> Iterator[int]:
-        """Yield the words that write a register. Exchange and take each one before the next.
+        """Yield the words that write a register. Exchange and take each request before the next.
 
         Args:
             value: The value, an object of the register's class.
 
         Raises:
-            TypeError: The encoder has no such register over SPI.
-            RangeError: The value does not fit.
+            TypeError: The encoder does not have the register over SPI. RangeError: The value does not fit.
             RuntimeError: The word that was received with the previous request has not been taken.
         """
         address, _ = self._find_place(type(value))
@@ -152,7 +150,7 @@ class Pipeline:
         Args:
             word: Word that was received while the last request was sent: a number whose most significant bit was first,
                 or its bytes.
-            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show missing bits.
 
         Returns:
             The answer, or None if no request was sent before this word, or if the word does not have the length of a
@@ -170,7 +168,7 @@ class Pipeline:
         self._before = self._sent
         self._sent = None
         number = as_word(word, length, bits)
-        # A word of another length cannot hold a late reply.
+        # A word of another length cannot contain a late reply.
         if answered_request is None or answered_request.bits != length:
             return None
         request, register, _ = answered_request

@@ -54,7 +54,7 @@ def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: 
         array = array.dictionary_decode()
         arrow_type = arrow_type.value_type
     if (type_name := str(arrow_type)) in ("string_view", "binary_view"):
-        # polars has text and bytes in this form. Old versions of pyarrow have no function to test for it.
+        # polars uses this form for text and bytes. Old versions of pyarrow lack a function to test for it.
         array = array.cast(pa.large_string() if type_name == "string_view" else pa.large_binary())
         arrow_type = array.type
     if kinds.is_null(arrow_type):
@@ -85,18 +85,18 @@ def _read_integers(array: Any, shape: Shape) -> Any:
 
 
 def _read_rows(array: Any, length: int) -> Any:
-    """Return byte strings as rows of an array, without copying them, or None if one has the wrong length."""
+    """Return byte strings as rows of an array, without copying them, or None if a string has the wrong length."""
     arrow_type = array.type
     count = len(array)
     if not count:
         return np.zeros((0, length), np.uint8)
     # Arrow stores the bytes of all strings in one buffer, the last one. With a fixed size, this is the second of two
-    # buffers. Otherwise it is the third, and the second has the offset of each string, and of the end.
+    # buffers. Otherwise it is the third, and the second contains the offset of each string, and of the end.
     buffers = array.buffers()
     if load("pyarrow").types.is_fixed_size_binary(arrow_type):
         if arrow_type.byte_width != length:
             return None
-        # Place of the first byte in the buffer. An array can be a slice of a longer one.
+        # Place of the first byte in the buffer. An array can be a slice of a longer array.
         start = array.offset * length
         data = buffers[1]
     else:

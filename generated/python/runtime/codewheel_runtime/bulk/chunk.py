@@ -117,7 +117,7 @@ class Chunk:
         if excess:
             binary = (binary - np.uint64(excess << low)) & mask
         self._before_ungray = Chunk(self.limbs, self.bits)
-        # The XOR with ``gray`` clears its bits, and that with ``binary`` sets the converted ones.
+        # The XOR with ``gray`` clears its bits, and the XOR with ``binary`` sets the converted bits.
         self.limbs = [self.limbs[0] ^ gray ^ binary]
         self._bytes.clear()
 
@@ -125,8 +125,8 @@ class Chunk:
 def limbs_of(rows: Any, shape: Shape) -> list[Any]:
     """Return rows of bytes as limbs, the lowest limb first.
 
-    Each limb is read as one number of eight bytes. The highest one can have fewer bytes in the row. It is then read
-    together with bytes of the limb below, which are shifted out.
+    Each limb is read as one number of eight bytes. The highest limb can have fewer bytes in the row. This limb is then
+    read together with bytes of the limb below, which are shifted out.
     """
     contiguous_rows = np.ascontiguousarray(rows)
     row_bytes = contiguous_rows.shape[1]
@@ -161,7 +161,7 @@ def _get_limb_type(is_little: bool) -> str:
 def _read_short_rows(rows: Any, is_little: bool) -> Any:
     """Return rows of fewer than eight bytes as numbers.
 
-    Eight bytes are read for each row. Those of the last rows would be outside the array, so these rows are copied.
+    Eight bytes are read for each row. The last rows would be read beyond the array, so these rows are copied.
     """
     row_count, row_bytes = rows.shape
     # After these rows, at least eight bytes follow.
@@ -172,7 +172,7 @@ def _read_short_rows(rows: Any, is_little: bool) -> Any:
     padded_rows = np.zeros((row_count - direct_count, _LIMB_BYTES), np.uint8)
     padded_rows[:, :row_bytes] = rows[direct_count:]
     numbers[direct_count:] = padded_rows.view(_get_limb_type(is_little))[:, 0]
-    # The bytes of the next row are the high ones in little-endian order, otherwise the low ones.
+    # The bytes of the next row are the high bytes in little-endian order, otherwise the low bytes.
     if is_little:
         numbers &= bit_mask(8 * row_bytes)
     else:
@@ -184,7 +184,7 @@ def are_within(bits: Any, check: Check, limit: int) -> Any:
     """Return whether each number is from ``lowest`` to ``limit``. Negative ones are in two's complement."""
     bits_type = bits.dtype.type
     mask = (1 << check.width) - 1
-    # Modulo 2**width, the numbers from ``lowest`` to ``limit`` become those from 0 on.
+    # Modulo 2**width, the numbers from ``lowest`` to ``limit`` become the numbers from 0 on.
     if check.lowest:
         bits = (bits - bits_type(check.lowest & mask)) & bits_type(mask)
     return bits <= bits_type(limit - check.lowest)
@@ -223,7 +223,7 @@ def _fold_to_one_bit(bits: Any, width: int) -> Any:
 
 
 def compare_crc(chunk: Chunk, crc: CrcOf) -> Any:
-    """Return the bits in which each CRC differs from the computed one, 0 if it matches."""
+    """Return the bits in which each CRC differs from the computed CRC, 0 if it matches."""
     if crc.steps:
         return _fold_crc(chunk.limbs[0], crc, chunk.bits)
     if crc.is_xor:
@@ -262,7 +262,7 @@ def _fold_crc(number: Any, crc: CrcOf, bits: int) -> Any:
             continue
         high = remainder >> word_type(step.shift)
         remainder = remainder & word_type(step.mask)
-        # The width of the remainder: that of the low bits, or of the folded high bits.
+        # The width of the remainder: the width of the low bits, or of the folded high bits.
         folded_bits = remaining_bits - step.shift + step.back
         remaining_bits = max(step.shift, folded_bits)
         if word_type is np.uint64 and remaining_bits <= 32:
@@ -280,7 +280,8 @@ def _fold_crc(number: Any, crc: CrcOf, bits: int) -> Any:
 def _make_crc_tables(differs: Callable[[int], int], bits: int) -> tuple[Any, ...]:
     """Return one table per byte of a number, with the contribution of each value of the byte to the CRC difference.
 
-    ``differs`` computes the difference of a number. The entries of the first table also include that of the number 0.
+    ``differs`` computes the difference of a number. The entries of the first table also include the contribution of the
+    number 0.
     """
     zero_difference = differs(0)
     tables: list[Any] = []

@@ -26,7 +26,7 @@ class Columns(Protocol):
     def __getitem__(self, name: str, /) -> Any: ...
 
     def hidden(self, name: str) -> Any:
-        """Return a mask of the rows in which a column has no meaning, or None if it always has one."""
+        """Return a mask of the rows in which a column has no meaning, or None if it always has a meaning."""
         ...
 
     def scale(self, name: str) -> Scale | None:
@@ -96,6 +96,6 @@ def pandas_columns(table: Columns, names: Iterable[str], raw: bool = False) -> d
 
 
 def _is_text(column: Any) -> bool:
-    """Return whether a column is an array of byte strings. Other columns of a file may have no type of NumPy."""
+    """Return whether a column is an array of byte strings. Other columns of a file may lack a NumPy type."""
     dtype = getattr(column, "dtype", None)
     return getattr(dtype, "kind", "") == "S"

@@ -24,7 +24,7 @@ _FILLERS: Final = ("zero", "unused")
 
 
 class _Field(NamedTuple):
-    """Field of a layout. The polynomial and the start value are those of a CRC."""
+    """Field of a layout. The polynomial and the start value belong to a CRC."""
 
     name: str
     width: int
@@ -54,7 +54,7 @@ class BissLayout(NamedTuple):
 
     @property
     def code(self) -> str:
-        """The layout as text, in place of an order code."""
+        """The layout as text, instead of an order code."""
         return self.text
 
     def __reduce__(self) -> tuple[Callable[[str], BissLayout], tuple[str]]:
@@ -100,10 +100,10 @@ def biss_layout(text: str) -> BissLayout:
 
     Fields are separated by commas, in the order of transmission, after CDS. ``position=32`` or ``multiturn=12`` and
     ``singleturn=24`` are numbers with their widths in bits. If one turn has all counts, write ``singleturn=32``, so
-    that degrees and speeds are known. ``error`` and ``warning`` are active-low bits. ``zero=2`` stands for two bits
-    that are always 0, and ``unused=2`` for two bits without meaning. ``crc=6:0x43`` is an inverted CRC of 6 bits with
-    this polynomial, whose highest bit may be left out. ``crc=16:0x190d9:0x0`` also has a start value. Any other name
-    with a width in bits is a number.
+    that degrees and speeds are known. ``error`` and ``warning`` are active-low bits. ``zero=2`` describes two bits that
+    are always 0, and ``unused=2`` two bits without meaning. ``crc=6:0x43`` is an inverted CRC of 6 bits with this
+    polynomial, whose highest bit may be left out. ``crc=16:0x190d9:0x0`` also has a start value. Any other name with a
+    width in bits is a number.
 
     Args:
         text: The layout.
@@ -145,7 +145,7 @@ def _check_fields(fields: Sequence[_Field]) -> None:
 
 
 def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tuple[Join, ...]) -> Shape:
-    """Return the description of a frame. ``widths`` are those of its columns, by name."""
+    """Return the description of a frame. ``widths`` are the widths of its columns, by name."""
     columns: list[Column] = []
     checks: list[Check] = []
     unused: list[Unused] = []
@@ -157,7 +157,7 @@ def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tupl
     for field in fields:
         name = field.name
         width = field.width
-        # The first field has the highest bits.
+        # The first field forms the highest bits.
         low -= width
         if name == "crc":
             crc = CrcOf(low, width, compare_bits(field.crc(), covered=bits - width, width=width))

@@ -102,11 +102,10 @@ class Capture(NamedTuple):
     """Contents of a capture.
 
     Attributes:
-        table: Columns of the frames, with ``time`` in seconds, or ``sample`` if the sample rate is unknown. The time
-            of a frame is that of the first falling edge of the clock, or of the start bit of its first byte.
-        lost: Cycles or bytes that contain no frame, with the reason.
-        accesses: Accesses to registers over BiSS.
-        others: Number of frames of other kinds, by name.
+        table: Columns of the frames, with ``time`` in seconds, or ``sample`` if the sample rate is unknown. The time of
+        a frame is the time of the first falling edge of the clock, or of the start bit of its first byte. Cycles or
+        bytes that contain no frame, with the reason. accesses: Accesses to registers over BiSS. others: Number of
+        frames of other kinds, by name.
     """
 
     table: Table
@@ -225,10 +224,11 @@ def _open_capture(
 ) -> Generator[_CaptureFrames, None, None]:
     """Open a capture, and yield its frames. With ``exchanged``, the clock and the data line are exchanged.
 
-    For the other arguments, see ``read_capture``. ``probes`` has those about the connection and the timing.
+    For the other arguments, see ``read_capture``. ``probes`` contains the arguments about the connection and the
+    timing.
 
     Raises:
-        UsageError: Captures of this encoder are not read, or a rate or another number is not one.
+        UsageError: Captures of this encoder are not read, or an argument such as a rate is not a number.
     """
     if isinstance(encoder, Encoder) and encoder.interface is Interface.SPI:
         how = "let the analyser's own SPI decoder export the words, and decode them as a file of frames"
@@ -269,8 +269,8 @@ def _find_replies(
 ) -> _CaptureFrames:
     """Return the replies among the bytes on a serial line.
 
-    The first stretch is read at once, because it shows the kind of the replies, and so their shape. ``name`` is that of
-    the file, for errors. For the other arguments, see ``read_capture``.
+    The first stretch is read at once, because it shows the kind of the replies, and so their shape. ``name`` is the
+    name of the file, for errors. For the other arguments, see ``read_capture``.
 
     Raises:
         InputError: There is no valid reply.
@@ -298,7 +298,7 @@ def _find_frames(
 ) -> _CaptureFrames:
     """Return the frames in the signals of a capture, with the column ``time``, or ``sample`` without a sample rate.
 
-    ``name`` is that of the file, for errors. For the other arguments, see ``read_capture``.
+    ``name`` is the name of the file, for errors. For the other arguments, see ``read_capture``.
     """
     time_column = "sample" if signals.seconds is None else "time"
     if isinstance(encoder, Encoder) and encoder.interface is Interface.RS485:
@@ -339,7 +339,7 @@ def _find_frame_kinds(encoder: Encoder, layout: str, answers: Mapping[str, Any])
 
 
 def _find_baud_rate(encoder: Encoder, probes: Probes) -> float:
-    """Return the bits per second: those chosen, or those in the manual."""
+    """Return the bits per second: the chosen number, or the manual's."""
     if probes.baud:
         return probes.baud
     package, _, family = type(encoder).__module__.rpartition(".")
@@ -370,7 +370,7 @@ class Captures(NamedTuple):
 
         Formats are sigrok sessions, CSV from sigrok and Saleae, Saleae binary files, the bytes that Saleae's serial
         analyser exports, VCD, NumPy files (``.npy``, ``.npz``), and tables of 0 and 1 or of voltages. They are
-        recognised by their contents. Times of time stamps are in seconds from the first one.
+        recognised by their contents. Times of time stamps are in seconds from the first stamp.
 
         Args:
             encoder: The encoder, its label, or a layout of BiSS frames (``biss_layout``).
@@ -481,8 +481,8 @@ def _report_exchanged_lines(
 ) -> None:
     """Raise InputError if a capture has valid frames with the clock and the data line exchanged.
 
-    Otherwise, return normally. The caller has found none without the exchange. With it, more than nine in ten of the
-    first cycles must be valid.
+    Otherwise, return normally. The caller has found no valid frames without the exchange. With it, more than nine in
+    ten of the first cycles must be valid.
     """
     if isinstance(encoder, Encoder) and encoder.interface not in (Interface.BISS, Interface.SSI):
         return
@@ -550,7 +550,7 @@ def _decode_capture(
 
 
 def _list_paths(source: str | os.PathLike[str] | Sequence[str]) -> list[str]:
-    """Return the paths of one or more files. Raises UsageError if there is none."""
+    """Return the paths of one or more files. Raises UsageError if no file exists."""
     if isinstance(source, (str, os.PathLike)):
         return [os.fspath(source)]
     if not source:
@@ -566,5 +566,5 @@ def _convert_stretches(opened: _CaptureFrames, log: _Log) -> Generator[Part, Non
 
 
 def _round_times(seconds: Any) -> Any:
-    """Return times without the digits that computing them has added, such as 3e-05 for 2.9999999999999997e-05."""
+    """Return times without rounding errors of the computation, such as 3e-05 for 2.9999999999999997e-05."""
     return np.round(seconds, _TIME_DIGITS)

@@ -161,10 +161,9 @@ class _Bits(NamedTuple):
     """Bits of each cycle: arrays with an element for each cycle.
 
     Attributes:
-        reasons: Reason why the cycle has no frame, such as ``_SHORT``, or 0.
-        skipped: Number of rising edges before the first bit.
-        delay: Delay of the data line after the rising edge that shifts out a bit.
-        sent: Number of bits that were sent, for the message about a cycle that is too short.
+        reasons: Reason why the cycle contains no frame, such as ``_SHORT``, or 0. Number of rising edges before the
+        first bit. delay: Delay of the data line after the rising edge that shifts out a bit. sent: Number of bits that
+        were sent, for the message about a cycle that is too short.
     """
 
     reasons: Any
@@ -215,7 +214,7 @@ class _CycleFinder:
         return None
 
     def _append(self, part: Edges) -> None:
-        """Append the edges of the next stretch of the capture: those of the clock, then those of the data line."""
+        """Append the edges of the next stretch of the capture: first of the clock, then of the data line."""
         # Only the first stretch shows the levels at the beginning.
         if self._is_new:
             self._levels, self._begin = (part.levels[_CLOCK], part.levels[_DATA]), part.begin
@@ -226,11 +225,11 @@ class _CycleFinder:
         self.is_clocked = self.is_clocked or len(self._clock) > 0
 
     def finish(self) -> CapturedFrames:
-        """Return the frames at the end of the capture. All cycles end here, even if the clock has not rested."""
+        """Return the frames at the end of the capture. All cycles end here, even if the clock was not at rest."""
         if not self._rest and len(self._clock) > 2:
             self._set_rest()
         if not self._rest:
-            # Two edges have no period, so all edges are one cycle.
+            # Two edges define no period, so all edges are one cycle.
             first_edge = float(self._clock[0]) if len(self._clock) else 0.0
             self._rest = self._chosen_pause or max(self._end - first_edge, _LEAST)
         ends = self._find_ends() if len(self._clock) else np.zeros(0, np.int64)
@@ -245,7 +244,7 @@ class _CycleFinder:
         self._rest = max(self._chosen_pause or _REST * float(spans_of_periods.mean()), _LEAST)
 
     def _find_ends(self) -> Any:
-        """Return the index after the last edge of each cycle, also of the last one, which may not be complete."""
+        """Return the index after the last edge of each cycle, even if the last cycle is incomplete."""
         ends = np.flatnonzero(np.diff(self._clock) > self._rest) + 1
         return np.append(ends, len(self._clock)) if len(self._clock) else ends
 
@@ -291,7 +290,7 @@ class _CycleFinder:
         has_glitch = self._find_shortest_gaps(cycles) < _SPIKE * cycles.period
         bits.reasons[has_glitch] = _SPIKED
         good = np.flatnonzero(bits.reasons == 0)
-        # Over BiSS, CDS is in front of the frame.
+        # Over BiSS, CDS is before the frame.
         front_bits = 1 if self._is_biss else 0
         levels = self._read_levels(cycles, bits, good, front_bits + self._bits)
         lost = self._list_lost_cycles(cycles, bits)
@@ -316,7 +315,7 @@ class _CycleFinder:
         return ControlBits(times=cycles.begin * self._unit, cds=cds, cdm=timeout_level ^ 1)
 
     def _find_cycles(self, starts: Any, ends: Any) -> _Cycles:
-        """Return the cycles with edges from ``starts`` to ``ends``. Those without a falling edge are left out."""
+        """Return the cycles with edges from ``starts`` to ``ends``. Cycles without a falling edge are left out."""
         clock = self._clock
         # The level before edge n is the first level, inverted if n is odd. After a low level, the next edge rises, and
         # the one after it is the first that falls.
@@ -332,7 +331,7 @@ class _CycleFinder:
         begin = clock[falls]
         last = clock[ends - 1]
         rises = (ends - falls) // 2
-        # The edges of a cycle are half a period apart on average. With one rising edge, the rest shows the period.
+        # The edges of a cycle are on average half a period apart. With one rising edge, the rest shows the period.
         half_periods = np.maximum(ends - 1 - falls, 1)
         period = np.where(rises > 1, 2 * (last - begin) / half_periods, self._rest / _REST)
         period = np.maximum(period, _SHORTEST_PERIOD * self._rest)
@@ -358,7 +357,7 @@ class _CycleFinder:
         reasons[has_no_start] = _NO_START
         reasons[start_bits.data_fall > latest_acknowledgement] = _HIGH
         reasons[start_bits.first_level == 0] = _LOW
-        # The first rising edge after the start bit is that of CDS.
+        # The first rising edge after the start bit belongs to CDS.
         sent = np.where(reasons == _SHORT, np.maximum(rises_after_start - 1, 0), cycles.rises)
         return _Bits(reasons=reasons, skipped=start_bits.rise_number + 1, delay=start_bits.delay, sent=sent)
 
@@ -424,7 +423,7 @@ class _CycleFinder:
     def _list_lost_cycles(self, cycles: _Cycles, bits: _Bits) -> list[Lost]:
         """Return the cycles without a frame, with their reasons."""
         lost: list[Lost] = []
-        # Without a rest in front, the capture may have begun within the first cycle.
+        # Without a rest before it, the capture may have begun within the first cycle.
         is_first_cut = cycles.begin[0] - self._begin < self._rest
         for index in np.flatnonzero(bits.reasons):
             is_cut = bool(index == 0 and is_first_cut)

@@ -81,7 +81,7 @@ def _open_single_file(
     """
     head = file.read(HEADER)
     file.seek(0)
-    # Binary formats begin with a fixed mark. All other files are text, which has no bytes of 0.
+    # Binary formats begin with a fixed mark. All other files are text, which contains no bytes of 0.
     if head.startswith(b"PK"):
         return _read_archive(stack, file, path, names, rate, threshold)
     if head.startswith(b"\x93NUMPY"):
@@ -146,7 +146,7 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: Names, rate: float
         clock=_find_numbered_probe(names.clock, probes, numbers, path),
         data=_find_numbered_probe(names.data, probes, numbers, path),
     )
-    # Places are those in ``channels``. The lowest bit is probe 1.
+    # Places are indices in ``channels``. The lowest bit is probe 1.
     masks = tuple(1 << (numbers[place] - 1) for place in numbered_names.places(channels, path))
     entries = _list_sample_files(archive, stem)
     if not entries:
@@ -164,7 +164,7 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: Names, rate: float
 def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], path: str) -> Any:
     """Return a name that ``Names`` understands for a chosen channel.
 
-    A number is that of a probe, as in the session. It becomes the place among the probes in use, from 1: with the
+    A number is the number of a probe, as in the session. It becomes the place among the probes in use, from 1: with the
     probes 2 and 5, ``"5"`` becomes ``"2"``. Any other name, or None, is returned unchanged.
 
     Raises:
@@ -297,7 +297,7 @@ class _Arrays(NamedTuple):
 
 
 def _load_arrays(archive: zipfile.ZipFile, path: str) -> _Arrays:
-    """Return the arrays of an ``.npz`` file. Raises InputError if one does not have numbers."""
+    """Return the arrays of an ``.npz`` file. Raises InputError if an array does not contain numbers."""
     channels: dict[str, Any] = {}
     times: Any = None
     rate: float | None = None
@@ -321,8 +321,8 @@ def _read_array_archive(
 ) -> Signals:
     """Return the signals of an ``.npz`` file: one array of samples, or an array for each channel.
 
-    The names of the arrays are those of the channels. A channel has levels, 0 and 1, or voltages. A single number can
-    give the sample rate, see ``_RATES``, and an array the times in seconds, see ``_TIMES``.
+    The names of the arrays are the names of the channels. A channel has levels, 0 and 1, or voltages. A single number
+    can give the sample rate, see ``_RATES``, and an array the times in seconds, see ``_TIMES``.
     """
     total = sum(info.file_size for info in archive.infolist())
     if total > _MOST_UNPACKED:
@@ -378,8 +378,8 @@ class _Saleae:
     """Binary file of one digital channel, version 0 or 1. Version 1 has several chunks with gaps between them.
 
     ``chunks`` is their number. ``end`` is the latest end of the chunks read so far, in seconds. ``_start`` is the
-    beginning of the last one. ``_ready`` has the first level and the number of edges of the first chunk, whose header
-    is read when the file is opened.
+    beginning of the last chunk. ``_ready`` contains the first level and the number of edges of the first chunk, whose
+    header is read when the file is opened.
     """
 
     def __init__(self, file: BinaryIO, path: str) -> None:
@@ -402,7 +402,7 @@ class _Saleae:
             self._ready = self._read_chunk()
 
     def _read_exactly(self, size: int) -> bytes:
-        """Return the next ``size`` bytes. Raises InputError if there are fewer."""
+        """Return the next ``size`` bytes. Raises InputError if there are fewer bytes."""
         data = self._file.read(size)
         if len(data) != size:
             raise InputError(self._path, "", "this Saleae file ends early")
@@ -424,7 +424,7 @@ class _Saleae:
     def edges(self) -> Generator[tuple[int, Any, int], None, None]:
         """Yield the level before some edges, their times, and the amount read so far.
 
-        The first one has no edges, but shows the level at the beginning.
+        The first part has no edges, but shows the level at the beginning.
         """
         last_time = -np.inf
         level, _ = self._ready

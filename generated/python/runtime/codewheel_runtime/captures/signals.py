@@ -53,8 +53,8 @@ class Signals(NamedTuple):
 class Names(NamedTuple):
     """Choice of the signals: the clock and the data line, or one data line if ``clock`` is None.
 
-    A name is that of a channel, or its number from 1. An empty name is replaced by a channel with a common name for the
-    line. ``exchanged`` is True to use the clock as the data line and the data line as the clock.
+    A name is the name of a channel, or its number from 1. An empty name is replaced by a channel with a common name for
+    the line. ``exchanged`` is True to use the clock as the data line and the data line as the clock.
     """
 
     clock: str | None = ""
@@ -73,9 +73,9 @@ class Names(NamedTuple):
     def _places(self, channels: Sequence[str], file: str) -> tuple[int, ...]:
         """Return the index of each signal, the clock first, without an exchange of them.
 
-        A signal without a chosen name has the channel with a usual name. If no name is chosen, a usual name is missing,
-        and there are as many channels as signals, they are taken in order. If only one of two signals has a channel,
-        the other gets the remaining one of two channels.
+        A signal without a chosen name uses the channel with a usual name. If no name is chosen, a usual name is
+        missing, and there are as many channels as signals, they are taken in order. If only one of two signals has a
+        channel, the other gets the remaining one of two channels.
         """
         signals: list[_Signal] = [(self.data, _SERIAL, "--data")]
         if self.clock is not None:
@@ -106,7 +106,7 @@ class Names(NamedTuple):
 def _add_remaining_channel(signals: Sequence[_Signal], places: list[int | None]) -> list[int | None]:
     """Return the places of two signals among two channels. If one is known, the other has the remaining channel.
 
-    A place is None if it is not known. It stays None if the chosen name of the signal does not exist.
+    A place that is not known is None. It stays None if the chosen name of the signal does not exist.
     """
     known = [place for place in places if place is not None]
     has_unknown_name = any(name and place is None for (name, _, _), place in zip(signals, places, strict=True))
@@ -251,7 +251,7 @@ def merge_edges(
 
     Each generator yields the level before some edges, their times, and the amount read so far. ``end`` returns the end
     of the capture once all of them are exhausted. ``waiting_times`` holds the edges of each signal that were read but
-    not yielded yet, because those of another signal at the same time are not known.
+    not yielded yet, because another signal's edges at the same time are not known yet.
     """
     first_parts = [next(signal) for signal in signals]
     levels = [level for level, _, _ in first_parts]

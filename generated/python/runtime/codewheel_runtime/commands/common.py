@@ -63,7 +63,7 @@ def _select_encoder(package: str, chosen: argparse.Namespace) -> Encoder:
 def _add_optional_answers(encoder: Encoder, chosen: argparse.Namespace) -> Encoder:
     """Return the encoder with those answers of ``chosen.choose`` that it keeps, and remove them from there.
 
-    These are the parameters of ``with_answers``, if the encoder has this method. Those that are not chosen get their
+    These are the parameters of ``with_answers``, if the encoder has this method. Answers that are not chosen get their
     first value. The remaining answers of ``chosen.choose`` are for the decoder of the frames.
 
     Raises:
@@ -85,7 +85,7 @@ def _add_optional_answers(encoder: Encoder, chosen: argparse.Namespace) -> Encod
 
 
 def find_answer(name: str, answer: str, kind: type[Enum]) -> Enum:
-    """Return the member of ``kind`` that ``--choose`` selects. Raises ValueError if there is none."""
+    """Return the member of ``kind`` that ``--choose`` selects. Raises ValueError if there is no such answer."""
     for member in kind:
         if member.name.lower() == answer.lower():
             return member
@@ -98,7 +98,7 @@ def show_progress(package: str, source: str) -> Generator[Callable[[int, int | N
     """Show progress on a terminal, and convert the errors of long work to ``Failed``, which is printed in one line.
 
     The context yields the function to call with the amount done, the total if known, and the number of frames. It
-    yields None if standard error is not a terminal. ``source`` is the file to name if an error does not name one.
+    yields None if standard error is not a terminal. ``source`` is the file to name if an error does not name a file.
     """
     from ..errors import InputError, UsageError
 

@@ -159,8 +159,8 @@ def _make_parser(package: str) -> argparse.ArgumentParser:
     ) -> Any:
         """Add a command with its summary, and return its parser.
 
-        ``run`` carries out the command. ``main`` finds it as ``run`` in the parsed arguments. It takes the name of the
-        package and these arguments, and can return an exit code.
+        ``run`` carries out the command. ``main`` finds it as ``run`` in the parsed arguments. ``run`` takes the name of
+        the package and these arguments, and can return an exit code.
         """
         description = description or f"{summary[0].upper()}{summary[1:]}."
         parser = commands.add_parser(
@@ -363,7 +363,7 @@ def _add_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str, 
     """Return the decoded frame or its error. ``answers`` are answers to open questions, by name.
 
     Raises:
-        Failed: An answer does not apply, or one is missing.
+        Failed: An answer does not apply or is missing.
     """
     open_answers: dict[str, Any] = {}
     hints = get_type_hints(encoder.try_decode)

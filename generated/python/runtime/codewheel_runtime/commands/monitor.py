@@ -25,7 +25,7 @@ class Reader(Protocol):
     """Source of frames, such as a link."""
 
     def read(self) -> Any:
-        """Return a frame. Raises RuntimeError if there is no valid one."""
+        """Return a frame. Raises RuntimeError if no frame is valid."""
         ...
 
 
@@ -57,10 +57,9 @@ def watch(
         encoder: The encoder.
         place: Name of the port.
         count: Number of readings. By default, until interrupted.
-        interval_s: Time in seconds from the start of a reading to that of the next one.
-        out: File to write to. The default is standard output.
-        recorder: Output for all readings.
-        is_shown: Show the readings if ``out`` is a terminal.
+        interval_s: Time in seconds from the start of a reading to the start of the next reading. File to write to. The
+        default is standard output. recorder: Output for all readings. is_shown: Show the readings if ``out`` is a
+        terminal.
 
     Returns:
         The number of readings and failures.
@@ -87,7 +86,7 @@ def watch(
 def _wait_until(due: float) -> float:
     """Wait until a time, and return it, or the present time if that is later.
 
-    So readings keep their interval, and after a late one the interval is counted from that.
+    Readings therefore keep their interval, and after a late reading the interval is counted from that reading.
     """
     sleep(max(0.0, due - monotonic()))
     return max(due, monotonic())
@@ -184,7 +183,7 @@ class _Screen:
             self._draw()
 
     def _draw(self) -> None:
-        """Draw the readings over the previous ones."""
+        """Draw the readings over the previous readings."""
         # The last column stays empty, because some terminals would begin a new line.
         columns = shutil.get_terminal_size().columns - 1
         head = f"{self._encoder.code}, {self._encoder.interface.title}, {self._place}    Ctrl-C ends"
@@ -253,7 +252,7 @@ class _Screen:
 def _convert_to_unit(encoder: Any, position: int | None) -> tuple[str, str]:
     """Return the name and the value of a position in a unit, such as ``("angle", "12.34500°")``.
 
-    The value is ``-`` for None, and for encoders whose manual gives no size of a count.
+    The value is ``-`` for None, and for encoders whose manual does not state the size of a count.
     """
     measures_length = hasattr(encoder, "millimetres")
     name = "length" if measures_length else "angle"

@@ -117,7 +117,7 @@ def add_encoder(parser: argparse.ArgumentParser) -> None:
     )
 
 
-# The functions below parse the text of an option. They raise ValueError for a wrong one, which argparse reports.
+# The functions below parse the text of an option. They raise ValueError for a wrong text, which argparse reports.
 
 
 def _names(text: str) -> tuple[str, ...]:

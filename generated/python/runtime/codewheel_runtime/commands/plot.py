@@ -185,7 +185,7 @@ def _thin_out(times: Any, values: Any) -> tuple[Any, Any]:
     values = values[is_finite]
     if len(values) <= _POINTS:
         return times, values
-    # Each stretch gives two points.
+    # Each stretch consists of two points.
     stretch_size = ceil(len(values) / (_POINTS // 2))
     whole_size = len(values) // stretch_size * stretch_size
     stretches = values[:whole_size].reshape(-1, stretch_size)

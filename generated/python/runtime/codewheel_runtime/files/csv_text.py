@@ -25,10 +25,10 @@ _LONGEST: Final = 1 << 20
 def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, shape: Shape, share: Share) -> Source:
     """Return the frames and the other columns of a CSV file.
 
-    ``name`` and ``size`` in bytes are those of the file. ``share`` returns the fraction of valid frames.
+    ``name`` and ``size`` in bytes describe the file. ``share`` returns the fraction of valid frames.
 
     Raises:
-        InputError: The text is UTF-16, there is no such column, or the first row cannot be read.
+        InputError: The text is UTF-16, the column does not exist, or the first row cannot be read.
     """
     blocks = split_into_blocks(b"", file)
     head = next(blocks, b"")
@@ -43,7 +43,7 @@ def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, s
     place, is_header = _find_frame_column(first_row, name, stored, shape)
     header = [cell.strip() for cell in first_row] if is_header else [""] * len(first_row)
     names = [cell or f"column_{number}" for number, cell in enumerate(header, 1)]
-    # The index and the name of each column other than that of the frames.
+    # The index and the name of each column except the column of frames.
     other_columns = [(index, column_name) for index, column_name in enumerate(names) if index != place]
     other_names = tuple(column_name for _, column_name in other_columns)
     empty_columns = select_columns(other_names, stored, lambda _: [], name)
@@ -53,11 +53,11 @@ def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, s
     skipped = lines.number if is_header else lines.number - 1
     start = 0
     for _ in range(skipped):
-        # ``find`` returns -1 if no line follows, which becomes 0 here.
+        # ``find`` returns -1 if no line follows, and -1 becomes 0 here.
         start = head.find(b"\n", start) + 1 or len(head)
     if b"\r" in head[:start].replace(b"\r\n", b""):
-        # A line ends with a single CR, which only the reader of rows counts. It reads from the beginning, so it skips
-        # the header itself.
+        # A line ends with a single CR, which only the reader of rows counts. The slow reader reads from the beginning,
+        # so it skips the header itself.
         skipped, start = 0, 0
     slow_reader = _SlowReader(lines, delimiter, place, columns, is_header and not start)
     read_fast = None
@@ -90,8 +90,8 @@ class _Batch(NamedTuple):
 class _SlowReader:
     """Reader of a CSV file row by row, for all contents.
 
-    ``place`` is the index of the column of frames, ``columns`` are those of the other columns to keep, with their
-    names, and ``count`` is the number of rows that are read at once.
+    ``place`` is the index of the column of frames, ``columns`` are the indices and names of the other columns to keep,
+    and ``count`` is the number of rows that are read at once.
     """
 
     def __init__(
@@ -117,7 +117,7 @@ class _SlowReader:
             self._skips_header = False
 
     def read_batch(self) -> _Batch:
-        """Return the cells of the next rows. At the end of the blocks, there are none."""
+        """Return the cells of the next rows. At the end of the blocks, the batch is empty."""
         cells: list[str] = []
         line_numbers: list[int] = []
         # Only cells are kept, because rows are lists, which the garbage collector would traverse repeatedly.
@@ -165,7 +165,7 @@ def _read_parts(
     """Yield the frames of blocks. ``lines`` and ``done`` are the numbers of lines and bytes before the first block.
 
     ``read_fast`` reads a block, or is None without pyarrow. It returns None for blocks with unusual content.
-    ``slow_reader`` reads these, and the rest of the file with them if a row may continue in the next block.
+    ``slow_reader`` reads these blocks, and the rest of the file with them if a row may continue in the next block.
     """
     cells = Cells(csv_file.shape, csv_file.stored.digits)
     is_first = True
@@ -287,9 +287,9 @@ class _FrameColumn(NamedTuple):
 def _find_frame_column(first_row: list[str], name: str, stored: Stored, shape: Shape) -> _FrameColumn:
     """Return the column of frames.
 
-    The column is the requested one, by name or by number from 1, or the only one, or one named ``frame`` or ``word``.
-    Names are those of a header. Otherwise the first row is a header if its cell in the column is not a frame. ``name``
-    is the name of the file, for errors, and ``stored.column`` is the requested column.
+    The column is the requested one (by name, or by number from 1), the only column, or a column named ``frame`` or
+    ``word``. Names come from a header. Otherwise the first row is a header if its cell in the column is not a frame.
+    ``name`` is the name of the file, for errors, and ``stored.column`` is the requested column.
 
     Raises:
         InputError: There is no such column.

@@ -20,7 +20,7 @@ _BUFFER: Final = 1 << 20
 
 
 def read_parquet_batches(file: BinaryIO, name: str, stored: Stored, shape: Shape) -> Source:
-    """Return the frames and the other columns of a Parquet file. Raises InputError if it is not one."""
+    """Return the frames and the other columns of a Parquet file. Raises InputError if it is not a Parquet file."""
     with _convert_to_readable(name):
         # Without a buffer, a whole column is read at once.
         opened_file = load("pyarrow.parquet").ParquetFile(file, buffer_size=_BUFFER, pre_buffer=False)
@@ -43,7 +43,7 @@ def _read_batches(
     """Yield the frames of a column, with the other columns of the same rows, and the number of rows read.
 
     Raises:
-        InputError: The column has no frames, or the file is damaged.
+        InputError: The column contains no frames, or the file is damaged.
     """
     done = 0
     with _convert_to_readable(name):

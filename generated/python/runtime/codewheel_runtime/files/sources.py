@@ -113,7 +113,7 @@ def _read_binary(
         size: Size of the file in bytes, if known.
         stored: Form of the frames. With ``stored.cut``, an incomplete frame at the end is ignored.
         shape: Description of the frames.
-        share: Function that returns the fraction of valid frames, for the check of the first ones.
+        share: Function that returns the fraction of valid frames, for the check of the first frames.
 
     Raises:
         InputError: The first frames fit another form of words, or the file ends within a frame.
@@ -139,7 +139,7 @@ def _read_binary(
 
 
 def _check_first_words(data: bytes, name: str, words: WordKind, shape: Shape, share: Share) -> None:
-    """Raise InputError if the first frames are valid in another form of words, but not in the chosen one."""
+    """Raise InputError if the first frames are valid in another form of words, but not in the chosen form."""
     # This is enough for the first frames in every form, because no word has more than eight bytes.
     head = data[: 8 * FIRST]
     other_forms = ((f"--words {form}", _find_first(head, form, shape)) for form in _list_other_forms(words, shape))
@@ -155,7 +155,7 @@ def _incomplete_frame_error(name: str, size: int, length: int) -> InputError:
 
 
 def _read(file: BinaryIO, size: int) -> bytes:
-    """Return ``size`` bytes, or the rest of the file if it has fewer. A pipe delivers them in pieces."""
+    """Return ``size`` bytes, or the rest of a shorter file. A pipe delivers them in pieces."""
     data = file.read(size)
     if len(data) == size or not data:
         return data

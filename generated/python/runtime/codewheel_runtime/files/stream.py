@@ -232,7 +232,9 @@ class Output(NamedTuple):
 
 
 def find_target_format(target: str | os.PathLike[str], to: TargetKind | None) -> TargetKind:
-    """Return the format to write: the requested one, or that of the file name. ``-`` stands for standard output.
+    """Return the format to write: the requested format, or the format of the file name.
+
+    ``-`` stands for standard output.
 
     Raises:
         UsageError: Another format than CSV is requested for standard output.
@@ -340,7 +342,7 @@ class Derived:
         Raises:
             UsageError: The times are not in seconds, or the encoder has no SI units.
         """
-        # Without a sample rate, a capture has a column of sample numbers in place of ``time``.
+        # Without a sample rate, a capture has a column of sample numbers instead of ``time``.
         if self._time != "time":
             raise UsageError("speeds need the sample rate: give it with --rate")
         try:
@@ -356,7 +358,7 @@ class Derived:
         if len(usable_rows):
             # Unwrapping continues from the last position of the previous table.
             previous_position = None if self._last is None else self._last[0]
-            # Later frames without a usable position have the same count.
+            # Later frames without a usable position get the same count.
             last_position = int(table.unwrapped(previous_position)[-1])
             last_usable_row = usable_rows[-1]
             self._last = (last_position, float(times[last_usable_row]))
@@ -384,7 +386,7 @@ class _Counts:
                 self._verdicts[index] = self._verdicts.get(index, 0) + int((valid_verdicts == index).sum())
 
     def summary(self, lost: int) -> Summary:
-        """Return the counts, without verdicts that no frame has. ``lost`` is the number of cells left empty."""
+        """Return the counts, without verdicts that do not occur. ``lost`` is the number of cells left empty."""
         all_verdicts = [*Verdict]
         verdicts = {all_verdicts[index]: count for index, count in self._verdicts.items() if count}
         return Summary(self.frames, dict(sorted(self._faults.items())), verdicts, lost)
