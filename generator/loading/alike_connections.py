@@ -111,7 +111,7 @@ def _cable_at(document: Document, path: Path) -> Iterator[_Cable]:
 
 
 def _compare_wires(cables: Sequence[_Cable], report: Report) -> None:
-    """Report each cable with other wires than the first one of its group, unless an erratum affects its contacts."""
+    """Report each cable whose wires differ from the first cable of its group, unless an erratum explains it."""
     if not cables:
         return
     first_cable, *other_cables = cables

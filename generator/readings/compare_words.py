@@ -52,7 +52,7 @@ def _second_cases(spec_word: Word, second_word: Word | None) -> Mapping[Case, Wo
 
 
 def _count_as_read_once(comparison: Comparison, spec_case: WordCase) -> None:
-    """Count all facts of a word in a case that only the spec has."""
+    """Count all facts of a word whose case occurs only in the spec."""
     for bit in spec_case.bits:
         comparison.count_fact(Sort.POSITION, bit.place, Read.ONCE)
     for properties in spec_case.fields.values():
