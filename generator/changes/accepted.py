@@ -40,7 +40,7 @@ def read_accepted(file: Path) -> list[Accepted]:
 
     Raises:
         NotAccepted: The file cannot be read or has another structure, or an entry lacks a key, names no rule or has no
-        date.
+            date.
     """
     report = Report()
     document = read_document(file, report)

@@ -174,7 +174,7 @@ def compare_parts(
         old_parts: The old things.
         new_parts: The new things.
         section_subject: The section that contains them. Its label contains the words before the name of a thing.
-        Compare the content of a thing that the table of members does not compare.
+        compare_content: Compare the content of a thing that the table of members does not compare.
     """
     for pair in pair_parts(family_pair, old_parts, new_parts, section_subject.interface, section_subject.scope):
         subject = _named_in_code(family_pair, pair, section_subject)

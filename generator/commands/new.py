@@ -113,14 +113,14 @@ def write_spec(name: str, output: Path | None, like: str = "", text_of: DeviceTe
         name: The family's name.
         output: The file, or a folder for it. By default, ``name.yaml`` in the current folder.
         like: One of ``LIKE``, or empty for a singleturn encoder over BiSS.
-        text_of: Returns the text of the spec. By default, that of the example.
+        text_of: Returns the text of the spec. By default, the text of the example.
 
     Returns:
         The files that were written.
 
     Raises:
-        NameRefused: The name is not valid for a family, or the file has another name. NotWritten: A file already exists
-        or cannot be written.
+        NameRefused: The name is not valid for a family, or the file has another name.
+        NotWritten: A file already exists or cannot be written.
     """
     _refuse_invalid_name(name)
     file_name = f"{name}.yaml"

@@ -29,11 +29,13 @@ class Selection:
     """Specs to read, and the options of targets that follow from the arguments.
 
     Attributes:
-        paths: The specs, with the packaged specs last. Options of targets. With ``--packaged``, one of them can limit C
-        to order codes. packaged: The packaged specs among ``paths``. is_narrowed: True if that option follows from
-        ``--packaged``. command_with: Returns the command that also reads the families with these names, such as
-        ``maker/my_encoder``. settings: The user's settings if the run reads all of their specs, otherwise None. only:
-        Conditions for the families that targets write to the output folder.
+        paths: The specs, with the packaged specs last.
+        options: Options of targets. With ``--packaged``, one of them can limit C to order codes.
+        packaged: The packaged specs among ``paths``.
+        is_narrowed: True if that option follows from ``--packaged``.
+        command_with: Returns the command that also reads the families with these names, such as ``maker/my_encoder``.
+        settings: The user's settings if the run reads all of their specs, otherwise None.
+        only: Conditions for the families that targets write to the output folder.
     """
 
     paths: tuple[Path, ...]

@@ -63,7 +63,7 @@ def _count_as_read_once(comparison: Comparison, spec_case: WordCase) -> None:
 def _disagreements_with_cases(
     comparison: Comparison, spec_word: Word, second_cases: Mapping[Case, WordCase]
 ) -> Iterable[tuple[Disagreement, list[Case]]]:
-    """Return each disagreement as it is in the first case that shows it, with all cases that do.
+    """Return each disagreement as in the first case that shows it, with all cases that do.
 
     Disagreements in two cases are one if their keys are equal: places, class and number (see ``_with_keys``).
     """

@@ -42,8 +42,8 @@ class VirtualEncoder:
         faults: Faults by name, each with a rate per reply, such as ``flip:1e-3``.
         seed: Seed of the random faults.
         clock: Function that returns the time in seconds. By default, the time since the encoder was created.
-        edition: Revision of the manual. By default, the revision of the spec. Specs to use. By default, those shipped
-        with codewheel.
+        edition: Revision of the manual. By default, the revision of the spec.
+        specs: Specs to use. By default, the specs shipped with codewheel.
 
     Attributes:
         device: The family.
@@ -52,8 +52,8 @@ class VirtualEncoder:
         faults: The faults, and the number of times that each was injected.
 
     Raises:
-        ValueError: The order code, edition, register, answer or fault does not exist, the interface cannot have this
-        fault, or an answer is missing.
+        ValueError: There is no such order code, edition, register, answer or fault, the interface cannot have this
+            fault, or an answer is missing.
     """
 
     def __init__(
@@ -394,7 +394,7 @@ class VirtualEncoder:
         return frozenset(names)
 
     def _may_send(self, field: Field) -> bool:
-        """Return whether the encoder sends a field, or would send it with other values in its registers."""
+        """Return whether the encoder sends a field now, or with other values in its registers."""
         run_time_names = {parameter.name for parameter in self.device.run_time_parameters}
         needed_names = self.device.needed_parameters(field.width.parameters)
         return field.width.value(self.variant.parameters) > 0 or not run_time_names.isdisjoint(needed_names)

@@ -37,7 +37,7 @@ def find_order_code(text: str, specs: tuple[Path, ...], edition: str) -> tuple[D
 
     Raises:
         ValueError: There is no such order code or edition. The message is the last message that is ``close``, or the
-        first.
+            first.
     """
     if is_line(text):
         if edition:

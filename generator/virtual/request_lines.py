@@ -327,7 +327,7 @@ class SpiLine:
         Args:
             word: The word, whose first bit is the most significant.
             bits: Number of bits of the word. Default: ``word_bits`` of the interface, or the shortest length if no word
-            has ``word_bits``.
+                has ``word_bits``.
 
         Raises:
             ValueError: The encoder has no words of this length, or the word does not fit.

@@ -184,7 +184,8 @@ def serving(encoder: VirtualEncoder, line: Line | None = None, *, tcp: bool = Fa
 
     Args:
         encoder: The encoder.
-        line: Its line, by default the line of its interface. Use TCP even if the system has pseudo-terminals.
+        line: Its line, by default the line of its interface.
+        tcp: Use TCP even if the system has pseudo-terminals.
 
     Yields:
         The name of the device or the URL to open.

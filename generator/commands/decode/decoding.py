@@ -213,8 +213,8 @@ class Decoding:
 
         Raises:
             FrameTextError: The text cannot be read as a frame.
-            RegisterError: The register does not exist, or has another length. UndecidedError: The layout of the frame
-            depends on a question that the user has not answered.
+            RegisterError: The register does not exist, or has another length.
+            UndecidedError: The layout of the frame depends on a question that the user has not answered.
         """
         device = self._request.device
         variant = self._request.match.variant

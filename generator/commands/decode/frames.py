@@ -226,7 +226,7 @@ def decode_text(device: Device, variant: Variant, sender: str, text: str, layout
         text: Hex bytes for a line that carries bytes. For a line that carries bits, one number: ``0b`` with every
             digit, or ``0x``.
         layout: The layout's name. By default, the layout that the frame identifies by its selector or its length, or
-        else the sender's first.
+            else the sender's first.
 
     Raises:
         FrameTextError: The text cannot be read as a frame, or the layout does not exist.

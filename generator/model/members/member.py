@@ -30,9 +30,9 @@ class Member:
             * ``[name]``: a list. ``{integer}``: a map. ``{kind:interface}``: a map of parts by their member ``kind``.
             * ``text?``: the same type, or null. ``boolean=false``: the same with a default. ``=1``: always this number.
         about: Description for users of the data.
-        rule: Rule of ``diff`` for a change. Empty for a member that is compared elsewhere or derived from other
-        members. label: Name in sentences, if it differs from ``name``. read: Class of facts of a second reading to
-        which a stated value belongs. Empty for a member without such facts,
+        rule: Rule of ``diff`` for a change. Empty for a member that is compared elsewhere or derived.
+        label: Name in sentences, if it differs from ``name``.
+        read: Class of facts of a second reading to which a stated value belongs. Empty for a member without such facts,
             or whose facts have several parts.
         noun: Name in messages about second readings, where ``label`` does not name a thing.
         form: Notation in sentences: ``hex``, ``bytes``, ``word``, ``level``, ``unit``, ``plain``, or a unit. By default

@@ -31,7 +31,7 @@ class _OneFile(etree.Resolver):
     def resolve(self, *request: Any, **_: Any) -> Any:
         """Return the DTD for the first request, which comes from our DOCTYPE.
 
-        Note the address of any other, and return nothing.
+        Note the address of any other request, and return nothing.
 
         A request consists of address, public ID and context. The published type stubs do not declare the context.
         """

@@ -288,7 +288,7 @@ class Unused:
     def refusal_condition(self) -> Expr | None:
         """The condition that the member has a bit other than the unused bits, or None if its type has no such bit.
 
-        With fields whose width depends on the order code, that is ``(in->unused & mask) != in->unused``.
+        If the width of fields depends on the order code, this is ``(in->unused & mask) != in->unused``.
         """
         fixed_mask = sum(reserved.mask for reserved in self.plan.reserved if reserved.bits.width.is_constant)
         varying_fields = [reserved for reserved in self.single if not reserved.bits.width.is_constant]

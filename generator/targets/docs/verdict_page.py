@@ -59,7 +59,7 @@ def page_values(device: Device) -> VerdictPage:
 def _deciding_rows(device: Device, reporting_frames: Sequence[Reporting]) -> Iterator[Row]:
     """Yield rows of interface, frames, deciding field, its active value, verdict, source, errata.
 
-    Frames of an interface with the same rows share them. Only the first of these rows names the interface and the
+    Frames of an interface with the same rows share these rows. Only the first of these rows names the interface and the
     frames.
     """
     layouts_by_rows: dict[tuple[str, tuple[Row, ...]], list[Layout]] = {}
@@ -80,7 +80,7 @@ def _deciding_rows(device: Device, reporting_frames: Sequence[Reporting]) -> Ite
 
 
 def _rows_of_frame(device: Device, interface: Interface, layout: Layout, judgement: Judgement) -> Iterator[Row]:
-    """Yield a row for each field that decides the verdict on a frame, then one for all other cases.
+    """Yield a row for each field that decides the verdict on a frame, then a row for all other cases.
 
     A last row is for order codes without the bits that judge the position, if there are any.
     """

@@ -63,10 +63,13 @@ def file_text(
 
     Args:
         device: The family.
-        codes: The order codes. Names in the file are based on the first code. sheet: The settings. rule: Entry of
-        ``files`` in the description of the master. master_device: Device of the master. library: The library, for the
-        user's templates. is_short: True to leave out the text that all order codes of a family share. file_content: The
-        content of the file, if it is known already.
+        codes: The order codes. Names in the file are based on the first code.
+        sheet: The settings.
+        rule: Entry of ``files`` in the description of the master.
+        master_device: Device of the master.
+        library: The library, for the user's templates.
+        is_short: True to leave out the text that all order codes of a family share.
+        file_content: The content of the file, if it is known already.
     """
     if file_content is None:
         file_content = content_of_file(sheet, rule, master_device)

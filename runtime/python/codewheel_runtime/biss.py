@@ -412,8 +412,9 @@ class Master:
 
     Attributes:
         outcome: State or result of the access.
-        slaves: Number of slaves that have taken an ID, 9 for more than 8. The number is known after the header. Number
-        of bytes that were read or written. data: Bytes that were read.
+        slaves: Number of slaves that have taken an ID, 9 for more than 8, known after the header.
+        done: Number of bytes that were read or written.
+        data: Bytes that were read.
     """
 
     def __init__(self) -> None:
@@ -689,9 +690,12 @@ class Slave:
     side effects on reading must allow for that.
 
     Attributes:
-        readable: Addresses that a master may read. Other addresses are refused. Addresses that a master may write.
-        Other addresses are refused. Request of the slave. address: Address of the register in the request. value: Value
-        to store. slave_id: ID in the last control frame, or None.
+        readable: Addresses that a master may read. Other addresses are refused.
+        writable: Addresses that a master may write. Other addresses are refused.
+        wants: Request of the slave.
+        address: Address of the register in the request.
+        value: Value to store.
+        slave_id: ID in the last control frame, or None.
     """
 
     def __init__(self, readable: Iterable[int] = range(128), writable: Iterable[int] = range(128)) -> None:
