@@ -245,7 +245,7 @@ def _remove_oldest(folder: Path) -> None:
 
 
 def _entries_in(folder: Path) -> Iterator[tuple[float, int, str]]:
-    """Yield the time, the size and the path of each entry, and remove what killed processes left unfinished."""
+    """Yield the time, the size and the path of each entry, and remove unfinished files of killed processes."""
     with os.scandir(folder) as listing:
         for file in listing:
             with suppress(OSError):

@@ -3,8 +3,8 @@
 Others are refused or need --prune.
 
 The list of each target's folder records them. An output contains pages and tables of all families, so it is written
-from all of its families or not at all. The lists of earlier versions contain no record. Then a file belongs to a family
-only if its name contains the name of the family.
+from all of its families or not at all. The lists of earlier versions contain no record. In that case, a file belongs to
+a family only if its name contains the name of the family.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class Guard:
         """Check the changes of each target.
 
         Raises:
-            WriteError: Files of others would be removed or replaced, or a spec is in a folder that is written.
+            WriteError: Files of other families would be removed or replaced, or a spec is in a folder that is written.
         """
         self._refuse_specs_inside(changes)
         families_read = set(owners(self.devices))

@@ -314,7 +314,7 @@ def fold_types(changes: Sequence[Change]) -> Iterator[Change]:
     """Yield the changes, with a different type in C merged into the change of the field's width.
 
     The text of the width's change continues with ``, in C uint16_t → uint32_t``. A different type without a different
-    width stays alone.
+    width remains a separate change.
     """
     type_change_by_subject = {_subject_text(change): change for change in changes if change.rule.name == "field-type"}
     resized_subjects = {_subject_text(change) for change in changes if change.rule.name == "field-width"}

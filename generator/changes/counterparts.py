@@ -45,7 +45,7 @@ def remember_all_renamings(family_pair: FamilyPair) -> None:
 def _pair_replaced_registers(family_pair: FamilyPair) -> list[Pair[Register]]:
     """Return the pairs of a register that is gone and a new one with another length or other bits at its address.
 
-    Both are reported. Those that use the register then do not count as changed too.
+    Both are reported. Parts that use the register then do not count as changed too.
     """
     pairs = pair_section(family_pair, "registers")
     gone_registers = [pair.old for pair in pairs if pair.old is not None and pair.new is None]
@@ -171,8 +171,8 @@ def pair_parts(
     """Return every part with its counterpart, or with None if it is new or gone.
 
     Parts with the same name are a pair. A part whose name is gone and a part whose name is new are also a pair if their
-    identities are equal and no other such part has this identity. An identity is what stays the same when a part is
-    renamed, such as the address of a register or the bits of a field (see ``_identity_of``).
+    identities are equal and no other such part has this identity. The identity of a part stays the same when the part
+    is renamed, such as the address of a register or the bits of a field (see ``_identity_of``).
 
     Args:
         family_pair: The two versions of the family.

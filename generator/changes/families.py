@@ -365,8 +365,8 @@ def _section_changes(family_pair: FamilyPair) -> Iterator[Change]:
 def compare_family(old: Device, new: Device) -> list[Change]:
     """Return all changes of a family, by descending impact.
 
-    Renamings are found first, since references to a renamed thing do not count as changes. If no change is found but
-    the devices differ, only the order of items does, which is then the only change.
+    Renamings are found first, since references to a renamed thing do not count as changes. If the devices differ but no
+    change is found, the order of items is the only change.
     """
     family_pair = FamilyPair(old, new)
     remember_all_renamings(family_pair)

@@ -1,4 +1,4 @@
-"""``--edition``: another edition of the manual, named or inferred from the label or from registers."""
+"""Handle ``--edition``: another edition of the manual, named or inferred from the label or from registers."""
 
 from __future__ import annotations
 

@@ -113,7 +113,7 @@ def write_spec(name: str, output: Path | None, like: str = "", text_of: DeviceTe
         name: The family's name.
         output: The file, or a folder for it. By default, ``name.yaml`` in the current folder.
         like: One of ``LIKE``, or empty for a singleturn encoder over BiSS.
-        text_of: Returns the text of the spec. By default, that of the example.
+        text_of: Returns the text of the spec. By default, the text of the example.
 
     Returns:
         The files that were written.

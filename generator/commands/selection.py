@@ -112,7 +112,7 @@ def _command_with(families: Sequence[str], user_arguments: argparse.Namespace, s
     """Return the command of the user that also reads ``families``, such as ``maker/my_encoder``.
 
     A packaged family is named with ``--packaged``. For other families, ``FOLDER`` is a placeholder that the user fills
-    in. The specs that the user named stay. Those that are read without names are named too, since any name would
+    in. The specs that the user named stay. Specs that are read without names are named too, since any name would
     exclude them.
     """
     packaged = [family for family in families if _is_packaged(family)]
@@ -260,7 +260,7 @@ def _packaged_specs(name: str, cache: Cache) -> tuple[Sequence[Path], Sequence[s
     except Stop as stop:
         raise _no_packaged_error(name, stop, folders) from None
     spec = folders[device.manufacturer.name] / f"{device.name}.yaml"
-    # A family has no match.
+    # The name of a family is found without a match.
     if match is None or match.unlisted:
         return [spec], [device.name]
     return [spec], [match.variant.code]

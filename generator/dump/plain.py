@@ -66,7 +66,7 @@ def device_dump(device: Device) -> Item:
 def variant_dump(device: Device, code_match: Match) -> Item:
     """Return one order code as plain data, with expressions resolved and without the other interfaces.
 
-    Of the device, only what applies to the order code is left. ``code_match`` also says how the label differs from it.
+    Only facts that apply to the order code are left. ``code_match`` also says how the label differs from it.
     """
     variant = code_match.variant
     label = {
@@ -235,7 +235,7 @@ class _Dump:
         Members that the interface lacks have their defaults.
         """
         interface_data: Item = self.plain(interface, interface.source)
-        # In the data, these objects are a word, and their source is a member of the interface.
+        # In the data, a word replaces each of these objects, and the source is a member of the interface.
         for name, word_member in (("alignment", "end"), ("output_code", "code")):
             fact_data = interface_data.pop(name, None)
             if fact_data is not None:
@@ -369,7 +369,7 @@ def _opening_condition_data(register: Register) -> Item:
 
 
 def _sources_data(sources: Sources) -> Item:
-    """Return ``{"source": first}``, where None means no source, and also ``"sources"`` with all if they are several."""
+    """Return ``{"source": first}``, where None means no source, and also all ``"sources"`` if there are several."""
     sources_data = [_source_data(source) for source in sources]
     if len(sources_data) < 2:
         return {"source": sources_data[0] if sources_data else None}

@@ -85,7 +85,7 @@ def _write_object(
         element: The element of the object.
         dumped: The object as plain data.
         shape: The JSON Schema of the object.
-        inherited_sources: The sources of the parent. Only other sources are written.
+        inherited_sources: The sources of the parent. Only sources other than these are written.
         hexadecimal_parameters: Names of parameters whose values are written in hexadecimal.
     """
     sources = inherited_sources

@@ -81,7 +81,7 @@ def valid_parts_so_far(report: DocumentReport) -> ValidParts:
 def valid_parts(spec: WrittenSpec, faults: Iterable[Path]) -> ValidParts:
     """Return the validity of the parts of a spec as read, given its faulty places.
 
-    A place is faulty if something in it is. An item is also faulty if it uses a faulty one, such as a layout with a
+    A place is faulty if something in it is. An item is also faulty if it uses a faulty item, such as a layout with a
     faulty field group.
     """
     # Each faulty place with its parents: registers, registers[2] and registers[2].address.

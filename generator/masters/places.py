@@ -87,7 +87,7 @@ def places_of(
     standing: str,
     fill_in: Callable[[str], str],
 ) -> tuple[Place, ...]:
-    """Return the places of a setting. Those that are the same for all records are computed once for each value."""
+    """Return the places of a setting. Places that are the same for all records are computed once for each value."""
     # A symbol with an item in braces is different for each record.
     depends_on_record = any("{" in str(rule.get("symbol", "")) for rule in setting["places"])
     if depends_on_record:

@@ -288,7 +288,7 @@ def _limit_to_cable(unlimited: Record, metres: int) -> Record:
     """Return the record with the highest clock for this cable length: the table's clock or, if lower, the encoder's.
 
     If the encoder's clock is not known, the record contains the clocks in use that the table allows. ``cable_row`` is
-    the row of the table if it limits the clock, or None if the encoder does.
+    the row of the table that limits the clock, or None if the encoder limits it.
 
     Raises:
         NoRecord: The table has no such length, or its clock is lower than the encoder's lowest.

@@ -121,7 +121,7 @@ class PlacedChannels:
         return all(self._are_close(first_number, number) for number in other_numbers)
 
     def _are_close(self, position: int, other_position: int) -> bool:
-        """Return whether two numbers differ by no more than the tolerance, also across the end of their range."""
+        """Return whether two numbers differ by at most the tolerance, also across the end of their range."""
         modulus = 1 << self.compared_bits
         difference = (position - other_position) % modulus
         return min(difference, modulus - difference) <= self.tolerance

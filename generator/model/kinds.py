@@ -3,10 +3,10 @@
 Each kind also states the facts that modules of all layers need, so that these need no list of kinds:
 
 - ``word`` names it in sentences about a change of the kind.
-- ``role`` is its part in a frame. Only data matter to users of a decoded frame. - ``is_joinable`` is true if a joined
-number can contain the bits, because the value of the field is the number formed by its bits. - ``value_at_rest`` is a
-valid value of a field that has no other source: that of the bits 0 if possible. - ``makes_position`` is the verdict on
-the position while a bit differs from its normal value, or None.
+- ``role`` is its part in a frame. Only data matter to users of a decoded frame.
+- ``is_joinable`` is true if a joined number can contain the bits, because its value is the number formed by its bits.
+- ``value_at_rest`` is a valid value of a field that has no other source: the value of the bits 0 if possible.
+- ``makes_position`` is the verdict on the position while a bit differs from its normal value, or None.
 
 mypy reports a kind that lacks one of them where a module reads it.
 """

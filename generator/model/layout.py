@@ -252,7 +252,7 @@ def _packed_by_byte(fields: Sequence[Field]) -> tuple[tuple[Field, int], ...]:
 
 
 def _packed_by_bit(lowest_first: Iterable[Field]) -> tuple[tuple[Field, int], ...]:
-    """Return the fields, each with its lowest bit in a number where they are adjacent and have their widest form."""
+    """Return the fields, each with its lowest bit in a number that packs them in their widest form."""
     placed_fields = []
     low_bit = 0
     for unused_field in lowest_first:

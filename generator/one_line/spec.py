@@ -277,7 +277,7 @@ def _write_erratum(line: Line) -> Iterator[str]:
 
 
 def _places_unlike_biss(line: Line) -> Iterator[str]:
-    """Yield the paths of what differs from BiSS in a frame with an error or warning bit: ``crcs.line_crc.xorout``.
+    """Yield the paths of the differences from BiSS in a frame with an error or warning bit: ``crcs.line_crc.xorout``.
 
     A usual frame has the position, the error and then the warning bit, both active low, and an inverted CRC.
     """

@@ -392,7 +392,7 @@ def _has_more_than(label_match: re.Match[str], part: CodePart, label: str) -> bo
 def closest_reason(devices: Iterable[Device], text: str) -> str | None:
     """Return why ``text`` is not an order code: the first message of these families that is ``close``, or None.
 
-    The text must be an order code of none of them.
+    The text must not be an order code of any of them.
     """
     for device in devices:
         try:

@@ -145,7 +145,7 @@ def codec_of(device: Device, layout: Layout) -> Codec:
 
 
 def _yield_parts(layout: Layout) -> Iterator[Part]:
-    """Yield the fields with data, except a fixed selector. Those that a join or a parity bit also uses are shared."""
+    """Yield the fields with data, except a fixed selector. Parts that a join or a parity bit also uses are shared."""
     shared_names = {name for join in layout.joins for name in join.fields}
     for field in layout.fields:
         if isinstance(field.kind, Parity):

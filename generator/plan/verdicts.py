@@ -75,7 +75,8 @@ class Judgement:
     """Verdict on the position of a frame: the verdict of the worst active cause, or ``otherwise`` if none is active.
 
     If ``otherwise`` is UNKNOWN, warnings have no effect, since UNKNOWN is worse than a warning. ``judging_bits`` is the
-    number of bits that say whether the position is usable. For order codes where it is 0, UNKNOWN is also a verdict.
+    number of bits that say whether the position is usable. For order codes for which this number is 0, UNKNOWN is also
+    a verdict.
     """
 
     not_usable: tuple[VerdictCause, ...]
@@ -118,7 +119,7 @@ class Judgement:
 def _has_bits(cause: Cause, parameters: Mapping[str, int]) -> bool:
     """Return whether the frames of an order code with these parameters contain all bits of a cause.
 
-    The order code lacks a field whose width is 0.
+    The order code lacks a field if its width is 0.
     """
     if isinstance(cause, Match):
         bits_of_cause = [part.bits for part, _ in cause.conditions]

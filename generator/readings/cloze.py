@@ -1,6 +1,6 @@
 """Clozes: sheets with the texts of a spec in which the words that turn a sentence round are gaps.
 
-A reader with the manual alone fills the gaps. ``check`` compares the fillings with the words of the spec.
+A reader fills the gaps from the manual alone. ``check`` compares the fillings with the words of the spec.
 """
 
 from __future__ import annotations
@@ -170,7 +170,7 @@ def check_sheets(families: Iterable[Family], sound: Collection[str], report: Rep
 
 
 def compare_words(spec: Document, sheet_document: Document, report: Report) -> None:
-    """Report each gap that the sheet fills with another word than the spec, and each outdated text of the sheet.
+    """Report each gap that the sheet fills with a word other than the spec's, and each outdated text of the sheet.
 
     A text is outdated if only the spec has it, or if it has changed. Texts that only the sheet has are not reported in
     addition, since the command that refills the sheet also removes them.
@@ -208,7 +208,7 @@ def _advice_to_refill(spec: Document) -> str:
 def _compare_gaps(
     spec: Document, place: Path, cloze: ClozeText, sheet_document: Document, sheet_place: Path, report: Report
 ) -> None:
-    """Report each gap of a text that the sheet fills with another word than the first one of the sense in the spec.
+    """Report each gap of a text that the sheet fills with another word than the first word of the sense in the spec.
 
     A word that is not among the choices, such as a question mark, makes the sheet outdated.
     """

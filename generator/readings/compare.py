@@ -1,4 +1,4 @@
-"""Compare two readings fact by fact, also the numbers and sources of their texts.
+"""Compare two readings fact by fact, including the numbers and sources of their texts.
 
 Texts are compared by their places in the file, because two readers use different words for them.
 """

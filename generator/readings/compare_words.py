@@ -52,7 +52,7 @@ def _second_cases(spec_word: Word, second_word: Word | None) -> Mapping[Case, Wo
 
 
 def _count_as_read_once(comparison: Comparison, spec_case: WordCase) -> None:
-    """Count all facts of a word in a case that only the spec has."""
+    """Count all facts of a word whose case occurs only in the spec."""
     for bit in spec_case.bits:
         comparison.count_fact(Sort.POSITION, bit.place, Read.ONCE)
     for properties in spec_case.fields.values():
@@ -63,7 +63,7 @@ def _count_as_read_once(comparison: Comparison, spec_case: WordCase) -> None:
 def _disagreements_with_cases(
     comparison: Comparison, spec_word: Word, second_cases: Mapping[Case, WordCase]
 ) -> Iterable[tuple[Disagreement, list[Case]]]:
-    """Return each disagreement as it is in the first case that shows it, with all cases that do.
+    """Return each disagreement as in the first case that shows it, with all cases that do.
 
     Disagreements in two cases are one if their keys are equal: places, class and number (see ``_with_keys``).
     """

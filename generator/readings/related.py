@@ -78,8 +78,8 @@ def group_by_cause(disagreements: Sequence[Disagreement]) -> list[Related]:
 def _sort_key(disagreement: Disagreement) -> tuple[bool, bool, bool, bool]:
     """Return a key that puts names first, since other disagreements are recognised by their causes.
 
-    Disagreements that depend on others are last: numbers in texts, open values of order codes, and times that the spec
-    lacks.
+    Disagreements that depend on others are last: numbers in texts, open values of order codes, and times missing in the
+    spec.
     """
     is_open_value = disagreement.second_place[-1:] == ("open",)
     is_time_without_spec = disagreement.sort is Sort.TIME and disagreement.spec_value == NOTHING

@@ -1,6 +1,6 @@
 """Numbers and cited sections of the texts in a spec, and the pages of the table of contents, as facts.
 
-Two readers use different words, so that only these are compared.
+Two readers use different words, so only numbers and cited sections are compared.
 """
 
 from __future__ import annotations

@@ -191,7 +191,7 @@ def _find_worst_verdict(placed: PlacedLayout, active_fields: Sequence[Field]) ->
 def _yield_differences(
     variant: Variant, decoded: Decoded, decoded_fields: Mapping[str, DecodedField], is_register: bool
 ) -> Iterator[Difference]:
-    """Yield the fields whose documented value for this order code is not the actual one.
+    """Yield the fields whose documented value for this order code differs from the actual value.
 
     ``is_register`` is true for the fields of a register, for which the message has other words.
     """
@@ -306,7 +306,7 @@ def _known_digits(field_bits: int, known_bits: int, width: int) -> str:
 
 
 def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
-    """Yield register values that are impossible in this edition, so that an older edition must apply to the encoder.
+    """Yield register values that are impossible in this edition and therefore show that an older edition applies.
 
     A value is impossible if it fails the test of an edition: the field ``run`` is not from ``min`` to ``max``.
     """

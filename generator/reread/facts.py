@@ -107,7 +107,7 @@ class Citing:
         return frozenset(_words_of_name(self.names[-1]))
 
     def is_at(self, sections: Collection[str], passage: Passage) -> bool:
-        """Return whether it cites one of the sections, or is an option of the order code that the passage names.
+        """Return whether the fact cites one of the sections, or is an option of the order code that the passage names.
 
         Manuals print order codes in many sections and headings, few of which a spec cites. A fact of the edition is
         instead at a passage that changes it on the cover, has a date, or adds a row to the history below its own row.
@@ -158,7 +158,8 @@ def spaced(text: str) -> str:
 def _is_order_code_label(words_text: str) -> bool:
     """Return whether a text can only be a label of an order code.
 
-    That is a number of 4 or more digits, or another text of 3 or more characters or with a digit. A or TO can be words.
+    Such a text is a number of 4 or more digits, or another text of 3 or more characters or with a digit. A or TO can be
+    words.
     """
     if words_text.isdigit():
         return len(words_text) >= 4

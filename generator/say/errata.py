@@ -279,7 +279,7 @@ def answer_names(answers: Sequence[Answer]) -> Iterator[Part]:
 def deciding_alternatives(alternatives: Sequence[Alternative], parameters: Set[str]) -> list[Alternative]:
     """Return the alternatives whose answers set some of the parameters.
 
-    The list is empty if one of the parameters is set by no alternative. The answers alone do not decide then.
+    The list is empty if one of the parameters is set by no alternative. In this case, the answers alone do not decide.
     """
     deciding: list[Alternative] = []
     decided_parameters: set[str] = set()

@@ -69,7 +69,7 @@ def alarm_of(device: Device, field: Field, register: str = "") -> Alarm | None:
 
 
 def states(field: Field) -> tuple[str, str]:
-    """Return the meanings of the active and the inactive flag, or two empty texts for any other field."""
+    """Return the meanings of the active and the inactive flag, or two empty texts for other fields."""
     if not isinstance(field.kind, Flag):
         return "", ""
     return field.kind.when_active, field.kind.when_inactive
@@ -307,7 +307,7 @@ def possible_instead(names: str) -> str:
 
 
 def valid_other(name: str) -> str:
-    """Return the words about a wrong frame that is a valid one of another kind."""
+    """Return the words about a wrong frame that is a valid frame of another kind."""
     return f"this is a valid {name}"
 
 

@@ -162,8 +162,8 @@ class Target:
             and underscores. The names of built-in targets are reserved.
         summary: One line for ``--help``.
         files: Function that returns the text of each file, keyed by path. Paths begin with the name and a slash. It
-            receives all options. A ``TargetError`` ends the run with its message. Any other exception ends it with the
-            message and its origin.
+            receives all options. A ``TargetError`` ends the run with its message. Any other exception ends the run
+            with the message and its origin.
         problems: Function that returns the parts of specs that the target cannot express. It is called before ``files``
             and by ``check --target``, and only with devices whose specs have no other problems.
         options: Settings of the target.

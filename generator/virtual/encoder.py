@@ -395,7 +395,7 @@ class VirtualEncoder:
         return frozenset(names)
 
     def _may_send(self, field: Field) -> bool:
-        """Return whether the encoder sends a field, or would send it with other values in its registers."""
+        """Return whether the encoder sends a field now, or with other values in its registers."""
         run_time_names = {parameter.name for parameter in self.device.run_time_parameters}
         needed_names = self.device.needed_parameters(field.width.parameters)
         return field.width.value(self.variant.parameters) > 0 or not run_time_names.isdisjoint(needed_names)

@@ -131,7 +131,8 @@ def diagnose_without_crc(
 def _grouped_by_mistake(hypotheses: Iterable[Hypothesis]) -> Iterable[list[Hypothesis]]:
     """Return the hypotheses that fit in lists, the likeliest first in each.
 
-    Hypotheses that differ only in the assumed value of a lost bit are in one list. All others are alone in theirs.
+    Hypotheses that differ only in the assumed value of a lost bit are in one list. All others form a group of their
+    own.
     """
     fitting_hypotheses = [hypothesis for hypothesis in hypotheses if hypothesis.fits]
     fitting_hypotheses.sort(key=lambda hypothesis: -hypothesis.score)

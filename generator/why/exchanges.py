@@ -1,6 +1,6 @@
 """Own requests among the received bits: whole frames of RS-485, and words of SPI that equal a request.
 
-The script of the decode page follows the same rules.
+The decode page follows the same rules.
 """
 
 from __future__ import annotations

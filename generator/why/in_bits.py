@@ -160,7 +160,7 @@ def _is_constant_from(field: PlacedField, lowest_bit: int) -> bool:
 def _offset_hypotheses(
     placed_layout: PlacedLayout, crc: Crc | None, offset: FrameOffset, number: int, length: int
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses that the ``length`` bits of ``number`` do not begin and end with the frame.
+    """Yield hypotheses in which the ``length`` bits of ``number`` do not begin and end with the frame.
 
     The bits are, in the order received: bits before the frame, the received part of the frame, bits after it. Bits
     before the frame that must be 1 count as determined, and those that are mostly 0 change the likelihood. Without a

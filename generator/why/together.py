@@ -27,7 +27,8 @@ class CommonMistake:
 def judge_together(diagnoses: Sequence[Diagnosis]) -> list[CommonMistake]:
     """Return the mistakes that explain the most frames, most likely first.
 
-    A mistake is the same in several frames if its kind and its text without details are (``Explanation.mistake``).
+    A mistake is the same in several frames if its kind and its text without details are equal
+    (``Explanation.mistake``).
     """
     explanations_by_mistake: dict[tuple[str, str, bool], list[Explanation]] = {}
     for diagnosis in diagnoses:

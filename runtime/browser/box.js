@@ -127,7 +127,7 @@ function box(root) {
     if (rows.length === 1 && rows[0].decoded && !isForm && !openQuestions.length) state.fillForm?.(rows[0].decoded);
   }
 
-  /** Return the layout to paste: the one with the position, of those to choose from. Null if a question is open. */
+  /** Return the layout to paste: the one with the position, among the choices. Null if a question is open. */
   function findExpectedLayout() {
     if (selectedRegister()) return null;
     const { interface: interface_ } = state.orderCode;
@@ -139,7 +139,7 @@ function box(root) {
       ?? (layouts.length === 1 ? placedLayouts[0] : null) ?? null;
   }
 
-  /** All about one frame, or the reason why it is not one. */
+  /** All about one frame, or the reason why the text is not a frame. */
   function resultOfLine({ line, decoded, error, spellings = [] }) {
     if (error) {
       const buttons = createCodeButtons(spellings, (spelling) => rewriteLine(line, spelling));
@@ -355,7 +355,7 @@ function createQuestion(state, alternative, showResult) {
   return createElement("fieldset", {}, createElement("legend", {}, toSentence(alternative.meaning)), answerLabels);
 }
 
-/** Create inputs for the register contents that a frame depends on. By default, those of the order code apply. */
+/** Create inputs for the register contents that a frame depends on. By default, the order code's values apply. */
 function createRegisterInputs(state, heldParameters, showResult) {
   if (!heldParameters.length) return [];
   const defaults = computeParameters(state.orderCode);

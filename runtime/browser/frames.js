@@ -26,7 +26,7 @@ function placeLayout(family, layout, parameters) {
   };
 }
 
-/** Return a field, with the text of an unexplained one if its meaning is that of other order codes. */
+/** Return a field, with the text of an unexplained field if its meaning belongs to other order codes. */
 function withMeaningForOrderCode(field, parameters) {
   const isExplained = !field.only || parameters[field.only];
   return isExplained ? field : { ...field, on: TABLE.unexplained, off: "", meaning: "" };
@@ -111,13 +111,13 @@ function convertFromGray(placedLayout, number) {
   return replaceGrayBits(placedLayout, number, binary);
 }
 
-/** Return the number with other bits in the place of those in Gray code. */
+/** Return the number with other bits instead of the bits in Gray code. */
 function replaceGrayBits(placedLayout, number, newBits) {
   const { low, width } = placedLayout.gray;
   return (number & ~(ones(width) << BigInt(low))) | (BigInt.asUintN(width, newBits) << BigInt(low));
 }
 
-/** Return the number that a number in Gray code stands for. */
+/** Return the number that a number in Gray code represents. */
 function grayToBinary(gray) {
   let binary = gray;
   for (let shifted = gray >> ONE; shifted; shifted >>= ONE) binary ^= shifted;

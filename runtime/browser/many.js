@@ -26,7 +26,7 @@ function findMainField({ decoded }, measure) {
   return findMeasuredField(decoded, measure) ?? decoded.fields.find((field) => typeof field.value === "bigint");
 }
 
-/** Create a table of lines, each with its frame ``decoded`` or an ``error``. ``pick`` shows one in full. */
+/** Create a table of lines, each with its frame ``decoded`` or an ``error``. ``pick`` shows a frame in full. */
 function createLineTable(rows, measure, pick) {
   const hasTimes = rows.some((row) => row.line.time);
   const heads = ["Line", ...(hasTimes ? ["Time"] : []), "Frame", "Verdict", "Value", "Remark"];
@@ -52,7 +52,7 @@ function createLineTable(rows, measure, pick) {
   return createPart("div", "scroll", table);
 }
 
-/** Return the cells of a field by column: its value, and the quantity that a number stands for. */
+/** Return the cells of a field by column: its value, and the quantity that a number represents. */
 function listCsvCells(field) {
   const quantityCells = field.scale
     ? [[`${field.name} (${field.scale[3]})`, scaleNumber(field.scale, field.value).decimal]] : [];

@@ -41,8 +41,8 @@ function formatFraction(numerator, denominator) {
 }
 
 /**
- * Return the quantity that a number stands for, with a fixed number of decimals, and whether these are exact.
- * The scale is [numerator, denominator, offset, unit, decimals].
+ * Return the quantity that a number represents, with a fixed number of decimals, and whether these are exact. The scale
+ * is [numerator, denominator, offset, unit, decimals].
  */
 function scaleNumber([numerator, denominator, offset, , decimalCount = 0], number) {
   const [scaledNumerator, divisor] = [number * toBigInt(numerator) + toBigInt(offset), toBigInt(denominator)];

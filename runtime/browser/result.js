@@ -5,7 +5,7 @@ const CLASS = "codewheel-decode";
 /** Class for the colour and shape of a verdict. All others are plain. */
 const VERDICT_CLASSES = { usable: "good", usable_with_warning: "warning", not_usable: "bad" };
 
-/** An element with attributes and children, without empty ones. */
+/** An element with attributes and children, without empty children. */
 function createElement(tag, attributes = {}, ...children) {
   const newElement = document.createElement(tag);
   for (const [name, setting] of Object.entries(attributes)) {
@@ -39,7 +39,7 @@ function formatPlace(placedLayout, { high, low }) {
   return isWholeBytes ? `bytes ${bytes[0]}-${bytes[1]}` : `bytes ${bytes[0]}.${ends[0] % 8}-${bytes[1]}.${ends[1] % 8}`;
 }
 
-/** Return the value of a field as text, and that of a flag in words. */
+/** Return the value of a field as text, and the value of a flag in words. */
 const formatValue = (fieldValue) => (fieldValue === true ? "yes" : fieldValue === false ? "no" : `${fieldValue}`);
 
 /** Return the meaning of a field, and for a number in Gray code also how it was sent. */
@@ -55,7 +55,7 @@ function describeMeaning({ gray, joins }, { name, high, low, raw, value, meaning
   return meaning ? `${toSentence(meaning)} ${capitalize(grayText)}` : grayText;
 }
 
-/** Return a value with its unit, or a number with the quantity that it stands for. */
+/** Return a value with its unit, or a number with the quantity that it represents. */
 function formatWithUnit(field) {
   const valueText = formatValue(field.value);
   if (typeof field.value === "boolean" || !(field.scale || field.unit)) return valueText;
@@ -117,7 +117,7 @@ function describeMeasurement(decoded, measure) {
     `${position.name}: ${degrees}°${hasTurns ? ` of revolution ${(position.value - angle) / countsPerTurn}` : ""}`);
 }
 
-/** Create the line about the CRC of a frame: received, and correct or with the expected one, with its parameters. */
+/** Create the line about the CRC of a frame: received, and correct or with the expected CRC, with its parameters. */
 function createCrcLine({ crc, received, computed }) {
   const judgement = received === computed ? "correct" : `WRONG, expected ${hex(computed, 2)}`;
   const startText = crc.init ? `, start value ${hex(toBigInt(crc.init))}` : "";
@@ -225,7 +225,7 @@ function describeNoise(decoded) {
     + "In that case, no change is needed.";
 }
 
-/** Return the words in front of the explanations, which are another cause if noise is one (``hasNoise``). */
+/** Return the words before the explanations, which are another cause if noise is a cause (``hasNoise``). */
 function introduceExplanations(decoded, hasNoise) {
   if (!canCrcContradict(decoded)) return `${messageFor("uncertain")}:`;
   return hasNoise ? "If all frames fail, these changes make the CRC match:" : "These changes make the CRC match:";

@@ -73,7 +73,7 @@ function withPrefix(text, bitCount) {
   return bytePieces.every((piece) => piece.length % 2 === 0) ? bytePieces.map((piece) => `0x${piece}`).join(" ") : text;
 }
 
-/** Return the bits of a number in pieces of zeros and ones, or "" if these may also be hex or decimal. */
+/** Return the bits of a number in pieces of zeros and ones, or "" if the pieces may also be hex or decimal. */
 function binaryDigits(pieces, bitCount) {
   const digits = pieces.join("");
   if (digits.length === bitCount) return digits;
@@ -134,7 +134,7 @@ function numberIn(text, bitCount, areBytesExact) {
     };
   }
   const meanings = pieces.length === 1 ? listMeanings(compactText, bitCount) : [];
-  // Hex digits with one meaning have a prefix already, unless they may be a misspelt one.
+  // Hex digits with one meaning already have a prefix, unless it is misspelt.
   if (meanings.length === 1 && /^[0-9]+$/.test(compactText)) {
     const areBits = meanings[0] === messageFor("if_bits", compactText);
     return areBits ? makeTypedFrame(`0b${compactText}`, compactText.length, true)
@@ -291,7 +291,7 @@ function otherFrames(orderCode, sender, text, decoded, registerContents, answers
     try {
       const { placedLayout, problems } = decodeFrame(
         orderCode, `${sender}:${layout.name}`, text, registerContents, answers);
-      // Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
+      // Hex digits imply leading zeros, so without this, a short frame would be valid as a long frame.
       const mayHaveLength = hasOtherLength || placedLayout.bits === decoded.placedLayout.bits;
       return !problems.length && mayHaveLength ? [placedLayout] : [];
     } catch (error) {

@@ -5,7 +5,7 @@
 const LEAST_BITS = 3;
 // Frames with fewer bits may be all zeros or all ones by coincidence.
 const LEAST_EQUAL_BITS = 12;
-// An explanation that matches fewer random frames than one in this many is as good as certain.
+// An explanation that matches less than one in this many random frames is as good as certain.
 const CERTAIN_ONE_IN = 65536n;
 
 /** Return {receivedNumber, bitCount}: what was received as a number, first byte or bit highest, and its bits. */
@@ -66,8 +66,8 @@ const listNumbersBelow = (count) => [...Array(count).keys()];
 const explained = (decoded) => findExplanations(decoded).merged;
 
 /**
- * Return the explanations of a frame twice: ``merged`` has one of those that lead to the same frame, ``all`` has every
- * one. ``isWithPairs`` also tries two mistakes if a single one matches.
+ * Return the explanations of a frame twice: ``merged`` contains one explanation for each resulting frame, ``all``
+ * contains every explanation. ``isWithPairs`` also tries two mistakes if a single mistake matches.
  */
 function findExplanations(decoded, isWithPairs = false) {
   const { placedLayout, typedFrame, receivedBytes, problems } = decoded;
@@ -165,7 +165,7 @@ function findMissingPart(placedLayout, receivedText) {
 const anotherHelps = (explanations) => explanations.every((explanation) => explanation.kind !== "echo")
   && (explanations.length > 1 || (explanations.length === 1 && explanations[0].oneIn < CERTAIN_ONE_IN));
 
-/** Return the mistakes that explain the most of several wrong frames, most likely first: single ones, or else two. */
+/** Return the mistakes that explain most of several wrong frames, most likely first: single, or else in pairs. */
 function judgedTogether(decodedFrames) {
   const hasCrcOrLengthError = ({ problems }) => problems.some(
     (problem) => problem.fault === "crc" || problem.fault === "length");
@@ -204,7 +204,7 @@ function findCommonMistakes(explanationLists) {
 
 /** Return the likeliest explanation of a frame by mistake, from its explanations in order of their likelihood. */
 function likeliestByMistake(explanations) {
-  // The first explanation of a mistake overwrites the later ones.
+  // The first explanation of a mistake overwrites later explanations.
   return new Map([...explanations].reverse().map(
     (explanation) => [`${explanation.kind} ${explanation.template} ${explanation.isTwice}`, explanation]));
 }
@@ -245,7 +245,7 @@ const createHypothesis = (members) => ({
   isConsistent: true, rightConstantBits: 0, likelihood: 1, missingLowBits: 0, parts: [], placeCount: 1, ...members,
 });
 
-/** Return whether a frame with the mistake has these bits: the ones that it determines, and the CRC. */
+/** Return whether a frame with the mistake has these bits: the bits that it determines, and the CRC. */
 function fitsFrame({
   crc, isConsistent, isOfBytes, coveredData, coveredBits, crcBitsReceived,
   receivedCrc,
@@ -346,7 +346,7 @@ function explainWithCrc(hypotheses, refuted, isWithPairs) {
 const explainFitting = (hypotheses, isTwice) => (
   hypotheses.filter(fitsFrame).map((hypothesis) => toExplanation(hypothesis, isTwice)));
 
-/** Pair the mistake with the most common one, a CRC that is inverted or that should be. */
+/** Pair the mistake with the most common mistake, a CRC that is inverted or that should be. */
 function pairWithInversion(hypothesis) {
   const textName = toBigInt(hypothesis.crc.xorout) ? "not_inverted_too" : "inverted_too";
   const template = fillTemplate(TABLE.texts[textName], hypothesis.template);
@@ -432,7 +432,7 @@ function createFrameHypothesis(
 
 // -- frames of bits
 
-/** Return the lengths in bits that a typed frame may have, longest first: as typed, or that of the frame and 1 less. */
+/** Return the possible lengths in bits of a typed frame, longest first: as typed, or the frame's length and 1 less. */
 const possibleLengthsOf = (placedLayout, typedFrame) => (typedFrame.exact || typedFrame.bits > placedLayout.bits
   ? [typedFrame.bits] : [placedLayout.bits, placedLayout.bits - 1])
   .filter((length) => length >= typedFrame.bits);
@@ -595,7 +595,7 @@ function tryOtherPolynomials(placedLayout, crc, typedFrame) {
   });
 }
 
-/** Try another CRC behind the first ``dataBits`` of the ``length`` bits of ``number``. */
+/** Try another CRC after the first ``dataBits`` of the ``length`` bits of ``number``. */
 function tryPolynomialWithLength(placedLayout, crc, otherCrc, number, length, dataBits) {
   const tailBits = length - dataBits;
   const [data, tail] = [number >> BigInt(tailBits), extractBits(number, 0, tailBits)];
@@ -671,7 +671,7 @@ function tryFrameAtEveryBit(placedLayout, crc, receivedText) {
   });
 }
 
-/** The bits during the command are missing, and the command is the one that the layout expects. */
+/** The bits during the command are missing, and the command is the command that the layout expects. */
 function tryLeftOutCommand(placedLayout, crc, typedFrame) {
   if (interfaceOf(placedLayout)?.name !== "spi") return [];
   const [coveredLow, coveredBits] = crc ? placeOfCoveredBits(placedLayout) : [0, placedLayout.bits];
@@ -731,7 +731,7 @@ function tryOffset(
 function tryRecording(placedLayout, crc, receivedText, [kind, text, pattern, determinedNames]) {
   const textByPart = matchRecording(pattern, placedLayout, receivedText)?.groups;
   if (!textByPart) return [];
-  // A frame that is sent twice is ``again`` behind itself, perhaps cut off.
+  // A frame that is sent twice is followed by ``again``, perhaps cut off.
   const { frame: frameText, again: repeatedText = "" } = textByPart;
   const otherBitsRequired = determinedNames.reduce((sum, name) => sum + (textByPart[name] ?? "").length, 0);
   const parts = Object.entries(textByPart).filter(([, partText]) => partText);

@@ -119,7 +119,7 @@ def leaves(value: Any, key: str = "") -> Iterator[tuple[str, Any]]:
         yield key, value
 
 
-#: Keys that describe how the spec is written. The same facts are in positions, kinds and widths.
+#: Keys that describe how the spec is written. Positions, kinds and widths contain the same facts.
 WRITTEN = {"codewheel", "use", "at", "top_bit", "values_of", "text", "active"}
 #: Places where an edition changes something. The change itself is described in words.
 WRITTEN |= {"set", "add", "remove", "unknown"}

@@ -577,7 +577,7 @@ def test_no_result_can_be_dropped_unseen(include: Path) -> None:
 
 
 def test_what_a_register_can_hold_fits_into_the_variant() -> None:
-    """Steps of Scale: a byte in which 0 means 256, without a maximum. Its default needs fewer bits."""
+    """The field scale: a byte in which 0 means 256, without a maximum. Its default needs fewer bits."""
     files = generate(Library(devices_of(MADE_UP["shapes"])))
     header = next(text for path, text in files.items() if path.endswith("/shapes_biss.h"))
     assert "    uint16_t scale;\n" in header

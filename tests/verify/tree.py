@@ -55,8 +55,7 @@ def package_of(device: Device, folder: Path) -> ModuleType:
 
 
 def include_of(device: Device, folder: Path) -> Path:
-    """Return the include folder for a device: the library's families share a folder, and a made-up device has its
-    own."""
+    """Return the include folder for a device: of the library's families, or of a made-up device."""
     if device.name in library():
         return (
             (Path(os.environ["CODEWHEEL_GENERATED"]).resolve() if "CODEWHEEL_GENERATED" in os.environ else folder)

@@ -229,7 +229,7 @@ def _fact_data(family_coverage: Coverage, sort: Sort, place: SpecPath) -> dict[s
 def as_text(covered: Sequence[Coverage], checked: Checked) -> str:
     """Return the coverage as text: a table of counts by class and by family, and the facts to read a second time.
 
-    ``covered`` are the families in the table. Other families that were checked are listed as not read twice.
+    ``covered`` are the families in the table. Other checked families are listed as not read twice.
     """
     covered_names = {family_coverage.family.device.name for family_coverage in covered}
     family_names = [family.device.name for family in checked.families]

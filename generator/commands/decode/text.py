@@ -353,7 +353,7 @@ def _bit_name(bit: int, placed_layout: PlacedLayout) -> str:
 
 
 def _mistake_lines(diagnosis: Diagnosis) -> list[str]:
-    """Return the mistakes that explain a frame, each with its chance, or that none does, and the hints that follow."""
+    """Return the mistakes that explain a frame, each with its chance, or a line that none does, and then hints."""
     whole_percent = round(100 * diagnosis.coincidence)
     percent = f"{whole_percent}" if whole_percent else "less than 1"
     mistakes = counted(diagnosis.tried, "common mistake")

@@ -78,7 +78,10 @@ class _Connector:
         return re.search(rf"(?<![\w/]){words}(?![\w+-])", note) is not None
 
     def shares_interface(self, other_connector: _Connector) -> bool:
-        """Return True if two connectors or cables have an interface in common. Without any, one is for all of them."""
+        """Return True if two connectors or cables have an interface in common.
+
+        A connector without interfaces is for all of them.
+        """
         if not self.part.interfaces or not other_connector.part.interfaces:
             return True
         return not {*self.part.interfaces}.isdisjoint(other_connector.part.interfaces)

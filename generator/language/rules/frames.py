@@ -82,7 +82,7 @@ def _report_uncovered_fields(
 
 
 def _can_change_parity(field: WrittenField) -> bool:
-    """Return True for a field that changes the number of ones. Zeros do not, and the check bits are the result."""
+    """Return True for a field that changes the number of ones. Zeros cannot, and the check bits are the result."""
     is_check = bool(field.crc or field.parity_of)
     return bool(field.name) and not is_check and field.constant != 0
 

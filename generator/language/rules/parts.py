@@ -285,7 +285,7 @@ def position_names(spec: WrittenSpec, interface: str) -> set[str]:
 
 
 def constant_width(field: WrittenField) -> int | None:
-    """Return the width of a field if it is constant, or None if it depends on others or another rule reports it.
+    """Return the width of a field if it is constant, or None if it depends on parameters or another rule reports it.
 
     A flag has one bit, and so has a field whose place is a single bit.
     """

@@ -36,7 +36,7 @@ Fields = Mapping[str, WrittenField]
 def check_value_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a value has a verdict only where a frame with a position has it, and that an error has one there.
 
-    A group is in such a frame if one of them uses it. An error is a value whose name says so.
+    A group is in such a frame if one of them uses it. An error is a value named as an error.
     """
     groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
     position_frames = [field_list for field_list in layouts(spec) if _has_position(spec, field_list, groups)]

@@ -72,7 +72,7 @@ def _check_layouts(exchanges: Exchanges, layouts: Layouts, report: DocumentRepor
 
 
 def report_unused(layout: WrittenLayout, exchanges: Exchanges, rule: str, report: DocumentReport) -> None:
-    """Report a frame that no exchange contains: one of the master as request, one of the encoder as reply."""
+    """Report a frame that no exchange contains: as the request of the master, or as the reply of the encoder."""
     key = KEYS.get(layout.from_, "")  # 'request' or 'reply'
     names_in_exchanges = [_frame_name(exchange, key) for exchange in exchanges] if key else []
     if key and layout.name not in names_in_exchanges:

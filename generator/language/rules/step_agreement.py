@@ -117,7 +117,7 @@ def _waits_after_writes(procedure: WrittenProcedure) -> Iterator[tuple[WrittenSt
 def check_wait_at_end(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Report a procedure that ends with a wait and a write, if the write needs exactly this wait.
 
-    Then the wait is likely on the wrong side of the write, unless the step before it needs one too.
+    The wait is then likely on the wrong side of the write, unless the step before it needs a wait, too.
     """
     registers = by_name(spec.registers)
     for procedure in spec.procedures:

@@ -32,7 +32,7 @@ class Member:
             * the name of a part or of a basic type: ``register``, ``text``, ``name``, ``names``, ``expression``
             * ``one|other``: one of these words
             * ``[name]``: a list. ``{integer}``: a map. ``{kind:interface}``: a map of parts by their member ``kind``.
-            * ``text?``: the same or null. ``boolean=false``: the same with a default. ``=1``: always this number.
+            * ``text?``: the same type, or null. ``boolean=false``: the same with a default. ``=1``: always this number.
         about: Description for users of the data.
         rule: Rule of ``diff`` for a change. Empty for a member that is compared elsewhere or derived from other
             members.

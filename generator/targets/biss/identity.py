@@ -227,7 +227,10 @@ def _stated_value(layout: Layout, field: Field, variant: Variant) -> int:
 def _data_length(
     device: Device, placed_layout: PlacedLayout, order_codes: tuple[str, ...], answers: tuple[str, ...]
 ) -> DataLength:
-    """Return the data and status bits of a placed frame, and its CRC. The CRC field counts as neither."""
+    """Return the data and status bits of a placed frame, and its CRC.
+
+    The CRC field counts as neither data nor status bits.
+    """
     status_names = [field.name for field in placed_layout.layout.status_fields]
     fields_before_crc = [field for field in placed_layout.fields if field != placed_layout.crc_field]
     data_widths = {field.name: field.width for field in fields_before_crc if field.name not in status_names}

@@ -291,7 +291,7 @@ class Unused:
 
         It is not possible if the unused bits fill the type of the member, or if there are none.
 
-        With fields whose width depends on the order code, that is ``(in->unused & mask) != in->unused``.
+        If the width of fields depends on the order code, this is ``(in->unused & mask) != in->unused``.
         """
         fixed_mask = sum(reserved.mask for reserved in self.plan.reserved if reserved.bits.width.is_constant)
         varying_fields = [reserved for reserved in self.single if not reserved.bits.width.is_constant]

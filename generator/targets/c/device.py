@@ -386,7 +386,7 @@ def _views_of(device: Device, passing: Passing) -> Iterator[DeviceView]:
 
 
 def _with_known_register(parameter: Parameter, known_registers: Set[str]) -> Parameter:
-    """Return a parameter, without its register if only another interface reaches that.
+    """Return a parameter, without its register if only another interface reaches the register.
 
     ``known_registers`` are the registers of this interface, and the empty name of a parameter without a register.
     """

@@ -340,7 +340,7 @@ def _as_byte(value: Expr) -> Expr:
 def _with_powers_first(unordered: Iterable[Refusal]) -> list[Refusal]:
     """Move each check for a power of two before the check that it follows. Both give the same error.
 
-    The check that it follows is whether the number fits in the same field.
+    That check tests whether the number fits in the same field.
     """
     ordered: list[Refusal] = []
     for refusal in unordered:

@@ -285,7 +285,7 @@ class Conditional(Expr):
 
 
 def shifted_right(value: Expr, by: int) -> Expr:
-    """Return ``value`` shifted to the right, unless by 0."""
+    """Return ``value`` shifted to the right, or unchanged for a shift of 0."""
     return Operation(">>", (value, Number(by))) if by else value
 
 

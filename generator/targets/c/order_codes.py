@@ -200,8 +200,8 @@ class _Codes:
 def _open_codes_of(codes: _Codes, spelling: _Spelling) -> list[OpenCode]:
     """Return the patterns of one spelling, with the fewest open parts first.
 
-    Order codes without open parts need none in the listed spelling. A combination that is not an order code needs one,
-    which refuses it, only if a pattern with open parts would match it.
+    Order codes without open parts need no pattern in the listed spelling. A combination that is not an order code needs
+    a pattern, which refuses it, only if a pattern with open parts would match it.
     """
     combinations = [dict(zip(codes.names, choices, strict=True)) for choices in itertools.product(*spelling.choices)]
     choices_and_indices = [(chosen, codes.first(chosen)) for chosen in combinations]

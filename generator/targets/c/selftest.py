@@ -197,7 +197,8 @@ class SelfTest:
     def _written_bytes(self, write: Write) -> Iterator[tuple[str, str]]:
         """Yield the bytes of a write as ``(address, byte)``, such as ``("0x10U", "0x02U")``.
 
-        It is one byte if the interface addresses bytes. If not, it is all bytes of the register, with the same address.
+        It is one byte if the interface addresses bytes. Otherwise, the write covers all bytes of the register, with the
+        same address.
         """
         length = 1
         if self.writes_whole:

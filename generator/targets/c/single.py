@@ -1,4 +1,4 @@
-"""One header for one order code: what reads a position, cut from the headers of its interface and of the runtime.
+"""One header for one order code: all that reads a position, cut from the headers of its interface and of the runtime.
 
 Functions and types are those that the headers contain for this order code alone. All names begin with the order code,
 so that several headers can be included together. Only the results and verdicts are shared, under their own guard.
@@ -298,7 +298,7 @@ class SingleCode:
     def _is_about_absent(self, sentence: str) -> bool:
         """Return True if a sentence mentions another header, the argument of a macro, or a name left out.
 
-        Sentences about register access and about a CRC of 0 count too (``_OTHER_SENTENCES``).
+        Sentences about register access and about a CRC of 0 also count (``_OTHER_SENTENCES``).
         """
         if sentence.startswith(_OTHER_SENTENCES):
             return True

@@ -201,7 +201,7 @@ def _how_to_write_other_positions(register: Register, variant: Variant) -> str:
 
 
 def _request_rows(device: Device, interface: Interface, errata_at: Callable[..., str]) -> Iterator[Row]:
-    """Yield rows of request with its reply, meaning."""
+    """Yield rows of two columns: a request with its reply, and its meaning."""
     for exchange in exchanges(interface):
         yield _exchange_row(exchange)
     if isinstance(interface, Rs485):

@@ -80,7 +80,7 @@ def _deciding_rows(device: Device, reporting_frames: Iterable[Reporting]) -> Ite
 
 
 def _rows_of_frame(device: Device, interface: Interface, layout: Layout, judgement: Judgement) -> Iterator[Row]:
-    """Yield a row for each field that decides the verdict on a frame, then one for all other cases.
+    """Yield a row for each field that decides the verdict on a frame, then a row for all other cases.
 
     A last row is for order codes without the bits that judge the position, if there are any.
     """

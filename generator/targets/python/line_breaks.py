@@ -49,7 +49,7 @@ def _lines_in_brackets(line_start: str, items: Sequence[str]) -> list[str]:
 
     ``line_start`` ends with the bracket. An empty last item means that the items end with a comma. A comma after the
     only item would turn an expression in parentheses, or a subscript, into a tuple, so only calls and lists get it. A
-    comprehension gets none and stays on one line.
+    comprehension is not split and stays on one line.
     """
     content = ", ".join(items)
     if " for " in _outer_text(content):

@@ -266,7 +266,7 @@ class Module:
 
     @cached_property
     def shapes(self) -> list[Shape]:
-        """Descriptions of all frames for ``decode_many``."""
+        """Descriptions of all frames, for ``decode_many``."""
         frames = (coder for section in self.sections for coder in section.coders)
         reportings = self.context.reportings
         return [Shape(coder, reportings.get(coder.layout.name)) for coder in frames]

@@ -425,7 +425,7 @@ def _bytes_literal(data: bytes) -> str:
 def _register_example(example: RegisterExample, coder: Coder) -> ReadmeExample:
     """Return the call that decodes a register, and its attributes with their values as printed.
 
-    A text as the value of an attribute of another type is the name of an Enum member, in lowercase.
+    If the attribute has another type, a text is the lowercase name of an Enum member.
     """
     variant_argument = f', lookup("{example.order_code}")' if coder.takes_variant else ""
     types = {attribute.name: attribute.type for attribute in coder.attributes}

@@ -163,7 +163,7 @@ class Shape:
     def _crc_of_encoder(self, crcs: Sequence[FrameCrc]) -> Literal:
         """Return the CRC of an encoder, or None without any.
 
-        If it depends on the order code, it is the first CRC whose width is not 0, found when the module runs. The
+        If the CRC depends on the order code, it is the first CRC whose width is not 0, found when the module runs. The
         tuple in ``next(iter(…), None)`` then has only the CRCs of the encoder.
         """
         if not crcs:
@@ -198,7 +198,7 @@ class Shape:
     # -- any value of the description
 
     def _literal_of(self, value: Any) -> Literal:
-        """Return any value of the description as a literal. A value of no other kind is a part with members."""
+        """Return any value of the description as a literal. A value of any other kind is a part with members."""
         match value:
             case Expression():
                 return Code(str(self.coder.number(value)))

@@ -339,8 +339,8 @@ class Variants:
         """Return the lowest or the highest position by interface.
 
         ``end_of`` returns it for a range, or None where it is ``usual``: 0 for the lowest position, and
-        ``self.modulus - 1`` for the highest. The result is None if it is ``usual`` over all interfaces, and the frames
-        of none differ.
+        ``self.modulus - 1`` for the highest. The result is None if the position is ``usual`` over all interfaces, and
+        the frames of no interface differ.
         """
 
         def end_over(interface: Interface) -> Expr | None:

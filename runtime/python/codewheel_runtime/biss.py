@@ -249,7 +249,7 @@ class Request:
 
     @classmethod
     def decode(cls, word: int) -> Request:
-        """Decode a word of the layout of ``encode``.
+        """Decode a word with the layout of ``encode``.
 
         Args:
             word: The 32 bits, with the first one most significant.
@@ -381,7 +381,9 @@ class Answer:
 
 
 def _count_slaves(idl: int) -> int:
-    """Return how many slaves have taken an ID, according to IDL0 (bit 15) to IDL15 (bit 0). 9 means more than 8.
+    """Return how many slaves have taken an ID, according to IDL0 (bit 15) to IDL15 (bit 0).
+
+    A value of 9 means more than 8.
 
     Three slaves give ``0b1110_0000_0000_0000``.
     """

@@ -724,7 +724,7 @@ class Quantity(NamedTuple):
 
 
 class Characteristic(NamedTuple):
-    """Further fact, as text and in ``values`` as quantities with units.
+    """Additional fact: its text, and its quantities with units in ``values``.
 
     ``only`` describes the order codes that it applies to, if not all.
     """

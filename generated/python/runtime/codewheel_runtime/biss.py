@@ -410,9 +410,8 @@ class Master:
 
     Attributes:
         outcome: State or result of the access.
-        slaves: Number of slaves that have taken an ID, 9 for more than 8. It is known after the header.
-        done: Number of bytes that were read or written.
-        data: Bytes that were read.
+        slaves: Number of slaves that have taken an ID, 9 for more than 8. The number is known after the header. Number
+        of bytes that were read or written. data: Bytes that were read.
     """
 
     def __init__(self) -> None:
