@@ -61,8 +61,9 @@ class Pipeline:
         encoder: The encoder.
         replies: Class of the reply to each class of requests.
         late: True if the encoder answers in the word after the request.
-        read: Class of the request that reads a register, if there is such a request. write: Classes of the requests
-        that write a register, one for each word. registers: Address and number of bytes of each class of registers.
+        read: Class of the request that reads a register, if there is one.
+        write: Classes of the requests that write a register, one for each word.
+        registers: Address and number of bytes of each class of registers.
     """
 
     def __init__(
