@@ -63,6 +63,7 @@ from .interfaces import build_interfaces, build_measurement, check_spi_registers
 from .layouts import build_layout
 from .parameters import check_named_widths, check_reach, coded_values, held_in_registers, parameter_sets, too_much_work
 from .position_rules import check_measurements, check_position_widths
+from .procedure_limits import check_limits_in_procedures
 from .repeated_facts import check_agreement
 from .request_rules import check_control_bytes, check_requests
 from .stated_lengths import check_stated_bits, check_stated_lengths
@@ -95,6 +96,7 @@ def build_device(raw_spec: Raw, manufacturer: Manufacturer, report: DocumentRepo
     check_frame_kinds(device, report)
     check_settings_of_crcs(device, report)
     device = replace(device, procedures=build_procedures(raw_spec, device))
+    check_limits_in_procedures(device, report)
     check_measurements(device, report)
     check_position_widths(device, report)
     check_named_widths(raw_spec, device, report)
