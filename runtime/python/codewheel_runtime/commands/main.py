@@ -9,7 +9,7 @@ import os
 import re
 import sys
 from collections.abc import Callable, Sequence
-from enum import Enum, EnumMeta
+from enum import EnumMeta
 from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final, cast, get_args, get_type_hints
@@ -403,8 +403,8 @@ def _list_answers(hints: dict[str, Any], message: str) -> str:
     for name, hint in hints.items():
         for answer_class in get_args(hint):
             if isinstance(answer_class, EnumMeta) and f"expected {answer_class.__name__}." in message:
-                members = cast("list[Enum]", list(answer_class))
-                return "; add " + " or ".join(f"--choose {name}={member.name.lower()}" for member in members)
+                answers = [answer.lower() for answer in answer_class.__members__]
+                return "; add " + " or ".join(f"--choose {name}={answer}" for answer in answers)
     return ""
 
 
