@@ -131,7 +131,7 @@ def write(
     guard: Callable[[Mapping[str, Sequence[Change]]], None] = lambda _: None,
     families: Mapping[str, Sequence[str]] = MappingProxyType({}),
 ) -> list[Change]:
-    """Write the files of ``targets`` to their folders, remove obsolete ones, and keep foreign files.
+    """Write the files of ``targets`` to their folders, remove obsolete files, and keep foreign files.
 
     Args:
         folder: The output folder.
@@ -231,9 +231,9 @@ def _has_changes(target_changes: Iterable[Change]) -> bool:
 def _needs_writing(
     folder: Path, target: str, files: Mapping[str, str], target_changes: Iterable[Change], families: Sequence[str]
 ) -> bool:
-    """Return whether files, the list of them, or the families in this list differ from those in the folder.
+    """Return whether files, their list, or the families in this list differ from the folder.
 
-    Without ``families``, those in the list do not matter.
+    Without ``families``, the families in the list do not matter.
     """
     if _has_changes(target_changes) or _listed_paths(folder, target) != sorted(files):
         return True
@@ -243,7 +243,7 @@ def _needs_writing(
 def _path_in_output(error: OSError, stages: Iterable[Stage], folder: Path) -> str:
     """Return the path of an error, or the output folder if the error has no path.
 
-    A path in a stage becomes the one in the target's folder that the file would have had.
+    A path in a stage becomes the path that the file would have had in the target's folder.
     """
     path = str(error.filename or folder)
     for stage in stages:
@@ -306,13 +306,19 @@ def _refuse_what_is_in_the_way(
 def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: set[str]) -> Iterator[tuple[str, str]]:
     """Yield the path of each file or folder in the way that codewheel did not write, with a note for the message.
 
-    The note is ``, in place of a folder``, ``, a folder in place of a file``, or empty for a foreign file. ``files``
-    are all files of the target, and ``differing`` the paths of those that would be written.
+    The note is ``, in place of a folder``, ``, a folder in place of a file``, or empty for a file in place of a file.
+
+    Args:
+        folder: The output folder.
+        target: Name of the target.
+        files: Contents of all files of the target, by path.
+        differing: Paths of the files that would be written.
     """
+    # Codewheel wrote these files in an earlier run. One of them may be where a folder is needed now.
     listed_paths = set(_listed_paths(folder, target))
     # The output folder and the target's folder were checked before.
-    folders_inside = _folders_of(files) - {".", target}
-    for path in sorted(folders_inside - listed_paths):
+    needed_folders = _folders_of(files) - {".", target}
+    for path in sorted(needed_folders - listed_paths):
         if _kind_of(folder / path) in ("file", "link"):
             yield path, ", in place of a folder"
     for path in sorted(differing):
@@ -321,6 +327,7 @@ def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: 
             yield path, _A_FOLDER
         elif kind_of_path and path not in listed_paths:
             yield path, ""
+    # The list of files is not in itself. It begins with a sign by which a foreign file of that name differs.
     list_path = f"{target}/{LIST}"
     kind_of_list = _kind_of(folder / list_path)
     if kind_of_list == "folder":

@@ -23,7 +23,7 @@ EXAMPLES = (
     "codewheel new bench_encoder --line biss:position=32,error,warning,crc=6:0x43",
 )
 _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
-#: Characters of the longest name of a family, and those of an invalid name that a message shows.
+#: Characters of the longest name of a family, and characters of an invalid name that a message shows.
 _LONGEST_NAME, _SHOWN_CHARACTERS = 40, 60
 #: Encoders to start from. The rotary ones count revolutions, except over SPI.
 LIKE = ("biss", "ssi", "rs485", "rs485-exchanges", "spi", "linear")
@@ -113,7 +113,7 @@ def write_spec(name: str, output: Path | None, like: str = "", text_of: DeviceTe
         name: The family's name.
         output: The file, or a folder for it. By default, ``name.yaml`` in the current folder.
         like: One of ``LIKE``, or empty for a singleturn encoder over BiSS.
-        text_of: Returns the text of the spec. By default, that of the example.
+        text_of: Returns the text of the spec. By default, the text of the example.
 
     Returns:
         The files that were written.
@@ -148,13 +148,11 @@ def _refuse_invalid_name(name: str) -> None:
     """Check the name of a family.
 
     Raises:
-        NameRefused: The name is not valid, or is that of something else in the tool or in generated files.
+        NameRefused: The name is not valid, or something else in the tool or in generated files has this name.
     """
     from ..language.rules.names import TAKEN
 
-    # A file of this name describes the manufacturer.
-    is_reserved = iskeyword(name) or name == "manufacturer"
-    if not _NAME.fullmatch(name) or len(name) > _LONGEST_NAME or is_reserved:
+    if not _NAME.fullmatch(name) or len(name) > _LONGEST_NAME or _is_reserved(name):
         rule = "use lowercase letters, digits and underscores"
         start_of_name = name[:_SHOWN_CHARACTERS]
         raise NameRefused(f"'{start_of_name}' is not a valid family name; {rule}, such as {_suggested_name(name)}")
@@ -180,19 +178,26 @@ def _write_new_files(text_by_path: dict[Path, str]) -> Iterator[Path]:
         yield path
 
 
+def _is_reserved(name: str) -> bool:
+    """Return whether a name is a keyword of Python, or that of the file that describes the manufacturer."""
+    return iskeyword(name) or name == "manufacturer"
+
+
 def _suggested_name(name: str) -> str:
     """Return the name in lowercase with underscores instead of other characters: ``my_encoder`` for ``My-Encoder``.
 
-    If that is not valid, or is the name itself, return an example.
+    If a family cannot have that name, or it is the given one, return an example.
     """
+    from ..language.rules.names import TAKEN
+
     with_underscores = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
     suggestion = with_underscores[:_LONGEST_NAME]
-    is_valid = _NAME.fullmatch(suggestion) is not None
+    is_valid = _NAME.fullmatch(suggestion) is not None and not _is_reserved(suggestion) and suggestion not in TAKEN
     return suggestion if is_valid and suggestion != name else "encoder_1"
 
 
 def _manufacturer_name(path: Path) -> str:
-    """Return the name of the manufacturer in a file, or that of the templates if it has no valid one."""
+    """Return the name of the manufacturer in a file, or the template's name if it has no valid one."""
     from ..language.problems import Report
     from ..language.read import read_document
 
@@ -227,7 +232,7 @@ def _in_one_checkout(folder: Path, kind: str) -> bool:
 
 
 def _schema_reference(folder: Path, kind: str) -> str:
-    """Return the path of the schema for a spec in ``folder``: the relative one of the tool's own, or that of the copy.
+    """Return the path of the schema for a spec in ``folder``: a relative path to the tool's schema, or its copy.
 
     ``kind`` is ``device`` or ``manufacturer``. The copy is next to the spec, so its path is only its name.
     """

@@ -78,7 +78,7 @@ class _RecordingReport(DocumentReport):
         """Add a problem at ``path``.
 
         Raises:
-            _TooManyProblems: The document already has the largest number of problems.
+            _TooManyProblems: The rules have already reported the largest number of problems. One that says so is added.
         """
         if len(self) - self._before >= MAX_FOUND:
             super().add(TOO_MANY, path, "there are more problems; they are reported once these are fixed")
@@ -102,8 +102,8 @@ def _remove_broken_parts(checked: SchemaResult, document: Document, report: Repo
 def _check_device(checked: SchemaResult, document: Document, report: Report) -> dict[str, Any]:
     """Check a device with every rule, and return its data without the broken parts.
 
-    An error of a rule in ``FOUNDATIONS`` about order codes or parameters empties these. One of a rule in ``SHAPES``
-    removes what contains its place. Others remove nothing.
+    An error of a rule in ``FOUNDATIONS`` about order codes or parameters empties the order codes or parameters. An
+    error of a rule in ``SHAPES`` removes the part that contains its place. Others remove nothing.
 
     Raises:
         _TooManyProblems: It has too many problems.

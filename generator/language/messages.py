@@ -165,7 +165,8 @@ def _invalid_key(error: Any, path: Path) -> Finding:
 def _unknown_keys(error: Any, path: Path, file_kind: str) -> Iterator[Finding]:
     """Yield a finding for each key that the schema does not have.
 
-    Without a hint about the key, the rest of the map can still be used. With one, the key may be meant as another.
+    Without a hint about the key, the rest of the map can still be used, as with prose in a second reading. With any
+    other hint, the key may be meant as another.
     """
     for key in error.instance:
         if key in error.schema["properties"]:
@@ -179,8 +180,8 @@ def _unknown_keys(error: Any, path: Path, file_kind: str) -> Iterator[Finding]:
 def _key_hint(error: Any, path: Path, key: str) -> str:
     """Return the hint after an unknown key, or an empty string if none of the hints fits.
 
-    The key may be a former name, a key of other tools, an unsupported feature, a typo, a key of a field, a part of a
-    text without quotes, or have another unit. The first of these that applies is used.
+    The key may be a former name, a key of other tools, an unsupported feature, a typo, an unsupported interface, a key
+    of a field, a part of a text without quotes, or have another unit. The first of these that applies is used.
     """
     known_keys = error.schema["properties"]
     if RENAMED.get(key) in known_keys:
@@ -209,7 +210,7 @@ def _suggest_key(error: Any, unknown_key: str) -> str:
 def _missing_keys(error: Any, path: Path, file_kind: str) -> Iterator[Finding]:
     """Yield one finding for all missing keys, except those that an unknown key misspells.
 
-    It is ``at_key`` unless the map is an item of a list, and ``alone`` if only prose is missing.
+    It is ``at_key`` unless the map is an item of a list or the whole file, and ``alone`` if only prose is missing.
     """
     required_keys = error.validator_value
     misspelt_keys = [key for key in required_keys if _is_misspelt(error, key)]
@@ -231,12 +232,12 @@ def _is_misspelt(error: Any, required_key: str) -> bool:
 
 
 def _is_meant_as(required_key: str, unknown_key: str, instance: Any, known_keys: Any) -> bool:
-    """Return True if an unknown key is a typo of the required one, or the hint about it names the required one."""
+    """Return True if an unknown key is a typo of the required one, or the hint about it names the required key."""
     if nearest_choice(unknown_key, list(known_keys)) == required_key:
         return True
     value = instance[unknown_key]
     hints = key_hint(unknown_key, value, known_keys) + foreign_key_hint(unknown_key, value, known_keys, instance)
-    # The hints quote the key to write, perhaps with a value behind it.
+    # The hints quote the key to write, perhaps followed by a value.
     return f"'{required_key}" in hints
 
 
@@ -281,7 +282,8 @@ class _RuleMessage(NamedTuple):
 def _explain_type(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a value of the wrong type, with the likely correction.
 
-    ``subject`` is its key in quotes, or ``an item of`` its list. The other functions in ``_MESSAGES`` are alike.
+    ``subject`` is its key in quotes, or ``an item of`` its list. The other functions in ``_MESSAGES`` work in the same
+    way.
     """
     value = error.instance
     types = [error.validator_value] if isinstance(error.validator_value, str) else error.validator_value
@@ -303,7 +305,7 @@ def _explain_type(error: Any, subject: str) -> _RuleMessage:
 def _text_hint(error: Any) -> str:
     """Return the correction of a number or boolean that must be text. Empty if quotes would not help.
 
-    In a step, it stands for a named value.
+    In a step, the text is the name of a value.
     """
     path = list(error.absolute_path)
     if "steps" in path and path[-1] == "value":
@@ -315,7 +317,7 @@ def _text_hint(error: Any) -> str:
 
 
 def _explain_enum(error: Any, subject: str) -> _RuleMessage:
-    """Return rule and message for a value that is not one of the allowed ones, with the likely or all allowed ones."""
+    """Return rule and message for a value that is not allowed, with the likely or all allowed values."""
     hint = word_hint(str(error.absolute_path[-1]), error.instance) or unsupported_hint(error.instance)
     if not hint and not isinstance(error.instance, (dict, list)):
         hint = suggestion(str(error.instance), map(str, error.validator_value), "use one of")
@@ -327,9 +329,9 @@ def _explain_enum(error: Any, subject: str) -> _RuleMessage:
 
 
 def _explain_const(error: Any, subject: str) -> _RuleMessage:
-    """Return rule and message for a value that must be another one, such as the version of the language."""
+    """Return rule and message for a value that must be different, such as the version of the language."""
     value, required_value = error.instance, error.validator_value
-    # The key 'codewheel' has the version of the language.
+    # The key 'codewheel' states the version of the language.
     is_later_version = type(value) is int and subject == "'codewheel'" and value > required_value
     hint = "; a later version of codewheel can read this file" if is_later_version else ""
     return _RuleMessage("not-allowed", f"{subject} must be {quoted(required_value)}, not {quoted(value)}{hint}")

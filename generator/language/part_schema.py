@@ -78,7 +78,7 @@ def part_schema(part_class: Any) -> JsonSchema:
 
 
 def _key_schema(described: DescribedKey) -> JsonSchema:
-    """Return the JSON Schema of a key: its description, and a schema of its own or that of its type and limits."""
+    """Return the JSON Schema of a key: its description, and its own schema or the schema of its type and limits."""
     key = described.key
     value_type = key_type(described.notation)
     description_text = f"{key.about} {key.writing}".rstrip()
@@ -89,7 +89,7 @@ def _key_schema(described: DescribedKey) -> JsonSchema:
 
 
 def _value_schema(value_type: KeyType, key: Key) -> JsonSchema:
-    """Return the JSON Schema of a value. ``key`` has the least and the most entries of a list or map.
+    """Return the JSON Schema of a value. ``key`` contains the least and the most entries of a list or map.
 
     A part with a definition in the schema is referred to. Other parts are described inline.
     """
@@ -129,15 +129,16 @@ def _read_definitions() -> Mapping[str, Any]:
 
 
 def schema_with_parts(text: str) -> str:
-    """Return the text of a schema, with the parts as their classes describe them.
+    """Return the text of a schema in which the keys of a spec and the definitions of parts follow their classes.
 
-    These are the keys of a spec, and each part with a place in the definitions. Other lines remain as they are.
+    A part that has no block in ``$defs`` is skipped. Other lines remain as they are.
     """
     lines = text.splitlines()
     definitions = json.loads(text)["$defs"]
     spec_keys = part_schema(written_parts.WrittenSpec)["properties"]
     lines = _with_block(lines, 0, ["properties"], lambda indent: _value_text("properties", spec_keys, indent))
     for name, part_class in described_parts().items():
+        # Such as ``field``, or ``manual.editions`` for a part inside the definition of another one.
         definition_path = _PLACES.get(name, name_of_part(name))
         definition, _, _ = definition_path.partition(".")
         if definition in definitions:
@@ -169,7 +170,7 @@ def _with_block(lines: Sequence[str], begin: int, keys: Sequence[str], text_of: 
 def _format_schema(schema: JsonSchema, indent: int) -> str:
     """Return the text of a schema. Only objects with properties, and their containers, take several lines.
 
-    Of these, each description and each nested object is on a line of its own, and other keywords share a line.
+    Inside them, each description and each nested object is on a line of its own, and other keywords share a line.
     """
     if '"properties"' not in json.dumps(schema):
         return json.dumps(schema, ensure_ascii=False)
@@ -201,7 +202,7 @@ def _value_text(word: str, schema_value: Any, indent: int) -> str:
 
 
 def _in_braces(lines: Sequence[str], indent: int) -> str:
-    """Return lines in braces, separated by commas. ``indent`` is that of the closing brace."""
+    """Return lines in braces, separated by commas. ``indent`` is the indentation of the closing brace."""
     margin = " " * (indent + 2)
     return "{\n" + ",\n".join(margin + line for line in lines) + "\n" + " " * indent + "}"
 

@@ -63,6 +63,7 @@ from .interfaces import build_interfaces, build_measurement, check_spi_registers
 from .layouts import build_layout
 from .parameters import check_named_widths, check_reach, coded_values, held_in_registers, parameter_sets, too_much_work
 from .position_rules import check_measurements, check_position_widths
+from .procedure_limits import check_limits_in_procedures
 from .repeated_facts import check_agreement
 from .request_rules import check_control_bytes, check_requests
 from .stated_lengths import check_stated_bits, check_stated_lengths
@@ -95,6 +96,7 @@ def build_device(raw_spec: Raw, manufacturer: Manufacturer, report: DocumentRepo
     check_frame_kinds(device, report)
     check_settings_of_crcs(device, report)
     device = replace(device, procedures=build_procedures(raw_spec, device))
+    check_limits_in_procedures(device, report)
     check_measurements(device, report)
     check_position_widths(device, report)
     check_named_widths(raw_spec, device, report)
@@ -174,7 +176,7 @@ def _build_device_without_procedures(
 
 
 def _derived_expressions(raw_spec: Raw) -> Mapping[str, Expression]:
-    """Return the expressions of the parameters that follow from others, by name, without invalid ones."""
+    """Return the expressions of parameters derived from other parameters, by name, without invalid ones."""
     definitions = {}
     for name, parameter in raw_spec["parameters"].items():
         if "equals" not in parameter:
@@ -240,7 +242,7 @@ def _list_variants(
 ) -> tuple[Variant, ...]:
     """Return every listed order code with its parameters.
 
-    ``default_values`` are those of the parameters that order codes may leave to a register or an alternative.
+    ``default_values`` are the values of the parameters that order codes may leave to a register or an alternative.
     """
     if not order_code.parts:
         return ()
@@ -316,7 +318,7 @@ def _check_limits(register: Register, path: Path, context: Context) -> None:
         expressions += [field.low, field.width]
     depends_on_order_code = any(expression is not None and not expression.is_constant for expression in expressions)
     sets = context.parameter_sets.get(register.interface, ())
-    # Without such a dependency, the first order code stands for all.
+    # Without such a dependency, the first order code represents all.
     compared_sets = sets if depends_on_order_code else sets[:1]
     for parameters in compared_sets:
         placed = register.layout.place(parameters)
@@ -370,7 +372,7 @@ def _problem_of_default(register: Register, placed: PlacedLayout, parameters: Ma
         return None
     limits = _limits_for_code(register, placed, parameters)
     value = _number_within_limits(register, placed, default)
-    # A stored zero can stand for another number.
+    # A stored zero can represent another number.
     meant_value = value or limits.zero_means
     named_numbers = [named_value.value for named_value in register.values]
     register_bits = 8 * register.length

@@ -146,7 +146,7 @@ def _data_bits_text(record: Record) -> str:
 
 
 def _crc_text(record: Record) -> str:
-    """Return the CRC in words, with its polynomial in three notations, or ``none`` without one."""
+    """Return the CRC in words, with its polynomial in three notations, or ``none`` without a CRC."""
     numbers = record.known_numbers
     if not numbers["crc_bits"]:
         return "none"
@@ -203,7 +203,7 @@ def standing_mark(rule: Setting | Refusal | WriteCondition) -> str:
 
 @lru_cache(4096)
 def cited(source: str) -> str:
-    """Return the citations of a source, those without a place first: ``"X:p. 3; Y"`` becomes ``"Y, X:p. 3"``."""
+    """Return the citations of a source, citations without a place first: ``"X:p. 3; Y"`` becomes ``"Y, X:p. 3"``."""
     citations = re.split(r";\s*", source.strip())
     return ", ".join(sorted(citations, key=lambda citation: ":" in citation))
 

@@ -44,7 +44,7 @@ def has_no_part(name: str) -> str:
 
 
 def family_instead_of_code(text: str, code: str) -> str:
-    """Return the message for the name of a family in place of an order code."""
+    """Return the message for the name of a family instead of an order code."""
     return f"'{text}' is a family; give an order code, such as {code}"
 
 
@@ -70,7 +70,7 @@ AFTER = r"(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?"
 class UnknownOrderCode(ValueError):
     """The order code does not exist. The message names the wrong part and its valid values.
 
-    ``close`` is true if this message is the one to show: either all but one part of the text matches the family, or the
+    ``close`` is true if this message should be shown: either all but one part of the text matches the family, or the
     text cannot belong to any family.
     """
 
@@ -83,7 +83,8 @@ class UnknownOrderCode(ValueError):
 class Match:
     """An order code as read from a label.
 
-    ``variant`` is the matching listed code. ``unlisted`` names the parts whose value is not listed in the manual,
+    ``variant`` is the matching listed code. If a part has a value that the manual does not list, the code has this
+    value, and its interface and parameters are those of the first listed code that fits. ``unlisted`` names such parts,
     ``tail`` is the text after the code on the label, and ``special`` is set for codes that end in /Sxxx.
     ``written_as_in`` is where codes are written like this label, if the manual lists order codes in another notation.
     """
@@ -136,7 +137,8 @@ def find_code(device: Device, text: str) -> Match:
     """Parse the label ``text`` for this family. Text after ``-`` and ``/Sxxx`` are accepted, and spaces are ignored.
 
     Raises:
-        UnknownOrderCode: A part is missing or wrong, or the text is longer than any label.
+        UnknownOrderCode: A part is missing or wrong, the parts cannot be combined, or the text is longer than any
+            label.
     """
     if len(text) > LONGEST:
         raise UnknownOrderCode(too_long(text[:_SHOWN_CHARACTERS], str(len(text)), str(LONGEST)), close=True)
@@ -148,7 +150,7 @@ def find_code(device: Device, text: str) -> Match:
         label_match = re.fullmatch(expression_of_code(device.order_code, spelling) + AFTER, label, re.IGNORECASE)
         if label_match is None:
             continue
-        # A spelling may have texts of its own for the values of a part. Others are as listed.
+        # A spelling may use different texts for the values of a part. Other values are as listed.
         value_by_spelling = {(value.part, value.text.upper()): value.value for value in spelling.values}
         value_by_part: dict[str, str] = {}
         for part in device.order_code.parts:
@@ -179,7 +181,7 @@ def values_by_spelling(part: CodePart, spelling: Spelling) -> Mapping[str, str]:
 def beginnings(code: OrderCode) -> tuple[str, ...]:
     """Return the possible prefixes of the family's labels, uppercase and without spaces. "" matches any label.
 
-    Prefixes that begin with another one are omitted.
+    Prefixes that begin with another prefix are omitted.
     """
     prefixes: set[str] = set()
     for spelling in (as_listed(code), *code.also_written):
@@ -196,7 +198,7 @@ def _first_texts(code: OrderCode, spelling: Spelling) -> list[str]:
 
     If the first part can have unlisted values, an empty text is among them, since a label can begin with anything.
     """
-    # The split gives texts and names of parts in turn, beginning with a text.
+    # The split yields texts and names of parts in turn, beginning with a text.
     text_before_parts, *names_and_texts = _BRACES.split(spelling.pattern)
     if text_before_parts.strip():
         return [text_before_parts]
@@ -218,7 +220,7 @@ def _variant_with_parts(
 ) -> tuple[Variant, tuple[str, ...]]:
     """Return the order code with these parts, and the names of parts with unlisted values.
 
-    An unlisted value remains in the code. Interface and parameters are those of the first listed code that fits.
+    An unlisted value remains in the code. Interface and parameters come from the first listed code that fits.
 
     Raises:
         UnknownOrderCode: The parts cannot be combined.
@@ -251,8 +253,8 @@ def _listed_value(part: CodePart, text: str) -> str | None:
 def _fitting_variant(device: Device, listed_values: Mapping[str, str | None]) -> Variant | None:
     """Return the first listed code with these parts, or None if there is none.
 
-    In ``listed_values``, None stands for an unlisted value, which any listed code fits. There is no such code if a part
-    is unlisted where only listed values are possible.
+    In ``listed_values``, None stands for an unlisted value, which matches any listed code. There is no such code if a
+    part is unlisted where only listed values are possible.
     """
     for part in device.order_code.parts:
         if listed_values[part.name] is None and not _can_be_open(part, listed_values):
@@ -264,9 +266,10 @@ def _fitting_variant(device: Device, listed_values: Mapping[str, str | None]) ->
 
 
 def _can_be_open(part: CodePart, listed_values: Mapping[str, str | None]) -> bool:
-    """Return whether a part can have an unlisted value next to these values of the other parts.
+    """Return whether a part can have an unlisted value in combination with these values of the other parts.
 
-    ``open_only_with`` lists, for some other parts, the values next to which it can. Unlisted ones are always allowed.
+    ``open_only_with`` lists, for some other parts, the values that allow an unlisted value. Unlisted values are always
+    allowed.
     """
     for name, allowed_values in part.open_only_with.items():
         if listed_values[name] is not None and listed_values[name] not in allowed_values:
@@ -302,7 +305,7 @@ def expression_of_code(order_code: OrderCode, spelling: Spelling, anything: str 
 
 
 def _value_pattern(part: CodePart) -> str:
-    """Return a regular expression for the listed values of a part, and for unlisted ones if it can have any.
+    """Return a regular expression for the listed values of a part, and for unlisted values if it can have any.
 
     ``part.open`` is the expression for unlisted values.
     """
@@ -337,9 +340,10 @@ def _fits_if_changed(device: Device, part: CodePart, listed_values: Mapping[str,
 
 
 class _WrongPart(NamedTuple):
-    """A part that may be the wrong one.
+    """A part that may be wrong.
 
-    The least one is the likeliest: it has the fewest unlisted other parts and, if several have as few, no text itself.
+    The smallest tuple is the likeliest: it has the fewest unlisted other parts and, if several are equal, no text
+    itself.
     """
 
     unlisted_others: int
@@ -393,7 +397,7 @@ def _nearest_codes_text(device: Device, label: str) -> str:
 
 
 def nearest_codes(devices: Sequence[Device], text: str, least: float = 0.0) -> list[str]:
-    """Return the three listed codes that are most similar to ``text``, or to ``text`` without its tail.
+    """Return at most three listed codes, those most similar to ``text`` or to ``text`` without its tail.
 
     Args:
         devices: The families.
@@ -424,7 +428,7 @@ def edition_before(device: Device, revision: str) -> str:
 
 
 def edition_by_label(device: Device, match: Match) -> str:
-    """Return the revision whose labels are written like this one, or an empty string if the label does not show it."""
+    """Return the revision whose labels are written like this label, or an empty string if none is certain."""
     spellings = device.order_code.also_written
     patterns = {spelling.pattern for spelling in spellings if spelling.where == match.written_as_in}
     for edition in device.editions:

@@ -1,6 +1,6 @@
 """Statements about the evidence for facts and the origin of a family, and subjects that a manual mentions.
 
-Facts without a place of their own in the model are texts: times with a meaning, characteristics, tables, notes.
+Facts without a separate place in the model are texts: times with a meaning, characteristics, tables, notes.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def titled_in_lists(device: Device) -> str:
 
 
 def placeholders(device: Device) -> str:
-    """Return a sentence with the values that are still those of the template, or an empty string if there are none."""
+    """Return a sentence with the values that still come from the template, or an empty string if there are none."""
     names = device.evidence.placeholders
     if not names:
         return ""
@@ -128,8 +128,8 @@ def other_editions(device: Device, where: str = "inline") -> Iterator[Statement]
 def removals(device: Device) -> Iterator[Statement]:
     """Yield the changes by overlays and editions that removed a part, so that they cannot be noted next to it.
 
-    The change of an edition has a place if the device is the family itself (no base) and the change affects parts in
-    it. Changes of wording are left out.
+    The change of an edition has a place if the device is the family itself (no base) and the change affects its parts.
+    Changes of wording are left out.
     """
     for correction in device.errata:
         is_change = correction.overlay or correction.edition
@@ -170,7 +170,7 @@ _NOTE = "note on the interface"
 
 
 def mentions(device: Device, interface: Interface, subject: Subject) -> bool:
-    """Return whether a text about the device or this interface has words of the subject.
+    """Return whether a text about the device or this interface contains words of the subject.
 
     The texts are those about times, characteristics, tables and notes, not about frames and registers.
     """

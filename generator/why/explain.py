@@ -2,7 +2,7 @@
 
 For each mistake, the CRC is computed as if it had been made. All that match are listed, most likely first. A mistake
 may match by coincidence: with a 6-bit CRC, one random frame in 64 does. So each explanation, and the list as a whole,
-comes with its chance.
+states its chance.
 """
 
 from __future__ import annotations
@@ -61,7 +61,8 @@ def explain_bits(
     missing = _missing_part(device, variant, placed_layout, typed_frame)
     if crc is None:
         hypotheses = _hypotheses_without_crc(device, variant, placed_layout, typed_frame)
-        return diagnose_without_crc(device, hypotheses, missing)
+        disturbed = _disturbed_constants(placed_layout, typed_frame)
+        return diagnose_without_crc(device, hypotheses, missing, disturbed)
     refuted = _refuted_hypotheses(placed_layout, crc, typed_frame)
     hypotheses = all_hypotheses(device, variant, placed_layout, crc, typed_frame)
     diagnosis = diagnose(device, hypotheses, refuted, [crc], with_pairs=with_pairs)
@@ -87,6 +88,15 @@ def _bits_to_invert(placed_layout: PlacedLayout, crc: Crc, frame: int) -> list[i
         if frame_hypothesis("", "", placed_layout, crc, frame_with_flip).fits:
             bits_to_invert.append(bit)
     return bits_to_invert
+
+
+def _disturbed_constants(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> tuple[int, ...]:
+    """Return the bits of which each, if inverted, makes wrong constants and a wrong parity of the frame right."""
+    frame = typed_frame.number
+    _, are_right = check_constant_bits(placed_layout, frame)
+    if are_right or not typed_frame.may_have(placed_layout.bits):
+        return ()
+    return tuple(bit for bit in range(placed_layout.bits) if check_constant_bits(placed_layout, frame ^ (1 << bit))[1])
 
 
 def _doubt_about_dead_line(placed_layout: PlacedLayout | None, crc: Crc | None, frame: int, is_valid: bool) -> str:
@@ -154,12 +164,13 @@ def explain_constant(
     """Explain a wrong constant, or return None if nothing matches.
 
     With a valid CRC, this is another answer to a question that the manual leaves open, or the CRC of a moved or
-    rearranged frame is valid by coincidence. Without a CRC, it is a moved or rearranged frame.
+    rearranged frame is valid by coincidence. Without a CRC, it is a moved or rearranged frame, or a bit is disturbed.
     """
     crc = device.crc_of(placed_layout)
     if crc is None:
         hypotheses = _hypotheses_without_crc(device, variant, placed_layout, typed_frame)
-        return diagnose_without_crc(device, hypotheses, missing="")
+        disturbed = _disturbed_constants(placed_layout, typed_frame)
+        return diagnose_without_crc(device, hypotheses, missing="", disturbed=disturbed)
     answer_hypotheses = other_answer_hypotheses(device, variant, placed_layout, typed_frame)
     fitting_hypotheses = [hypothesis for hypothesis in answer_hypotheses if hypothesis.fits]
     frame_hypotheses = [
@@ -290,7 +301,8 @@ def _diagnose_equal_bits(variant: Variant, number: int, bit_count: int, doubt: s
         explanation_text = (
             f"every bit is {level}: the line never changes. Check for {cause}, the supply and {other_causes}"
         )
-    # The first bit can be either level, and the others must have the same. One in 2^62 is enough to be certain.
+    # The first bit can be either level, and all other bits must be equal to it. A chance of 1 in 2^62 is certain
+    # enough.
     bits_that_agree = min(bit_count - 1, 62)
     one_in = 1 << bits_that_agree
     score = MISTAKES["line_stuck"] * one_in

@@ -52,7 +52,7 @@ def byte_hypotheses(
 
 
 def is_valid_in_bytes(device: Device, placed_layout: PlacedLayout, received_bytes: bytes) -> bool:
-    """Return whether the frame has an 8-bit CRC, and the CRC and the constants of the frame are correct."""
+    """Return whether the frame has an 8-bit CRC, and its CRC, constants, parity and selector are correct."""
     crc = device.crc_of(placed_layout)
     if crc is None or crc.width != 8:
         return False
@@ -69,13 +69,15 @@ def _other_crc_hypotheses(placed_layout: PlacedLayout, crc: Crc, frame: bytes) -
     for kind, description, other_crc in other_crcs_over_bytes(crc):
         yield replace(without_mistake, kind=kind, description=description, crc=other_crc)
     bytes_without_first_and_crc = frame[1:-1]
-    yield replace(
-        without_mistake,
-        kind="first_byte_left_out",
-        description=TEXTS["first_byte_left_out"],
-        covered_data=int.from_bytes(bytes_without_first_and_crc, "big"),
-        covered_bits=without_mistake.covered_bits - 8,
-    )
+    # A frame that is only a CRC has no first byte that it covers.
+    if len(frame) > 1:
+        yield replace(
+            without_mistake,
+            kind="first_byte_left_out",
+            description=TEXTS["first_byte_left_out"],
+            covered_data=int.from_bytes(bytes_without_first_and_crc, "big"),
+            covered_bits=8 * len(bytes_without_first_and_crc),
+        )
 
 
 def _displaced_byte_hypotheses(
@@ -109,9 +111,9 @@ def _displaced_byte_hypotheses(
 def _missing_first_byte_hypotheses(
     placed_layout: PlacedLayout, crc: Crc | None, received_bytes: bytes, first_bytes: Sequence[int], template: str
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses with each possible first byte in front of the received ones.
+    """Yield hypotheses with each possible first byte before the received bytes.
 
-    ``{0}`` in ``template`` stands for the byte.
+    ``{0}`` in ``template`` is replaced by the byte.
     """
     for first_byte in first_bytes:
         frame = bytes([first_byte]) + received_bytes
@@ -123,7 +125,7 @@ def _missing_first_byte_hypotheses(
 def _frame_hypothesis(
     kind: str, description: str, placed_layout: PlacedLayout, crc: Crc | None, frame: bytes
 ) -> Hypothesis:
-    """Return the hypothesis that the frame was ``frame``, whose last byte is the CRC if there is one."""
+    """Return the hypothesis that the frame was ``frame``, whose last byte is the CRC, if any."""
     frame_number = number_from_bytes(placed_layout.layout, frame)
     hypothesis = frame_hypothesis(kind, description, placed_layout, crc, frame_number)
     return hypothesis if crc is None else _with_crc_over_bytes(hypothesis, frame)
@@ -132,7 +134,7 @@ def _frame_hypothesis(
 def _with_crc_over_bytes(hypothesis: Hypothesis, frame: bytes) -> Hypothesis:
     """Return the hypothesis with the CRC over the bytes as sent, independent of the byte order of the number.
 
-    The last byte is the CRC, and it covers all others.
+    The last byte is the CRC, and it covers all other bytes.
     """
     return replace(
         hypothesis,
@@ -145,12 +147,12 @@ def _with_crc_over_bytes(hypothesis: Hypothesis, frame: bytes) -> Hypothesis:
 def _possible_first_bytes(placed_layout: PlacedLayout, usual_values: Mapping[str, Sequence[int]]) -> Iterator[int]:
     """Yield the possible first bytes of a frame, one for each value of the selector, or a single one without it.
 
-    Nothing is yielded if the first byte also has other fields than the selector, constants, parity and those with one
+    Nothing is yielded if the first byte also has fields other than the selector, constants, parity and fields with one
     usual value, since such a byte is not known.
     """
     layout = placed_layout.layout
     bytes_after_first = bytes(placed_layout.bits // 8 - 1)
-    # The bits of the frame's number that the first byte has.
+    # The bits of the frame's number in the first byte.
     first_byte_mask = number_from_bytes(layout, b"\xff" + bytes_after_first)
     fields_in_first_byte = [field for field in placed_layout.fields if (first_byte_mask >> field.low) & field.mask]
     frame_without_selector = 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-#: Texts by name. Numbers in braces stand for the details of a frame.
+#: Texts by name. Numbers in braces are replaced by the details of a frame.
 TEXTS: Mapping[str, str] = MappingProxyType(
     {
         "all_inverted": "every bit is inverted, as with swapped data wires",
@@ -39,7 +39,7 @@ TEXTS: Mapping[str, str] = MappingProxyType(
         "first_byte_left_out": "the CRC does not cover the first byte",
     }
 )
-#: Bits that BiSS sends in front of the frame, which a CRC may also cover, with the text.
+#: Bits that BiSS sends before the frame, which a CRC may also cover, with the text.
 START_BITS: tuple[tuple[str, str], ...] = (
     ("1", "the CRC also covers the start bit, or a CDS bit of 1"),
     ("10", "the CRC also covers the start bit and a CDS bit of 0"),

@@ -1,8 +1,8 @@
 """BiSS frames with two data channels, in five engines, against a decoder that is written here.
 
-The encoder is made up. Its words, their CRCs and their comparison are those of the profile BiSS Safety, and its order
-codes are configurations of table 1 in iC-Haus, BiSS Safety Concept, revision A5: the words of RXH have 24 and 16 bits
-for the angle, of which 13 must agree, with a tolerance of one.
+The encoder is made up. Its words, their CRCs and their comparison follow the profile BiSS Safety, and its order codes
+are configurations of table 1 in iC-Haus, BiSS Safety Concept, revision A5: the words of RXH have 24 and 16 bits for the
+angle, of which 13 must agree, with a tolerance of one.
 """
 
 from __future__ import annotations
@@ -471,6 +471,27 @@ def test_the_published_word_of_a_safety_encoder_has_this_crc() -> None:
     """Word in a log of TI's motor-control SDK: 65535 turns, angle 2924 of 4096, nE 0, nW 1, counter 57, CRC D79Fh."""
     made = Configuration(16, 0, 12, 0)
     assert safety_word(made, 65535, 2924, 0, 1, 57) & 0xFFFF == 55199
+
+
+@pytest.mark.slow
+def test_a_whole_frame_in_decode_of_a_single_channel_gets_a_hint(import_generated: Import) -> None:
+    package: Any = import_generated(Library((made_device(),)), "test_encoders")[1]
+    encoder = package.lookup("RXH")
+    bits = frame_of_rxh(0x1234)
+    expected_hint = "The frame has several data channels, and this decodes a single one: use channels().decode"
+    # As text, as bytes, as a number with all its bits, and as one whose two highest bits are 0.
+    made = CONFIGURATIONS["RXH"]
+    low_number = whole(made, control_word(made, 0, 0x123456, 1, 1), safety_word(made, 0, 0x1234, 1, 1, 5))
+    high_number = whole(made, control_word(made, 0, 0xF23456, 1, 1), safety_word(made, 0, 0xF234, 1, 1, 5))
+    for frame in (bits, f"0b{bits}", low_number.to_bytes(9, "big"), high_number, low_number):
+        error = encoder.try_decode(frame)
+        assert (type(error).__name__, error.hint) == ("LengthError", expected_hint)
+        assert package.why(encoder, frame) == (expected_hint.replace("The", "the", 1),)
+    # The length alone shows it, also with a disturbed bit.
+    assert encoder.try_decode(high_number ^ 1 << 30).hint == expected_hint
+    # A single word that is one bit too long has another cause.
+    one_bit_more = control_word(made, 0, 0xF23456, 1, 1) << 1
+    assert "without its last 1 bit" in encoder.try_decode(one_bit_more).hint
 
 
 @pytest.mark.slow

@@ -758,7 +758,7 @@ def test_other_frames_that_it_can_be(capsys: Capture, arguments: str, other_layo
 
 
 def test_a_line_without_an_end_is_one_line(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
-    """Its rest is skipped in pieces, so it does not fill the memory, and the next line has its number."""
+    """Its rest is skipped in pieces, so it does not fill the memory, and the next line has the right number."""
     monkeypatch.setattr("sys.stdin", io.StringIO("0" * 1_000_000 + "\n0x5\n" + "1" * (1 << 16)))
     main(["decode", "--specs", ENCODERS, "MA732", "-"])
     captured = capsys.readouterr()

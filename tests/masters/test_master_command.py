@@ -54,7 +54,7 @@ def test_it_fits_a_terminal(capsys: pytest.CaptureFixture[str], code: str) -> No
 def test_one_master(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run(capsys, "master", "SMA21-SC1-0050", "--master", "linuxcnc_hostmot2")
     assert code == 0
-    # It is on its own line, so that it can be copied without the mark.
+    # The value is on its own line, so that it can be copied without the mark.
     lines = [line.strip().removeprefix("biss_chan_0 ").strip() for line in out.splitlines()]
     assert "biss_chan_0=crc%6pnwarning%1bnerror%1bposition%20epadding%4p *" in lines
     assert "docs/src/man/man9/hostmot2.9.adoc" in out
@@ -225,7 +225,7 @@ def test_every_order_code_is_on_the_page(pages: dict[str, str], library: Library
 
 
 def test_the_page_says_what_the_command_says(pages: dict[str, str]) -> None:
-    """It lists what differs between masters. The values are those of an order code, so they are not on it."""
+    """It lists what differs between masters. The values belong to an order code, so they are not on the page."""
     page = pages["docs/sma21-biss-masters.md"]
     ic_mb = page.split("## iC-Haus")[1].split("## ")[0]
     assert re.search(r"`--master ic_mb` prints: .*SENSCRCPOLY", ic_mb)

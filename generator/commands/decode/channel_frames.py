@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 class ChannelResult:
     """A frame decoded: its channels with their findings and explanations, or a problem with its length.
 
-    ``readings`` are those of the whole frame with which all CRCs are correct.
+    ``readings`` are the readings of the whole frame with which all CRCs are correct.
     """
 
     channels: tuple[codec.Decoded, ...]
@@ -89,7 +89,7 @@ class ChannelDecoder:
         return None if has_all_digits or has_bits_of_channel else typed_frame
 
     def decode(self, typed_frame: TypedFrame) -> ChannelResult:
-        """Return the frame decoded. Its bits are those of all channels, in the order in which they are sent."""
+        """Return the frame decoded. Its bits are the bits of all channels, in the order sent."""
         device = self._device
         frame = self.frame
         number = typed_frame.number
@@ -170,7 +170,7 @@ def comparison_sentence(frame: PlacedChannels, decoded_channels: Sequence[codec.
     """Return a sentence with the compared bits of each channel, and whether they agree."""
     numbers = frame.compared_numbers([decoded.values for decoded in decoded_channels])
     compared_channels = [channel for channel in frame.channels if channel.name in frame.compared]
-    # ``compared`` has the name of the compared field by that of its channel.
+    # ``compared`` contains the name of the compared field by the name of its channel.
     number_texts = [
         f"{frame.compared[channel.name]} of {channel.name} {number:#x}"
         for channel, number in zip(compared_channels, numbers, strict=True)

@@ -102,7 +102,7 @@ def _field_data(field: codec.DecodedField) -> dict[str, Any]:
 
 
 def _quantity_data(scale: Scale, number: int | str | bool) -> dict[str, Any]:
-    """Return the quantity that a number stands for, such as 21.5 °C, as decimal and as fraction, for JSON.
+    """Return the quantity that a number represents, such as 21.5 °C, as decimal and as fraction, for JSON.
 
     ``exact`` is false if the decimal is rounded.
     """

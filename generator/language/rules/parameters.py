@@ -8,7 +8,7 @@ from typing import NamedTuple
 from ...model.expressions import Expression, ExpressionError, Factor
 from ..problems import DocumentReport, Path, listed, quoted
 from ..written_codes import WrittenAlternative, WrittenParameter, WrittenRegister
-from ..written_interfaces import WrittenSpi
+from ..written_interfaces import WrittenBiss, WrittenSpi
 from ..written_layouts import WrittenField
 from ..written_parts import WrittenSpec
 from .name_resolver import NameResolver
@@ -75,7 +75,7 @@ _Expressions = Iterator[tuple[Path, int | str]]
 
 
 def expressions(spec: WrittenSpec) -> _Expressions:
-    """Yield every expression of a spec, those of groups once."""
+    """Yield every expression of a spec, with the expressions of groups once."""
     for part in spec.order_code.parts:
         yield from _expressions_under(part, ("label_is",))
     for parameter in spec.parameters.values():
@@ -90,8 +90,9 @@ def expressions(spec: WrittenSpec) -> _Expressions:
         yield from _expressions_under(measurement, _MEASURED)
     for field_list in layouts(spec):
         yield from _of_position_range(field_list)
+        yield from _of_gray_code(field_list, ("excess",))
     for _, interface in interfaces(spec):
-        yield from _of_words(interface)
+        yield from _of_interface(interface)
 
 
 class ParameterUse(NamedTuple):
@@ -107,7 +108,7 @@ def parameter_uses(spec: WrittenSpec, as_read: WrittenSpec | None = None) -> Ite
 
     A field of a group is yielded for each layout or register that uses the group.
     """
-    spec_of_groups = as_read if as_read is not None else spec  # ``as_read`` also has the invalid groups.
+    spec_of_groups = as_read if as_read is not None else spec  # ``as_read`` also contains the invalid groups.
     groups = by_name(spec_of_groups.field_groups)
     field_owners = list(layouts(spec))
     field_owners += [FieldList(Has.REGISTER, register, interface_of(register)) for register in spec.registers]
@@ -120,7 +121,7 @@ def parameter_uses(spec: WrittenSpec, as_read: WrittenSpec | None = None) -> Ite
         measurement = interface.measurement if interface.has("measurement") else spec.measurement
         if measurement is not None:
             yield from _used_by(name, _expressions_under(measurement, _MEASURED))
-        yield from _used_by(name, _of_words(interface))
+        yield from _used_by(name, _of_interface(interface))
 
 
 def _used_by(interface: str, expressions: _Expressions) -> Iterator[ParameterUse]:
@@ -135,8 +136,13 @@ def _of_owner(fields: FieldList) -> _Expressions:
         for limited in (fields.owner, *fields.owner.meanings):
             yield from _expressions_under(limited, ("min", "max"))
     yield from _of_position_range(fields)
+    yield from _of_gray_code(fields, ("when", "excess"))
+
+
+def _of_gray_code(fields: FieldList, keys: Iterable[str]) -> _Expressions:
+    """Yield the expressions under these keys of the Gray code of a layout. The one under ``when`` is a parameter."""
     if fields.layout is not None and fields.layout.gray is not None:
-        yield from _expressions_under(fields.layout.gray, ("when", "excess"))
+        yield from _expressions_under(fields.layout.gray, keys)
 
 
 def _of_position_range(fields: FieldList) -> _Expressions:
@@ -153,11 +159,13 @@ def _expressions_under(owner: PlacedPart, keys: Iterable[str]) -> _Expressions:
             yield (*owner.path, key), text
 
 
-def _of_words(interface: WrittenInterface) -> _Expressions:
-    """Yield the lengths of words over SPI, of the interface and of its exchanges. Other interfaces have none."""
+def _of_interface(interface: WrittenInterface) -> _Expressions:
+    """Yield the lengths of words over SPI, and the number of bits that data channels over BiSS compare."""
     if isinstance(interface, WrittenSpi):
         for owner in (interface, *interface.exchanges):
             yield from _expressions_under(owner, ("word_bits",))
+    if isinstance(interface, WrittenBiss) and interface.channels is not None:
+        yield from _expressions_under(interface.channels, ("compared_bits",))
 
 
 def _of_field(field: WrittenField, path: Path) -> _Expressions:
@@ -171,7 +179,7 @@ _MOST_TERMS = 256
 
 
 def all_parameters(expression_text: object, parameters: Mapping[str, WrittenParameter]) -> Iterator[str]:
-    """Yield the parameters in an expression, and those in the expressions that define them, each once."""
+    """Yield the parameters in an expression, and in the expressions that define these parameters, each once."""
     factors_to_visit = _list_factors(expression_text)
     visited_names: set[str] = set()
     # The list grows during the loop, so that parameters named directly come before those that define them.
@@ -213,7 +221,10 @@ def check_long_sums(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
 
 
 def _count_of_terms(parameter_name: str, parameters: Mapping[str, WrittenParameter], counts: dict[str, int]) -> int:
-    """Return the number of terms of a parameter with all definitions inserted, which ``counts`` keeps by name."""
+    """Return the number of terms of a parameter with all definitions inserted, which ``counts`` keeps by name.
+
+    Each factor of a product counts like a term, and a parameter without a definition as one.
+    """
     if parameter_name in counts:
         return counts[parameter_name]
     counts[parameter_name] = 1  # This ends a cycle, which another rule reports.
@@ -224,7 +235,7 @@ def _count_of_terms(parameter_name: str, parameters: Mapping[str, WrittenParamet
 
 
 def check_parameter_origin(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the value of a parameter has at most one origin, and that ``by_code`` is next to ``read_from`` alone.
+    """Check that the value of a parameter has at most one origin, and that ``by_code`` occurs only with ``read_from``.
 
     ``by_code`` lists the value for each code in the register, so it excludes limits.
     """
@@ -305,7 +316,7 @@ def check_alternative_use(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 
     Those with a default affect only verdicts, which do not need a choice. So their parameters are in no expression.
     """
-    alternatives = by_name(as_read.alternatives)  # Also invalid ones, which ``spec`` lacks.
+    alternatives = by_name(as_read.alternatives)  # Including invalid parts, which ``spec`` lacks.
     set_by_alternative = {name: parameter for name, parameter in as_read.parameters.items() if parameter.alternative}
     used_texts = list(expressions(spec))
     # The parameter under 'when', which turns Gray code on, is not an expression.
@@ -330,8 +341,8 @@ def check_alternative_use(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 def check_units(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the units of fields that equal a parameter, and of the parameters in expressions.
 
-    A field and its parameter have units of the same quantity, and an unknown unit is a quantity of its own. Exponents
-    and widths are in bits, and numbers of a measurement in its units. There, unknown units are not checked.
+    A field and its parameter have units of the same quantity, and each unknown unit counts as a separate quantity.
+    Exponents and widths are in bits, and numbers of a measurement in its units. There, unknown units are not checked.
     """
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -365,7 +376,7 @@ def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: Documen
 
 
 def check_parameter_cycle(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no parameter is defined by itself, directly or through others."""
+    """Check that no parameter is defined by itself, directly or through other parameters."""
     definitions: dict[str, tuple[str, ...]] = {}
     for name, parameter in spec.parameters.items():
         if parameter.equals is not None:
@@ -385,7 +396,7 @@ def _find_cycle(start: str, definitions: Mapping[str, tuple[str, ...]], settled:
     Every parameter that is visited is added to ``settled``, because each cycle is reported once.
     """
     # Depth first, without recursion: a long chain of parameters must not exhaust the stack.
-    # ``trail`` has the open definitions, and ``pending`` an iterator for each of them and for the start.
+    # ``trail`` contains the open definitions, and ``pending`` an iterator for each of them and for the start.
     trail: list[str] = []
     pending = [iter((start,))]
     while pending:

@@ -1,6 +1,6 @@
 """Iterators over the plain data of a spec, for rules about any text or number.
 
-The data may have any shape, so every function here checks shapes. ``parts.py`` has the iterators over typed parts.
+The data may have any structure, so every function here checks it. ``parts.py`` contains the iterators over typed parts.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def items(root: object, *keys: str) -> Iterator[tuple[Path, Data]]:
 def leaves_of(spec: Data, report: DocumentReport) -> Sequence[tuple[Path, object]]:
     """Return the leaves of a whole spec, each with its path.
 
-    The report keeps those of the last spec, because one rule after another needs them.
+    The report keeps the leaves of the last spec, because one rule after another needs them.
     """
     spec_of_leaves, _ = report.leaves
     if spec_of_leaves is not spec:
@@ -45,14 +45,14 @@ def leaves_of(spec: Data, report: DocumentReport) -> Sequence[tuple[Path, object
 
 
 def leaves(root: object) -> list[tuple[Path, object]]:
-    """Return every text, number and boolean with its path."""
+    """Return every value that is neither a map nor a list, with its path."""
     located_values: list[tuple[Path, object]] = []
     _add_leaves(root, (), located_values)
     return located_values
 
 
 def _add_leaves(node: object, path: Path, located_values: list[tuple[Path, object]]) -> None:
-    """Add every text, number and boolean below a place, with its path."""
+    """Add every value below a place that is neither a map nor a list, with its path."""
     if isinstance(node, dict):
         for key, child in node.items():
             _add_leaves(child, (*path, key), located_values)

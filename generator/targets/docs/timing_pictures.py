@@ -130,7 +130,7 @@ def _spi_diagram(interface: Spi) -> TimingDiagram:
     """Return two words, with the request and the reply of each."""
     up, down = Trace.UP, Trace.DOWN
     has_requests = bool(interface.exchanges)
-    # In each word is the reply to its own request, or to that of the word before.
+    # In each word is the reply to its own request, or to the request of the word before.
     replies = ("reply 1", "reply 2")
     if has_requests and interface.reply == "next_word":
         replies = ("reply to the request before", "reply to request 1")
