@@ -36,7 +36,7 @@ from ...plan.crcs import Carrier, carriers
 from ...plan.frames import Dispatch, HeldParameter, dispatches, held_parameters
 from ...plan.verdicts import reportings
 from ...render import Templates, our_templates
-from ...say import report
+from ...say import notations, report
 from ...say.evidence import GRADES, grade, lowest_grade, mark_in_lists, origin
 from ...say.layout import as_one_number
 from ...say.markdown import escape
@@ -340,6 +340,8 @@ _MESSAGES = {
     "compared_not": report.compared("{0}", "{1}", agree=False),
     "nearest": labels.nearest_codes_hint("{0}"),
 }
+#: Spellings of programs and logs, and their replacement in the notation of JavaScript.
+_PASTED = [(pattern, replacement.replace("\\", "$")) for pattern, replacement in notations.PASTED]
 
 
 class Page(TypedDict):
@@ -383,6 +385,7 @@ def script_table(library: Library) -> Data:
         "worth": {verdict.value: VERDICT_CLAUSES[verdict] for verdict in Verdict},
         "unexplained": UNEXPLAINED,
         "said": _MESSAGES,
+        "notations": {"pasted": _PASTED, "time": notations.TIME, **notations.DIGITS},
         "limits": {"text": report.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
         "lines": {name: _line_data(line) for name, line in LINES.items()},
         "exchanges": {"most": MOST_BYTES, "least": LEAST_EVIDENCE, "echo": ECHO_TEXT, "frames": FRAMES_TEXT}
