@@ -335,6 +335,14 @@ def own_requests(names: str) -> str:
     return f"each of these words is also your own request, as if MISO were connected to MOSI: {names}"
 
 
+def disturbed(bits: str) -> str:
+    """Return the sentences about one bit that noise may have inverted, or one of several."""
+    return (
+        f"If only some frames fail, one bit may have been disturbed on the line: the CRC matches with {bits} inverted. "
+        "In that case, no change is needed."
+    )
+
+
 #: Words about explanations of a frame.
 ANOTHER_FRAME = (
     "Another frame would help: decode several frames at other positions together, one per line, to see which "

@@ -35,6 +35,10 @@ TEXTS: Mapping[str, str] = MappingProxyType(
         "and_follows": "{0}, and an extra byte follows the frame",
         "bytes_inverted": "every bit is inverted",
         "first_byte_left_out": "the CRC does not cover the first byte",
+        "line_stuck": "every bit is {0}: the line never changes. Check for {1}, the supply and {2}",
+        "line_may_be_stuck": "every bit is {0}. A dead line looks the same, {1}",
+        "crc_is_correct": "and the CRC is correct too",
+        "has_no_crc": "and there is no CRC to distinguish it",
     }
 )
 #: Bits that BiSS sends in front of the frame, which a CRC may also cover, with the text.

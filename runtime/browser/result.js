@@ -189,7 +189,7 @@ function foldDoubt(measure, readings) {
 /** Create the lines about the mistakes that could explain a wrong frame. */
 function createExplanations(decoded, hasOtherFrames) {
   const deadLineText = deadLine(decoded);
-  if (deadLineText) return [createElement("p", {}, deadLineText)];
+  if (deadLineText) return [createSentence(capitalize(deadLineText))];
   if (!decoded.problems.length) return [];
   const noiseText = describeNoise(decoded);
   const explanations = explained(decoded);
@@ -218,9 +218,7 @@ function describeNoise(decoded) {
   if (!disturbedBits.length) return "";
   const bitText = disturbedBits.length === 1
     ? nameBit(decoded.placedLayout, disturbedBits[0]) : `one of ${disturbedBits.length} bits`;
-  return "If only some frames fail, one bit may have been disturbed on the line: "
-    + `the CRC matches with ${bitText} inverted. `
-    + "In that case, no change is needed.";
+  return messageFor("disturbed", bitText);
 }
 
 /** Return the words in front of the explanations, which are another cause if noise is one (``hasNoise``). */

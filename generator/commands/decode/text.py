@@ -334,10 +334,7 @@ def _disturbed_lines(disturbed: Sequence[int], placed_layout: PlacedLayout | Non
     if not disturbed or placed_layout is None:
         return []
     bits = _bit_name(disturbed[0], placed_layout) if len(disturbed) == 1 else f"one of {len(disturbed)} bits"
-    explanation = (
-        "If only some frames fail, one bit may have been disturbed on the line: the CRC matches with "
-        f"{bits} inverted. In that case, no change is needed. If all frames fail, read on."
-    )
+    explanation = f"{say_report.disturbed(bits)} If all frames fail, read on."
     return ["", wrapped(explanation, WIDTH, prefix="  ", first="")]
 
 

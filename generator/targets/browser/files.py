@@ -45,6 +45,7 @@ from ...say.order_code import not_on_label
 from ...say.plain_text import plain
 from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES
 from ...why import MOST_FRAMES
+from ...why.diagnosis import CERTAIN, LEAST_BITS, LEAST_EQUAL_BITS
 from ...why.doubts import READINGS
 from ...why.exchanges import (
     ECHO_TEXT,
@@ -55,6 +56,7 @@ from ...why.exchanges import (
     WORD_ECHO_TEXT,
 )
 from ...why.hypotheses import ACTIVE, IDLE, INVERTED_WITHOUT_PAIR, MISTAKES
+from ...why.in_bytes import MOST_ECHOED_BYTES
 from ...why.other_crcs import POLYNOMIALS, OtherCrc, other_crcs_over_bits, other_crcs_over_bytes
 from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, Line, line_name
 from ...why.texts import START_BITS, TEXTS
@@ -333,6 +335,7 @@ _MESSAGES = {
     "own_requests": report.own_requests("{0}"),
     "another_frame": report.ANOTHER_FRAME,
     "uncertain": report.UNCERTAIN_READINGS,
+    "disturbed": report.disturbed("{0}"),
     "hidden_shift": report.HIDDEN_SHIFT,
     "no_explanation": report.NO_EXPLANATION,
     "equal_readings": report.equal_readings("{0}"),
@@ -389,19 +392,14 @@ def script_table(library: Library) -> Data:
         "limits": {"text": report.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
         "lines": {name: _line_data(line) for name, line in LINES.items()},
         "exchanges": {"most": MOST_BYTES, "least": LEAST_EVIDENCE, "echo": ECHO_TEXT, "frames": FRAMES_TEXT}
-        | {"least_in_word": LEAST_BITS_OF_ECHO, "word_echo": WORD_ECHO_TEXT},
+        | {"least_in_word": LEAST_BITS_OF_ECHO, "word_echo": WORD_ECHO_TEXT, "echoed": MOST_ECHOED_BYTES},
         "doubts": READINGS,
         "inside": [FRAME_INSIDE, FRAME_INSIDE_TEXT],
         "texts": dict(TEXTS),
         "start_bits": START_BITS,
         "polynomials": POLYNOMIALS,
-        "likely": {
-            "kinds": dict(MISTAKES),
-            "idle": IDLE,
-            "active": ACTIVE,
-            "without_pair": INVERTED_WITHOUT_PAIR,
-            "frames": MOST_FRAMES,
-        },
+        "likely": {"kinds": dict(MISTAKES), "idle": IDLE, "active": ACTIVE, "without_pair": INVERTED_WITHOUT_PAIR}
+        | {"frames": MOST_FRAMES, "bits": LEAST_BITS, "equal_bits": LEAST_EQUAL_BITS, "certain": CERTAIN},
         "line": {"mark": GRADES[-1], "evidence": f"Evidence: {lowest_grade()}."},
         "known_crcs": [[json_number(known.polynomial), known.init, known.use] for known in KNOWN_CRCS],
         "byte_polynomials": [polynomial for polynomial in POLYNOMIALS if polynomial.bit_length() == 9],
