@@ -72,6 +72,7 @@ def frames(library: Library, count: int) -> list[dict[str, Any]]:
 
 
 def test_frames_and_registers_in_node(node: Asker, library: Library) -> None:
+    """Fields, CRC, checks, verdict and reports, all of frames.js, are those of the reference."""
     items = frames(library, FRAMES)
     assert sum(len(argument["frames"]) for argument in items) > 40 * FRAMES
     assert [difference for differing in node("compared", items) for difference in differing] == []
