@@ -335,6 +335,11 @@ def own_requests(names: str) -> str:
     return f"each of these words is also your own request, as if MISO were connected to MOSI: {names}"
 
 
+def no_position(channels: str) -> str:
+    """Return the words about a whole frame with an error in the channels with these names."""
+    return f"error in {channels}, so the frame has no position"
+
+
 def disturbed(bits: str) -> str:
     """Return the sentences about one bit that noise may have inverted, or one of several."""
     return (

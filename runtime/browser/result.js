@@ -281,13 +281,17 @@ function createResult(decoded, measure, otherLayouts) {
 
 /** Create all output about a frame with several data channels: its verdict, and then each channel. */
 function createWholeResult(decoded, measure) {
-  const comparisonLines = decoded.compared
-    ? [createSentence(capitalize(decoded.compared.words))] : [];
-  const channelLines = decoded.channels.flatMap((channel) => [
+  const wrongChannels = decoded.channels.filter(({ problems }) => problems.length);
+  const wrongNames = wrongChannels.map(({ placedLayout }) => placedLayout.name).join(" and ");
+  const summaryText = wrongNames ? messageFor("no_position", wrongNames) : decoded.compared?.words;
+  const summaryLines = summaryText ? [createSentence(capitalize(summaryText))] : [];
+  // Some order codes do not send every channel.
+  const sentChannels = decoded.channels.filter(({ placedLayout }) => placedLayout.bits > 0);
+  const channelLines = sentChannels.flatMap((channel) => [
     createElement("h3", {}, capitalize(channel.placedLayout.layout.title)),
     ...createResult({ ...channel, verdict: channel.verdict && decoded.verdict }, measure, []),
   ]);
-  return [createHeadline({ ...decoded, crc: true }), ...comparisonLines, ...channelLines];
+  return [createHeadline({ ...decoded, crc: true }), ...summaryLines, ...channelLines];
 }
 
 /** Create a button for each order code, which calls ``pick`` with it. */

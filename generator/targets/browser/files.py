@@ -339,6 +339,7 @@ _MESSAGES = {
     "hidden_shift": report.HIDDEN_SHIFT,
     "no_explanation": report.NO_EXPLANATION,
     "equal_readings": report.equal_readings("{0}"),
+    "no_position": report.no_position("{0}"),
     "compared": report.compared("{0}", "{1}", agree=True),
     "compared_not": report.compared("{0}", "{1}", agree=False),
     "nearest": labels.nearest_codes_hint("{0}"),
