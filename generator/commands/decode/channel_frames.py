@@ -145,6 +145,9 @@ def described_channels(device: Device, variant: Variant, frame: PlacedChannels, 
     """Yield the lines about each channel, and then about all of them together."""
     channels = zip(result.channels, result.findings_with_verdict, result.whys, strict=True)
     for decoded, findings, why in channels:
+        is_sent = decoded.layout is not None and decoded.layout.bits > 0
+        if not is_sent:  # Some order codes do not send every channel.
+            continue
         yield from described_frame(device, variant, decoded, findings, why)
         yield ""
     yield from (wrapped(line, WIDTH, prefix="  ", first="") for line in _summary_lines(frame, result))
@@ -157,7 +160,7 @@ def _summary_lines(frame: PlacedChannels, result: ChannelResult) -> Iterator[str
         yield f"{problem.fault.value} error: {problem.message}"
     wrong_channels = [decoded.layout.name for decoded in result.channels if decoded.problems and decoded.layout]
     if wrong_channels:
-        yield f"error in {' and '.join(wrong_channels)}, so the frame has no position"
+        yield say_report.no_position(" and ".join(wrong_channels))
     for reading in result.readings:
         yield f"All CRCs are correct {reading}."
     if result.findings.agree is not None:
