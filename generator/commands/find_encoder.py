@@ -237,23 +237,24 @@ def _is_special_model(device: Device, code: str) -> bool:
 def _unknown_code_error(devices: Sequence[Device], text: str) -> Stop:
     """Return the error for an unknown code.
 
-    The message is the first of these that applies: why the text is not the code that it is close to, that it is the
-    name of a family, that it is a file, or the most similar codes.
+    The message is the first of these that applies: that the text is a file, that it is the name of a family, why it is
+    not the code that it is close to, or the most similar codes.
     """
     from ..language.files import SUFFIXES
     from ..order_codes import labels
-    from ..order_codes.labels import NEAR, closest_reason, nearest_codes
+    from ..order_codes.labels import NEAR, nearest_codes
+    from ..order_codes.unknown_labels import closest_reason, family_with_name
 
-    reason = closest_reason(_candidate_families(devices, text), text)
-    if reason is not None:
-        return Stop(reason, 2)
-    device = _family_named(devices, text)
+    if Path(text).suffix in SUFFIXES:
+        return Stop(f"'{text}' is not an order code; give a spec as --specs {text}", 2)
+    device = family_with_name(devices, text)
     if device is not None:
         example = device.variants[0].code
         message = labels.family_instead_of_code(text, example)
         return Stop(f"{message} (codewheel show {device.name} explains them)", 2)
-    if Path(text).suffix in SUFFIXES:
-        return Stop(f"'{text}' is not an order code; give a spec as --specs {text}", 2)
+    reason = closest_reason(_candidate_families(devices, text), text)
+    if reason is not None:
+        return Stop(reason, 2)
     similar_codes = nearest_codes(devices, text, NEAR)
     remedy = "; codewheel list shows the known patterns"
     if similar_codes:

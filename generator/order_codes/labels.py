@@ -17,6 +17,10 @@ def too_long(start: str, length: str, longest: str) -> str:
     return f"'{start}...' is not an order code: it has {length} characters, more than the {longest} of any label"
 
 
+#: Message for an order code without any character.
+EMPTY = "the order code is empty; give the code on the label"
+
+
 def cannot_be_combined(code: str, parts: str, nearest: str) -> str:
     """Return the message for parts that are valid individually but not in combination."""
     return f"'{code}' has {parts}, which cannot be combined; the nearest codes are {nearest}"
@@ -139,6 +143,8 @@ def find_code(device: Device, text: str) -> Match:
     if len(text) > LONGEST:
         raise UnknownOrderCode(too_long(text[:_SHOWN_CHARACTERS], str(len(text)), str(LONGEST)), close=True)
     label = without_blanks(text).upper()
+    if not label:
+        raise UnknownOrderCode(EMPTY, close=True)
     # A part of the code itself may look like /Sxxx, which is a special model only after the code.
     for spelling in (as_listed(device.order_code), *device.order_code.also_written):
         label_match = re.fullmatch(expression_of_code(device.order_code, spelling) + AFTER, label, re.IGNORECASE)
@@ -377,30 +383,13 @@ def _possible_wrong_parts(device: Device, label: str) -> Iterator[_WrongPart]:
 def _has_more_than(label_match: re.Match[str], part: CodePart, label: str) -> bool:
     """Return True if a label has letters or digits of the family, apart from a wrong part and the tail.
 
-    A family whose codes consist of one part, such as ``{model}``, would otherwise be close to every label. If the part
-    is missing, the whole label is of the family.
+    A family whose codes consist of one part, such as ``{model}``, would otherwise be close to every label.
     """
-    if label_match[part.name] == "":
-        return True
     tail_length = len(label_match["tail_"] or "") + len(label_match["special_"] or "")
     text_before = label[: label_match.start(part.name)]
     end_of_code = len(label) - tail_length
     text_after = label[label_match.end(part.name) : end_of_code]
     return any(character.isalnum() for character in text_before + text_after)
-
-
-def closest_reason(devices: Iterable[Device], text: str) -> str | None:
-    """Return why ``text`` is not an order code: the first message of these families that is ``close``, or None.
-
-    The text must not be an order code of any of them.
-    """
-    for device in devices:
-        try:
-            find_code(device, text)
-        except UnknownOrderCode as reason:
-            if reason.close:
-                return str(reason)
-    return None
 
 
 def _nearest_codes_text(device: Device, label: str) -> str:
@@ -418,13 +407,15 @@ def nearest_codes(devices: Sequence[Device], text: str, least: float = 0.0) -> l
     from difflib import SequenceMatcher
 
     # A text may go on after the code, with another hyphen, so it is compared up to the hyphens that the code has.
-    pieces = text.upper().split("-")
+    # People confuse hyphens and slashes.
+    pieces = text.upper().replace("/", "-").split("-")
     similarities: list[tuple[float, str]] = []
     for device in devices:
         for variant in device.variants:
-            pieces_of_code = variant.code.count("-") + 1
+            code_with_hyphens = variant.code.replace("/", "-")
+            pieces_of_code = code_with_hyphens.count("-") + 1
             text_without_tail = "-".join(pieces[:pieces_of_code])
-            similarity = SequenceMatcher(None, variant.code, text_without_tail).ratio()
+            similarity = SequenceMatcher(None, code_with_hyphens, text_without_tail).ratio()
             similarities.append((similarity, variant.code))
     similarities.sort(key=lambda similarity_and_code: similarity_and_code[0], reverse=True)
     return [code for similarity, code in similarities[:3] if similarity >= least]

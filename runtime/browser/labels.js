@@ -25,7 +25,8 @@ function readLabel(label) {
   if (isLine(label)) return readLine(label);
   const text = removeBlanks(label).toUpperCase();
   const endsWithSpecial = (family) => family.special && text.endsWith(`/${family.special}`);
-  let closeError = null;
+  const possibleNames = listPossibleNames(label);
+  const reasons = [];
   let bestReading = null;
   for (const family of [
     ...TABLE.families.filter(endsWithSpecial), ...TABLE.families.filter((listedFamily) => !listedFamily.base),
@@ -36,12 +37,33 @@ function readLabel(label) {
       if (!bestReading || reading.tail.length < bestReading.tail.length) bestReading = reading;
     } catch (error) {
       if (!(error instanceof UnknownCode)) throw error;
-      if (error.isClose) closeError = closeError ?? error;
+      const nameLength = possibleNames.includes(nameWithoutMarks(family)) ? nameWithoutMarks(family).length : 0;
+      const length = Math.max(nameLength, lengthBeforeParts(family));
+      if (error.isClose || nameLength) reasons.push({ error, length });
     }
   }
   if (bestReading) return bestReading;
-  throw closeError ?? new UnknownCode(describeUnknownLabel(label), false);
+  const namedFamily = TABLE.families.find((family) => nameWithoutMarks(family) === possibleNames.at(-1));
+  if (namedFamily) throw new UnknownCode(messageFor("family", label, namedFamily.codes[0][0]), false);
+  if (reasons.length) throw reasons.reduce((best, reason) => (isBetterReason(reason, best) ? reason : best)).error;
+  throw new UnknownCode(describeUnknownLabel(label), false);
 }
+
+/** Return whether a reason is of a family that is more like the label than that of another reason. */
+const isBetterReason = (reason, other) => reason.length > other.length
+  || (reason.length === other.length && reason.error.isClose && !other.error.isClose);
+
+/** List the beginnings of a label up to each mark, without marks: ``x`` and ``xy24`` of ``X-Y24``. */
+function listPossibleNames(label) {
+  const pieces = removeBlanks(label).toLowerCase().match(/[a-z0-9]+/g) ?? [];
+  return pieces.map((_, index) => pieces.slice(0, index + 1).join(""));
+}
+
+/** Return the name of a family without the marks between its words. */
+const nameWithoutMarks = (family) => family.name.replaceAll("_", "");
+
+/** Count the letters and digits in front of the first part of the pattern: 2 for ``X-Y-{bits}``. */
+const lengthBeforeParts = (family) => family.labels.pattern.split("{")[0].replace(/[^\p{L}\p{N}]/gu, "").length;
 
 /** The order code on a label, or null if it is unknown. */
 function findCode(label) {
@@ -59,6 +81,7 @@ function readLabelOfFamily(family, label) {
     throw new UnknownCode(messageFor("too_long", label.slice(0, 20), label.length, LONGEST_LABEL), true);
   }
   const code = removeBlanks(label).toUpperCase();
+  if (!code) throw new UnknownCode(messageFor("code_empty"), true);
   for (const spelling of family.labels.written) {
     const match = compileRegex(spelling.label).exec(code);
     if (match) return { ...resolveOrderCode(family, spelling, match.groups, code), label };
@@ -151,21 +174,23 @@ function explainWrongPart(family, code) {
 function hasOtherText(groups, part, code) {
   const partText = groups[part.name];
   const ownText = code.slice(0, code.length - (groups.tail_ ?? "").length - (groups.special_ ?? "").length);
-  return partText === "" || /[A-Z0-9]/i.test(ownText.replace(partText, ""));
+  return /[A-Z0-9]/i.test(ownText.replace(partText, ""));
 }
 
 /** Return the message about a text that is far from the codes of every family, with the nearest codes. */
 function describeUnknownLabel(text) {
-  const family = TABLE.families.find((candidate) => candidate.name === text.trim().toLowerCase());
-  if (family) return messageFor("family", text, family.codes[0][0]);
   const nearestCodes = listNearestCodes(TABLE.families, text, TABLE.limits.likeness);
   return messageFor("unknown", text) + (nearestCodes ? messageFor("nearest", nearestCodes) : "");
 }
 
 /** List the three most similar codes, with commas. ``leastLikeness`` is from 0 to 1. */
 function listNearestCodes(families, text, leastLikeness = 0) {
-  const pieces = text.toUpperCase().split("-");
-  const likeness = (code) => computeSimilarity(code, pieces.slice(0, code.split("-").length).join("-"));
+  // People confuse hyphens and slashes.
+  const pieces = text.toUpperCase().replaceAll("/", "-").split("-");
+  const likeness = (code) => {
+    const codeWithHyphens = code.replaceAll("/", "-");
+    return computeSimilarity(codeWithHyphens, pieces.slice(0, codeWithHyphens.split("-").length).join("-"));
+  };
   return families.flatMap((family) => family.codes.map((row) => [likeness(row[0]), row[0]]))
     .sort(([ratio], [otherRatio]) => otherRatio - ratio).slice(0, 3).filter(([ratio]) => ratio >= leastLikeness)
     .map(([, code]) => code).join(", ");

@@ -12,7 +12,30 @@ from codewheel.targets import Library
 from test_browser_labels import description_of
 
 ENCODERS = Path(__file__).parents[2] / "specs"
+CHIPS = (
+    "iC-MR",
+    "iC-MU",
+    "icmhm",
+    "iC-MR-24-L16S",
+    "iC-MR-13-L6T",
+    "iC-MU-28",
+    "iC-MX",
+    "iC",
+    "ic mr",
+    "iC-MHM-X",
+    "-/-",
+)
 LABELS = ("EQN1325", "EQN1325-X", "AS5047", "AS5047P", "AS5047P-X", "as5048a/S1", "", "-", "AS5047P1")
+
+
+@pytest.mark.starts_process
+def test_labels_that_begin_like_a_family(ask: Callable[[Library, str], Asker]) -> None:
+    devices, report = load_library([ENCODERS / "ichaus"])
+    assert not report
+    library = Library(devices)
+    answers = ask(library, "node")("labels", [{"texts": CHIPS}])[0]
+    assert dict(zip(CHIPS, answers, strict=True)) == {text: description_of(library, text) for text in CHIPS}
+    assert answers[0] == "'iC-MR' is a family; give an order code, such as iC-MR-0-N6S"
 
 
 @pytest.mark.slow

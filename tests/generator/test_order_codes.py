@@ -68,7 +68,6 @@ def test_what_a_code_decides(amm5: Device) -> None:
         ("AMM5A21/65KSC2", "has interface 'SC2'; valid values: BG1, SC1, JP1"),
         ("AMM5", "is not an order code of AMM5; the nearest are"),
         ("AMM5A21/65KSC1x", "has interface 'SC1X'"),
-        ("", "is not an order code"),
     ],
 )
 def test_wrong_codes_name_the_part_and_the_nearest(amm5: Device, label: str, message: str) -> None:

@@ -323,6 +323,7 @@ _MESSAGES = {
     "valid_other": report.valid_other("{0}"),
     "register_length": report.register_length("{0}", "{1}", "{2}"),
     "too_long": labels.too_long("{0}", "{1}", "{2}"),
+    "code_empty": labels.EMPTY,
     "cannot_be_combined": labels.cannot_be_combined("{0}", "{1}", "{2}"),
     "not_of_family": labels.not_of_family("{0}", "{1}", "{2}"),
     "wrong_part": labels.wrong_part("{0}", "{1}", "{2}", "{3}"),
