@@ -244,20 +244,21 @@ def smooth_cost(values: Sequence[int], width: int) -> float:
 def _spread_cost(numbers: Sequence[float], width: int) -> float:
     """Return the bits that describe numbers around zero with a common scale, from 0.5 to ``width`` each."""
     mean = sum(map(abs, numbers)) / len(numbers)
-    # The entropy of a Laplace distribution with this mean deviation. The 0.25 keeps that of equal numbers finite.
+    # The entropy of a Laplace distribution with this mean deviation. The 0.25 keeps the entropy of equal numbers
+    # finite.
     bits_each = min(log2(2 * e * (mean + 0.25)), float(width))
     return len(numbers) * max(bits_each, 0.5) + _SCALE_BITS
 
 
 def signed(number: int, width: int) -> int:
-    """Return a number modulo 2^width as one from -2^(width-1) to 2^(width-1) - 1: -1 for 7 with 3 bits."""
+    """Return a number modulo 2^width as a number from -2^(width-1) to 2^(width-1) - 1: -1 for 7 with 3 bits."""
     half = 1 << (width - 1)
     mask = (1 << width) - 1
     return ((number + half) & mask) - half
 
 
 def cost_beside_positions(values: Sequence[int], width: int, positions: Sequence[float]) -> float:
-    """Return the bits that describe values of which the user knows the positions, in any unit and from any zero.
+    """Return the bits that describe values whose positions the user knows, in any unit and from any zero.
 
     The values are the positions times any factor, without a wrap, or else times one of four factors, across the wrap:
     counts or degrees, in either direction. The best of these counts.

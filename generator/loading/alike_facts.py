@@ -163,7 +163,7 @@ def _compare_wires(cables: Sequence[_Cable], report: Report) -> None:
         return
     first_cable, *other_cables = cables
     for cable in other_cables:
-        different_wires = sorted(cable.wires ^ first_cable.wires)  # Those that only one of the two has.
+        different_wires = sorted(cable.wires ^ first_cable.wires)  # Wires that only one of the two has.
         if different_wires and not _has_erratum(first_cable) and not _has_erratum(cable):
             line_number, _ = first_cable.document.position(first_cable.path)
             message = (
