@@ -1,4 +1,4 @@
-"""Candidates to compare: our decoders, hand-written ones, and those of other generators, all for the same frames."""
+"""Candidates to compare: our decoders, hand-written decoders, and other generators' decoders, for the same frames."""
 
 from __future__ import annotations
 
@@ -22,7 +22,10 @@ BISS_6 = Crc(name="biss_6", width=6, poly=0x03, init=0, refin=False, refout=Fals
 
 @dataclass(frozen=True)
 class Frame:
-    """A frame to compare. ``fields`` are those of its sample. ``good`` tests that the sample was decoded correctly."""
+    """A frame to compare.
+
+    ``fields`` are the fields of its sample. ``good`` tests that the sample was decoded correctly.
+    """
 
     name: str
     title: str
@@ -134,7 +137,7 @@ def candidates(frame: Frame, peers: Path) -> Iterator[Candidate]:
 
 
 def by_hand(frame: Frame) -> Iterator[Candidate]:
-    """Yield the hand-written decoder, and one that only extracts the fields."""
+    """Yield the hand-written decoder, and a decoder that only extracts the fields."""
     name = frame.name
     arguments = "word" if frame.is_word else "bytes, sizeof bytes"
     yield Candidate(

@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "generated" / "python"
 #: Number of different frames. A file repeats them.
 FRAMES: Final = 200_000
-#: Limits: CPU time in times of that by hand, memory in times of that for a small file, and memory in MB.
+#: Limits: CPU time relative to the hand-written program, memory relative to a small file, and memory in MB.
 PARQUET_LIMIT, CSV_LIMIT, GROWTH_LIMIT, MEMORY_LIMIT = 1.1, 1.2, 1.15, 230
 
 

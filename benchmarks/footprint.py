@@ -1,4 +1,4 @@
-"""Measure size and speed of the generated C decoders, hand-written ones, and those of other generators.
+"""Measure size and speed of the generated C decoders, hand-written decoders, and decoders from other generators.
 
     python benchmarks/footprint.py            measures and prints
     python benchmarks/footprint.py --write    also writes the table of docs/trust/footprint.md

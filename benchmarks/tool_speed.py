@@ -1,11 +1,11 @@
-"""Measure how long the command line takes, as multiples of a Python program that only imports what any one needs.
+"""Measure how long the command line takes, as multiples of a Python program that only imports the dependencies.
 
     python benchmarks/tool_speed.py [--rounds N] [--families N] [--only TEXT]
 
 All commands take turns, and the shortest time of each counts, because other programs only make it longer. "floors"
-are wall time. The CPU time is that of all processes of a command, so it is longer if they run in parallel. A cold run
-begins with an empty cache. The first run with many families generates them from nothing, which takes seconds for each
-family. Peers that are not installed are left out with a message.
+are wall time. The CPU time is the sum over all processes of a command, so it is longer if they run in parallel. A cold
+run begins with an empty cache. The first run with many families generates them from nothing, which takes seconds for
+each family. Peers that are not installed are left out with a message.
 """
 
 from __future__ import annotations

@@ -54,7 +54,7 @@ def default_folder() -> Path | None:
 
 
 class Cache:
-    """Results by key. Without a folder, nothing is kept. No method raises an error of the file system."""
+    """Results by key. Without a folder, the cache stores nothing. No method raises an error of the file system."""
 
     def __init__(self, folder: Path | None) -> None:
         self._folder = folder
@@ -86,7 +86,7 @@ class Cache:
                     self._keep_limits(self._folder, len(entry_json))
 
     def _keep_limits(self, folder: Path, size: int) -> None:
-        """Keep the limits at the first entry of this process, and whenever it has written a sixteenth of them."""
+        """Apply the limits at the first entry of this process, and whenever it has written a sixteenth of them."""
         # The number and the size of the entries written since the last check. The first one counts as too many.
         count, total = self._written or (MAX_ENTRIES, 0)
         self._written = (count + 1, total + size)
@@ -150,7 +150,7 @@ def _package_folders() -> Iterator[Path]:
 
 
 def _files(folder: Path | str) -> Iterator[tuple[str, os.stat_result]]:
-    """Yield the path and the status of each file in a folder and those below, except compiled ones, ordered by name."""
+    """Yield the path and the status of each file in a folder and below it, except compiled files, ordered by name."""
     with os.scandir(folder) as listing:
         paths_by_name = sorted(listing, key=lambda path: path.name)
     for path in paths_by_name:
@@ -176,7 +176,7 @@ def _versions() -> Iterator[str]:
 
 
 def _spec_of(name: str) -> ModuleSpec | None:
-    """Return where Python finds a package, or None if it does not."""
+    """Return the location where Python finds a package, or None if it finds none."""
     from importlib.util import find_spec
 
     try:
@@ -191,7 +191,7 @@ def _is_ours(status: os.stat_result) -> bool:
 
 
 def _read(folder: Path, key: str) -> Any:
-    """Return the data of an entry, or None if others could have written it, or if it is damaged or has another key.
+    """Return the data of an entry, or None if it is foreign or damaged, or has another key.
 
     A file has a SHA-256 in hexadecimal digits and then the JSON that it is the hash of: ``{"key": …, "data": …}``.
     """
@@ -245,7 +245,7 @@ def _remove_oldest(folder: Path) -> None:
 
 
 def _entries_in(folder: Path) -> Iterator[tuple[float, int, str]]:
-    """Yield the time, the size and the path of each entry, and remove what killed processes left unfinished."""
+    """Yield the time, the size and the path of each entry, and remove unfinished files of killed processes."""
     with os.scandir(folder) as listing:
         for file in listing:
             with suppress(OSError):

@@ -1,8 +1,8 @@
-"""Compiled templates, kept where Python keeps its own compiled modules: in ``__pycache__`` next to the source.
+"""Compiled templates, stored where Python stores its own compiled modules: in ``__pycache__`` next to the source.
 
 Compiled code is never read from the user's cache or from a folder for temporary files. Whoever can write to
 ``__pycache__`` can change the modules of this tool as well. As with modules, ``PYTHONPYCACHEPREFIX`` selects another
-folder, and ``PYTHONDONTWRITEBYTECODE`` disables writing. If the folder is not writable, nothing is kept.
+folder, and ``PYTHONDONTWRITEBYTECODE`` disables writing. If the folder is not writable, nothing is stored.
 
 Errors in a user's template are reported with file and line.
 """
@@ -89,7 +89,7 @@ _SHIPPED = "shipped"
 
 
 class Settings(Hashable, Protocol):
-    """Settings of an environment, which the templates of a target have, see ``codewheel.render.Templates``."""
+    """Settings of an environment for the templates of a target, see ``codewheel.render.Templates``."""
 
     @property
     def folder(self) -> Path: ...
@@ -171,9 +171,9 @@ def text_of(templates: Settings, template: str, values: Mapping[str, object], ow
 
 @cache
 def environment(templates: Settings, own_folder: Path | None = None) -> Environment:
-    """Return the environment for rendering templates. Those of the user in ``own_folder`` come first.
+    """Return the environment for rendering templates. The user's templates in ``own_folder`` come first.
 
-    With them, ``shipped/NAME`` still finds ours, and no compiled templates are kept.
+    With these, ``shipped/NAME`` still finds ours, and no compiled templates are stored.
     """
     shipped = FileSystemLoader(templates.folder, encoding="utf-8-sig")
     by_name = PrefixLoader({_SHIPPED: shipped})

@@ -1,4 +1,4 @@
-"""Parts of outputs that depend on the model of one family only. Each part is rendered once, and kept in the cache.
+"""Parts of outputs that depend on the model of one family only. Each part is rendered once, and stored in the cache.
 
 Only built-in targets with default options and without the user's templates have such parts.
 """
@@ -45,7 +45,7 @@ class FamilyParts:
     def _part(self, target_name: str, device: Device, render: Callable[[], Any]) -> Any:
         """Return the part of a target for one family, from this run or the cache, or rendered.
 
-        A device without a digest is always rendered. Parts of families in ``only_paths`` are kept apart from others.
+        A device without a digest is always rendered. Parts of families in ``only_paths`` are cached separately.
         """
         digest = self._digest_of(device)
         if not digest:
@@ -57,7 +57,10 @@ class FamilyParts:
         return self._parts[key]
 
     def _from_cache(self, kind: str, digest: str, render: Callable[[], Any]) -> Any:
-        """Return the part in the cache, or render and store it. The key also has the descriptions of all masters."""
+        """Return the part in the cache, or render and store it.
+
+        The key also contains the descriptions of all masters.
+        """
         content = [digest, *self._masters]
         stored = self._cache.get(kind, content)
         if stored is not None:
@@ -67,9 +70,11 @@ class FamilyParts:
         return part
 
     def _digest_of(self, device: Device) -> str:
-        """Return the digest of a device, which is computed once for all targets. It is empty if there is none.
+        """Return the digest of a device, which is computed once for all targets.
 
-        The device is kept next to it, so that its ``id`` cannot become that of another device.
+        It is empty if the device has no digest.
+
+        The device is kept next to it, so that no other device can get its ``id``.
         """
         if id(device) not in self._digests:
             self._digests[id(device)] = (device, digest_of(device))

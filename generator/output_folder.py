@@ -27,12 +27,12 @@ LIST_HEAD = "# Written by codewheel generate, which removes files of this list t
 LIST_SIGN = b"# Written by codewheel generate"
 #: Begins the line of a list with the families that the target's folder was written from.
 _FAMILIES = "# Families: "
-#: Paths that lead out of no folder, and that are the same on every system.
+#: Paths that stay inside the folder, and that are the same on every system.
 _SAFE_PATH = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]*(/[A-Za-z0-9_.][A-Za-z0-9._-]*)*")
 
 
 class WriteError(Exception):
-    """The output could not be written or compared. The message states if anything has changed."""
+    """The output could not be written or compared. The message states whether anything has changed."""
 
 
 def list_text(paths: Iterable[str], families: Sequence[str]) -> str:
@@ -42,7 +42,7 @@ def list_text(paths: Iterable[str], families: Sequence[str]) -> str:
 
 
 def is_safe(path: str) -> bool:
-    """Return True if a path leads out of no folder."""
+    """Return True if a path stays inside the folder."""
     return _SAFE_PATH.fullmatch(path) is not None and ".." not in path.split("/")
 
 
@@ -84,7 +84,7 @@ def read_file(path: str | Path) -> bytes | None:
         raise WriteError(f"cannot read {path}: {error.strerror}") from None
 
 
-#: A run writes for a few seconds. One that takes longer has been suspended or has a very slow disk.
+#: A run writes for a few seconds. A run that takes longer has been suspended or has a very slow disk.
 PATIENCE_S = 60.0
 _PAUSE_S = 0.1
 
@@ -98,7 +98,7 @@ if sys.platform == "win32":
     import msvcrt
 
     def _open(folder: Path) -> int:
-        """Open a file in the user's temporary folder that stands for ``folder``, since Windows cannot lock folders."""
+        """Open a file in the user's temporary folder that represents ``folder``, since Windows cannot lock folders."""
         name = hashlib.sha256(os.path.normcase(os.path.realpath(folder)).encode()).hexdigest()[:16]
         return os.open(os.path.join(tempfile.gettempdir(), f"codewheel-{name}.lock"), os.O_RDWR | os.O_CREAT)
 
@@ -170,7 +170,7 @@ def _attempt(folder: Path) -> int | None:
 #: Beginning of the name of a stage.
 PREFIX = ".codewheel-"
 _STAGE_NAME = re.compile(rf"{re.escape(PREFIX)}([A-Za-z0-9_.-]+)-[a-z0-9_]{{8}}")
-#: The first file in a stage. It lets a later run tell the stage of a killed run from a user's folder.
+#: The first file in a stage. The mark lets a later run distinguish the stage of a killed run from a user's folder.
 _MARK = ".codewheel-stage"
 _MARK_TEXT = "Temporary folder of codewheel generate. Its next run removes it.\n"
 _NEW, _OLD = "new", "old"
@@ -206,13 +206,13 @@ class Stage:
     def fill(self, files: Mapping[str, str], families: Sequence[str], unchanged: set[str]) -> None:
         """Fill the stage with the whole content of the target's folder: our files, their list, and foreign files.
 
-        ``files`` has the text by the path in the output folder, such as ``c/include/x.h``. Files that are named in
-        ``unchanged`` become hard links to the old ones.
+        ``files`` contains the text by the path in the output folder, such as ``c/include/x.h``. Files that are named in
+        ``unchanged`` become hard links to the old files.
         """
         (self.folder / _MARK).write_text(_MARK_TEXT, encoding="utf-8", newline="\n")
         self._make(Path())
         names_inside = {name.partition("/")[2]: name for name in files}
-        # The list comes first: without it, a later run would take the files of a killed run for the user's.
+        # The list comes first: without it, a later run would take the files of a killed run as the user's.
         (self.new / LIST).write_text(list_text(names_inside, families), encoding="utf-8", newline="\n")
         for parent in {os.path.dirname(path) for path in names_inside}:
             self._make(Path(parent))
@@ -253,7 +253,7 @@ class Stage:
         """Remove the stage. The mark is removed last, so that a run killed here leaves a recognisable stage."""
         _save_from(self)
         shutil.rmtree(self.new, ignore_errors=True)
-        # Without a target's folder, ``old`` has the only copy of its content, so the stage stays.
+        # Without a target's folder, ``old`` contains the only copy of its content, so the stage stays.
         if os.path.lexists(self.target_folder):
             shutil.rmtree(self.old, ignore_errors=True)
         if not os.path.lexists(self.old):
@@ -352,7 +352,7 @@ def _save_from(stage: Stage) -> None:
 def _save_late_files(saved_folder: Path, target_folder: Path) -> None:
     """Move foreign files to the target's folder that were saved in its old content after it had been copied.
 
-    If ``saved_folder`` does not have our list, it is not that old content, and nothing is moved.
+    If ``saved_folder`` does not contain our list, it is not that old content, and nothing is moved.
     """
     if not (saved_folder / LIST).is_file() or not target_folder.is_dir():
         return
@@ -396,7 +396,7 @@ def _link_or_copy(old: str | Path, new: str | Path) -> None:
 def _exchange(new: Path, target_folder: Path) -> None:
     """Exchange two folders, in one step if the system supports that. If not, the old content becomes ``old``.
 
-    If ``target_folder`` does not exist yet, ``new`` only gets its name.
+    If ``target_folder`` does not exist yet, ``new`` is only renamed.
     """
     if not target_folder.exists():
         os.rename(new, target_folder)

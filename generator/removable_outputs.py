@@ -1,8 +1,10 @@
-"""What generate may remove: outputs of families that it has read. Others are refused or need --prune.
+"""Decide which outputs ``generate`` may remove: outputs of families that it has read.
+
+Others are refused or need --prune.
 
 The list of each target's folder records them. An output contains pages and tables of all families, so it is written
-from all of its families or not at all. The lists of earlier versions have no record. Then a file belongs to a family
-only if its name contains the name of the family.
+from all of its families or not at all. The lists of earlier versions contain no record. In that case, a file belongs to
+a family only if its name contains the name of the family.
 """
 
 from __future__ import annotations
@@ -44,7 +46,7 @@ def family_of(device: Device) -> str:
 
 
 def _is_special(device: Device) -> bool:
-    """Return True for a special model, which has a spec of its own: an overlay."""
+    """Return True for a special model, which is described by an overlay."""
     return any(overlay.special for overlay in device.overlays)
 
 
@@ -70,7 +72,7 @@ class Guard:
         """Check the changes of each target.
 
         Raises:
-            WriteError: Files of others would be removed or replaced, or a spec is in a folder that is written.
+            WriteError: Files of other families would be removed or replaced, or a spec is in a folder that is written.
         """
         self._refuse_specs_inside(changes)
         families_read = set(owners(self.devices))
@@ -80,14 +82,14 @@ class Guard:
         for target, target_changes in changes.items():
             recorded = families_in(self.folder / target)
             if recorded:
-                # Names like ``manufacturer/family``. A file is one of theirs if its path has a word of such a name
-                # that is not also a name of what was read.
+                # Names like ``manufacturer/family``. A file belongs to them if its path contains a word of such a name
+                # that is not also a name of something read.
                 missing = set(recorded) - families_read
                 missing_words = {word for name in missing for word in name.split("/")} - self._names()
                 removed_paths = [change.path for change in target_changes if change.what == "removed"]
                 removed_files += [path for path in removed_paths if _has_name(path, missing_words)]
             else:
-                # An earlier version wrote the folder. Only its decode page has the names of families.
+                # An earlier version wrote the folder. Only its decode page contains the names of families.
                 missing = self._families_in_the_page(target_changes)
                 unknown_files += self._files_without_record(target_changes)
             unread |= missing

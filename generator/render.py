@@ -28,7 +28,7 @@ class Templates:
     """The templates of a target: the ``*.jinja`` files in a folder, and their values, filters, functions and tests.
 
     A user's template of the same name overrides one of these, and can include it as ``shipped/NAME``. Undefined names
-    are errors. A line that has only a statement produces no output.
+    are errors. A line with only a statement produces no output.
 
     Attributes:
         folder: Folder of the files. In your own package, this is ``Path(__file__).parent / "templates"``.
@@ -82,7 +82,8 @@ def unused_templates(
 ) -> Iterator[str]:
     """Yield a line for each of the user's templates that had no effect, or if there are none. Call it after rendering.
 
-    A template has an effect if it overrides a shipped one, or if another one includes it. Hidden files do not count.
+    A template has an effect if it overrides a shipped template, or if another template includes it. Hidden files do not
+    count.
 
     Args:
         own_folder: The user's folder, which has a folder for each target.

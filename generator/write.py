@@ -131,7 +131,7 @@ def write(
     guard: Callable[[Mapping[str, Sequence[Change]]], None] = lambda _: None,
     families: Mapping[str, Sequence[str]] = MappingProxyType({}),
 ) -> list[Change]:
-    """Write the files of ``targets`` to their folders, remove obsolete ones, and keep foreign files.
+    """Write the files of ``targets`` to their folders, remove obsolete files, and keep foreign files.
 
     Args:
         folder: The output folder.
@@ -231,9 +231,9 @@ def _has_changes(target_changes: Iterable[Change]) -> bool:
 def _needs_writing(
     folder: Path, target: str, files: Mapping[str, str], target_changes: Iterable[Change], families: Sequence[str]
 ) -> bool:
-    """Return whether files, the list of them, or the families in this list differ from those in the folder.
+    """Return whether files, their list, or the families in this list differ from the folder.
 
-    Without ``families``, those in the list do not matter.
+    Without ``families``, the families in the list do not matter.
     """
     if _has_changes(target_changes) or _listed_paths(folder, target) != sorted(files):
         return True
@@ -243,7 +243,7 @@ def _needs_writing(
 def _path_in_output(error: OSError, stages: Iterable[Stage], folder: Path) -> str:
     """Return the path of an error, or the output folder if the error has no path.
 
-    A path in a stage becomes the one in the target's folder that the file would have had.
+    A path in a stage becomes the path that the file would have had in the target's folder.
     """
     path = str(error.filename or folder)
     for stage in stages:

@@ -1,8 +1,9 @@
-"""A BiSS master and a slave for register access, bit by bit, written from the protocol description alone (Rev C6, p. 9
-to 14), as a person reads it: from top to bottom, one line for each exchange of bits.
+"""A BiSS master and a slave for register access, bit by bit, written from the protocol description alone (Rev C6, p.
 
-Both are generators. A slave is sent the CDM bit of a frame and yields the CDS bit of the next one. A master yields a
-CDM bit and is sent the CDS bit that it has seen by the time it has to say the next one.
+9 to 14), as a person reads it: from top to bottom, one line for each exchange of bits.
+
+Both are generators. A slave receives the CDM bit of a frame and yields the CDS bit of the next frame. A master yields a
+CDM bit and receives the CDS bit that it has seen before it must send the next bit.
 """
 
 from __future__ import annotations

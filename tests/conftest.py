@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import functools
 import gc
 import importlib
 import json
@@ -12,6 +13,7 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import deepcopy
+from itertools import chain
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -26,6 +28,7 @@ from codewheel.masters import sheet
 from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.docs.files import generate as generate_docs
+from codewheel.virtual import find_order_code
 from hostile_texts import spoilt
 from hypothesis import HealthCheck, settings
 
@@ -52,7 +55,10 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: Sequence[pytest.Item]) -> None:
-    """A test that needs a shared artefact is slow, because one of them must build it. So are exhaustive tests."""
+    """A test that needs a shared artefact is slow, because one of these tests must build it.
+
+    So are exhaustive tests.
+    """
     cases_seen: Counter[tuple[Path, str, str]] = Counter()
     for test in items:
         for thinned in test.iter_markers("one_in"):
@@ -101,10 +107,10 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 @pytest.fixture(scope="session", autouse=True)
 def _specs_read_once() -> Iterator[None]:
-    """Commands and tests of one process read the specs of this repository only once. Others are read each time."""
-    families, masters = _once(loading.load_families), _once(sheet.load_masters)
+    """Commands and tests of one process read the specs of this repository only once. Other specs are read each time."""
+    families, masters = _once(loading.load_families, _spec_files), _once(sheet.load_masters, _as_given)
     with pytest.MonkeyPatch.context() as patch:
-        for module in (loading, outputs, checked_specs):
+        for module in (loading, outputs, checked_specs, find_order_code):
             patch.setattr(module, "load_families", families)
         patch.setattr(sheet, "load_masters", masters)
         yield
@@ -112,7 +118,7 @@ def _specs_read_once() -> Iterator[None]:
 
 @pytest.fixture(scope="session", autouse=True)
 def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Processes keep results in a folder of their own, and tests, which patch the code, keep none.
+    """Processes keep results in a folder of their own, and tests, which patch the code, store none.
 
     pip keeps its downloads in their usual place.
     """
@@ -131,15 +137,35 @@ def _tools_are_tried_once(pytestconfig: pytest.Config, tmp_path_factory: pytest.
     working_tools.results = (base_folder.parent if hasattr(pytestconfig, "workerinput") else base_folder) / "tools"
 
 
-def _once(read: Callable[..., Any]) -> Callable[..., Any]:
+def _as_given(paths: Sequence[Path] | None) -> tuple[Path, ...]:
+    return tuple(paths or ())
+
+
+def _spec_files(paths: Sequence[Path] | None) -> tuple[Path, ...]:
+    """Return the files of folders, so that ``specs`` is the same as all folders in it. Masters are no families."""
+    all_paths = loading.packaged_families() if paths is None else paths
+    return tuple(chain.from_iterable(_files_in(path.resolve()) for path in all_paths))
+
+
+@functools.cache
+def _files_in(path: Path) -> tuple[Path, ...]:
+    if path.is_file():
+        return (path,)
+    return tuple(file for file in sorted(path.rglob("*.yaml")) if file.parent.name != "masters")
+
+
+def _once(
+    read: Callable[..., Any], files_of: Callable[[Sequence[Path] | None], tuple[Path, ...]]
+) -> Callable[..., Any]:
     results: dict[Any, Any] = {}
 
     def once(*arguments: Any, **options: Any) -> Any:
-        first = arguments[0] if arguments else None
-        paths: Sequence[Path] = first or ()
-        key = (first is None, tuple(paths), None if all(path.is_absolute() for path in paths) else Path.cwd())
-        if not all(_OURS & {*path.resolve().parents, path.resolve()} for path in paths):
+        paths: Sequence[Path] | None = arguments[0] if arguments else None
+        if not all(_OURS & {*path.resolve().parents, path.resolve()} for path in paths or ()):
             return read(*arguments, **options)
+        # Messages have relative paths as they were given.
+        is_absolute = all(path.is_absolute() for path in paths or ())
+        key = files_of(paths) if is_absolute else (*files_of(paths), Path.cwd(), *(paths or ()))
         if key not in results:
             results[key] = read(*arguments[:1])
         families, report = results[key]
@@ -158,7 +184,7 @@ def every_encoder() -> Library:
 
 @pytest.fixture(scope="session")
 def library(every_encoder: Library) -> Library:
-    """The encoders whose code and pages are in ``generated/``: those of the highest two grades."""
+    """The encoders whose code and pages are in ``generated/``: the encoders of the highest two grades."""
     return Library(tuple(device for device in every_encoder.devices if device.evidence.grade in TRACKED_GRADES))
 
 
@@ -192,7 +218,10 @@ def hostile(library: Library) -> Library:
 
 @pytest.fixture(scope="session")
 def made_once(filled_once: MadeOnce) -> MadeOnce:
-    """Fill a folder once for all workers of a run, with something that takes long. Tests that use this are slow."""
+    """Fill a folder once for all workers of a run, with something that takes long to build.
+
+    Tests that use this are slow.
+    """
     return filled_once
 
 
@@ -249,7 +278,7 @@ def import_generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Libr
             path = folder / "python" / name.replace(".", "/")
             if not path.is_dir() and not path.with_suffix(".py").exists():
                 sys.modules.setdefault(name, module)
-        # Some modules are loaded on first use, so those of an older package of this name must be found.
+        # Some modules are loaded on first use, so modules of an older package with this name must be found.
         inner = {name: importlib.import_module(f"{package}.{name}") for name in ("facts", "_shapes")}
         for older in folders.setdefault(package, []):
             imported.__path__.append(str(older))

@@ -9,7 +9,7 @@ import pytest
 
 
 def mostly_exhaustive(cases: Iterable[Any], *kept: Any) -> list[Any]:
-    """Return the parameters of a test, of which ``make test`` keeps these."""
+    """Return the parameters of a test, of which ``make test`` only runs ``kept``."""
     cases = list(cases)
     assert all(case in cases for case in kept), kept
     return [case if case in kept else pytest.param(case, marks=pytest.mark.exhaustive) for case in cases]

@@ -19,7 +19,7 @@ def python_path(folder: Path) -> str:
 
 
 def import_anew(package: str, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    """Import a generated package, even if another test has imported one of the same name from another folder."""
+    """Import a generated package, even if another test has imported a package of the same name from another folder."""
     for name in [name for name in sys.modules if name.partition(".")[0] == package]:
         monkeypatch.delitem(sys.modules, name)
     return importlib.import_module(package)

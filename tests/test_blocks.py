@@ -285,7 +285,7 @@ def _prepare(folder: Path) -> None:
 
 
 def _versioned(folder: Path) -> None:
-    """Return the spec as it was in version 1.0."""
+    """Return the spec in its state of version 1.0."""
     who = ["-c", "user.name=a", "-c", "user.email=a@example.org"]
     for words in (["init", "-q"], ["add", "."], [*who, "commit", "-q", "-m", "first"], ["tag", "v1.0"]):
         subprocess.run(["git", *words], check=True, capture_output=True, cwd=folder)

@@ -27,7 +27,7 @@ GIT = 'case "$1" in clone) shift 3; mkdir -p "$1"; touch "$1/cloned" ;; *) echo 
 
 
 def program(path: Path, text: str) -> Path:
-    """Write a shell script that stands for a program."""
+    """Write a shell script that replaces a program."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(f"#!/bin/sh\n{text}", encoding="utf-8")
     path.chmod(0o755)
@@ -74,7 +74,7 @@ def test_the_parts_include_the_cases_that_are_left_out(module: ModuleType, monke
 
 
 def test_the_clone_is_a_real_one(module: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """It has the files of the last commit, and no environment."""
+    """It contains the files of the last commit, and no environment."""
     monkeypatch.chdir(CI.parent)
     assert module.clone(str(tmp_path / "clone"))
     assert (tmp_path / "clone" / "Makefile").exists()

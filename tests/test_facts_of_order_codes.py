@@ -1,4 +1,4 @@
-"""Every module that reads facts with ``only`` either keeps those of its order codes or shows the codes beside them."""
+"""Every module that reads facts with ``only`` selects the facts of its order codes, or shows the codes next to them."""
 
 from __future__ import annotations
 

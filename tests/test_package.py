@@ -165,7 +165,7 @@ def test_no_family_is_named_in_the_generator_the_runtime_or_a_template() -> None
     for folder in ("generator", "runtime", "templates"):
         for path in (ROOT / folder).rglob("*"):
             if path.is_file() and "__pycache__" not in path.parts:
-                # A public test vector has its source, which is the firmware of one.
+                # A public test vector cites its source, which is the firmware of a master.
                 text = path.read_text(encoding="utf-8", errors="replace").lower().replace("mjbots/moteus: fw/test", "")
                 assert not [name for name in names if name in text], path
 

@@ -76,7 +76,7 @@ def test_commands_run(command: str, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_its_first_command_prints_what_is_shown(capsys: pytest.CaptureFixture[str]) -> None:
-    """An ellipsis stands for lines left out, and all others are printed in this order."""
+    """An ellipsis represents omitted lines, and all others are printed in this order."""
     block = re.search(r"^```\n\$ python3 .*\n\$ (.*)\n((?:.*\n)*?)```$", README, re.MULTILINE)
     assert block is not None
     assert main(shlex.split(block[1])[1:]) == 0

@@ -21,6 +21,16 @@ COLUMNS = 120
 MACHINE_PLACE = re.compile(r"(?<![\w.}*)\\/])/(dev|etc|home|proc|root|run|sys|tmp|var)/\w")
 
 
+def test_git_ignores_the_results_of_documented_commands() -> None:
+    """``pip install`` of an example builds it in its folder, and its target writes to ``generated/``."""
+    ignored = (ROOT / ".gitignore").read_text(encoding="utf-8").split()
+    assert {"/build/", "/examples/*/build/", "*.egg-info/", "/generated/python/**/build/"} <= set(ignored)
+    readmes = [path.read_text(encoding="utf-8") for path in (ROOT / "examples").glob("*/README.md")]
+    default_outputs = re.findall(r"codewheel generate (?!.* -o ).*--target (\w+)$", "\n".join(readmes), re.MULTILINE)
+    assert sorted(default_outputs) == ["opcua", "rust"]
+    assert {f"/generated/{target}/" for target in default_outputs} <= set(ignored)
+
+
 def test_the_map_names_each_package() -> None:
     named_packages = re.findall(r"`generator/(\w+)/` \|", ARCHITECTURE)
     packages = [path.parent.name for path in (ROOT / "generator").glob("*/__init__.py")]
@@ -47,7 +57,7 @@ def test_the_first_page_for_contributors_begins_with_a_first_change_and_is_short
 
 
 def test_no_line_of_a_template_is_too_wide_to_read() -> None:
-    """In a template, ``{# -#}`` at the end of a line goes on with the next one."""
+    """In a template, ``{# -#}`` at the end of a line continues with the next line."""
     wide_lines = []
     for path in sorted((ROOT / "templates").rglob("*.jinja")):
         lines = enumerate(path.read_text(encoding="utf-8").splitlines(), 1)

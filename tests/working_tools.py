@@ -1,4 +1,4 @@
-"""Programs that tests run. One that is present but cannot do its job counts as missing, with the reason.
+"""Programs that tests run. A tool that is present but cannot do its job counts as missing, with the reason.
 
 A compiler may lack the headers and libraries of C or the runtime of its sanitizers, which are packages of their own.
 Each program is therefore tried once per test run, with a tiny example of its job.

@@ -37,7 +37,7 @@ class Effect(Enum):
 
 
 class Outputs:
-    """Outputs of an unchanged device, for comparison with those of its mutants.
+    """Outputs of an unchanged device, for comparison with the outputs of its mutants.
 
     Attributes:
         targets: The outputs that machines read, without those that cannot be generated for the device.

@@ -34,7 +34,7 @@ class Mutant:
     place: Place
     mistake: str
     changes: tuple[Change, ...]
-    #: Class of the fact: that of its place, or for a source what is wrong in it.
+    #: Class of the fact: the class of its place, or for a source the wrong part.
     fact: str
 
     @property
@@ -74,7 +74,7 @@ def mutants(document: Document) -> Iterator[Mutant]:
 
 
 def _wrong_in_source(old: str, new: str, document: Document) -> str:
-    """Return which part of a source is wrong, and for a page whether the contents of the manual can tell."""
+    """Return the wrong part of a source, and for a page whether the contents of the manual can tell."""
     pairs = zip(parse_sources(old), parse_sources(new), strict=True)
     before, after = next((before, after) for before, after in pairs if before != after)
     if before.document or after.document or "manual" not in document.data:

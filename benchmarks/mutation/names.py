@@ -1,4 +1,4 @@
-"""Names that a transcriber can confuse: those of all items to which a key can refer."""
+"""Names that a transcriber can confuse: the names of all items to which a key can refer."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _DEFINES = frozenset(("name", "device", "manufacturer"))
 
 
 def other_names(place: Place, data: dict[str, Any]) -> Iterator[str]:
-    """Yield names that could be in this place by mistake. There are none if the place holds no reference."""
+    """Yield names that could be in this place by mistake. No names are yielded if the place holds no reference."""
     key = next((step for step in reversed(place.path) if isinstance(step, str)), "")
     value = str(place.value)
     if "." in value and place.kind == "" and "pattern" in place.schema:

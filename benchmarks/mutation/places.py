@@ -12,7 +12,7 @@ from codewheel.language.schema_check import load_schema
 
 #: Quantities with which a wrong value can damage hardware.
 _HAZARDS = frozenset("battery clearance current frequency supply temperature torque".split())
-#: Classes of facts by their keys without list indexes. The first match applies. Capitals stand for a key with any name.
+#: Classes of facts by their keys without list indexes. The first match applies. Capitals represent a key with any name.
 _CLASSES = (
     ("source", r".*\b(source|alignment_source|output_code_source)"),
     ("erratum", r"errata\b.*"),
@@ -110,7 +110,7 @@ MOST = {
 #: Classes that exist to detect mistakes in others.
 WITNESSES = frozenset(("example", "printed once more"))
 
-#: Texts that are facts: those of a pin, a wire or a label.
+#: Texts that are facts: texts of a pin, a wire or a label.
 _FACTUAL_TEXTS = frozenset(("contact", "signal", "description_file", "pattern", "open", "then"))
 
 

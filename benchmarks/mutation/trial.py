@@ -33,7 +33,7 @@ from codewheel.readings.second_readings import (
 from .effects import Effect, Outputs
 from .mistakes import Mutant, mutants, mutated
 
-#: Rules that ``check --coverage`` adds to those of ``check``, for facts that are no longer read twice.
+#: Rules that ``check --coverage`` adds to the rules of ``check``, for facts that are no longer read twice.
 READ_ONCE = "read once"
 
 

@@ -1,4 +1,7 @@
-"""Opposite words that a transcriber can write in a text. The list is not that of the sheets of turning words."""
+"""Opposite words that a transcriber can write in a text.
+
+The list differs from the list of the sheets of turning words.
+"""
 
 from __future__ import annotations
 

@@ -73,7 +73,7 @@ def _index(kind: str, title: str, folder: str, files: list[Path]) -> str:
 
 
 def _family_pages(path: Path) -> Iterator[tuple[str, str]]:
-    """Yield the page of a module with order codes and procedures, and those of its frames and its registers."""
+    """Yield the page of a module with order codes and procedures, and the pages of its frames and its registers."""
     entries_by_subject: dict[str, list[Entry]] = {"": [], "frames": [], "registers": []}
     for entry in python_entries(ast.parse(path.read_text(encoding="utf-8"))):
         entries_by_subject[entry.subject].append(entry)

@@ -49,7 +49,7 @@ SETTINGS_PAGE = "settings"
 SETTINGS_DATA = "settings-data.js"
 #: An entry of the contents: a page, or a title and the page.
 NAMED = re.compile(r"^(?:[^<>`\n]* <)?([\w/-]+)>?$", re.MULTILINE)
-#: Line of the start page that stands for a card for each family.
+#: Line of the start page that is replaced by a card for each family.
 CARDS = "(cards)\n"
 _OWN_LINK = re.compile(r"""(\]\(|\bhref=")([^)"\s#:]+)""")
 _LINK = re.compile(r"""(?:\]\(|\bsrc(?:set)?=")([^)"\s#]+)""")

@@ -1,4 +1,4 @@
-"""Pages of every encoder. The repository tracks those of the highest grades only."""
+"""Pages of every encoder. The repository tracks only the families with the highest grades."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Leave out pages that tell a visitor nothing: changes before the first release, and folders of the repository."""
+"""Leave out pages that are of no use to a visitor: changes before the first release, and folders of the repository."""
 
 from __future__ import annotations
 

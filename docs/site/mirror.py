@@ -72,7 +72,7 @@ class Mirror(SphinxTransform):
 
 
 def _add_children(app: Sphinx, doctree: nodes.document) -> None:
-    """Add a hidden list of a page's children: for ``x.md``, the pages ``x-…md`` and those in the folder ``x``."""
+    """Add a hidden list of a page's children: for ``x.md``, the pages ``x-…md`` and the pages in the folder ``x``."""
     env: BuildEnvironment = app.env
     children = list(_children(env, env.docname))
     if children:

@@ -1,4 +1,4 @@
-"""The pages of rules: those of ``check``, each with a test spec that breaks it, and those of ``diff`` with reasons.
+"""The pages of rules: rules of ``check``, each with a test spec that breaks it, and rules of ``diff`` with reasons.
 
 ``make rules-page`` writes the pages, and the examples for ``codewheel explain`` as JSON.
 """
@@ -56,7 +56,7 @@ class Example:
 
 
 def examples() -> dict[str, Example]:
-    """Return the example of each rule: the spec with the fewest problems, and the shortest of these."""
+    """Return the example of each rule: the spec with the fewest problems, and the shortest among equals."""
     examples_by_rule: dict[str, list[Example]] = {}
     for spec in sorted(path for folder in FOLDERS for path in (ROOT / folder).glob("*.yaml")):
         expected_problems = _EXPECTED.findall(spec.read_text(encoding="utf-8"))

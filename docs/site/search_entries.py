@@ -126,7 +126,7 @@ class Encoders(Domain):
 
     @cached_property
     def _families(self) -> tuple[Device, ...]:
-        """Return all families, those of the highest grade first: they are found before others with the same words."""
+        """Return all families, the highest grade first, so that they are found before others with the same words."""
         families, report = load_library()
         if report.problems:
             raise ValueError(report.problems[0].format())
@@ -153,7 +153,7 @@ class Encoders(Domain):
         return pages
 
     def rank_of(self, page: str) -> int:
-        """Return the rank of a page in the search: first those of no family and of families with the highest grade."""
+        """Return the rank of a page in the search: first pages of no family and of families with the highest grade."""
         return next((_rank(device) for device in self._families if device.name == self.family_of(page)), 0)
 
     def code_of(self, page: str) -> str:
@@ -229,7 +229,7 @@ class Encoders(Domain):
         return self.env.metadata.get(page, {}).get("anchors", [])  # type: ignore[return-value]
 
     def _page_with(self, device: Device, entry: SearchEntry) -> str:
-        """Return the page that describes an entry: the page for its interface, or otherwise the first one."""
+        """Return the page that describes an entry: the page for its interface, or otherwise the first page."""
         pages = self._pages_with.get((device.name, entry.anchor), ())
         return next(
             (page for page in pages if entry.interface and _is_page_of_interface(page, entry.interface)),

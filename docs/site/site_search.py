@@ -149,12 +149,12 @@ class Index:
         if name.startswith("questions-"):
             return ["question", "", ""]
         if name.startswith(("ERRATA-", "ASSUMPTIONS-")):
-            # They repeat what the pages of families have.
+            # They repeat the content of the families' pages.
             return ["aside", "", ""]
         if family and re.search(r"(errata|masters|manual)$", name):
             return ["masters" if name.endswith("masters") else "aside", family, ""]
         if family and name.endswith("-verdicts"):
-            # The page on verdicts ranks before those of single families.
+            # The page on verdicts ranks before the verdict pages of single families.
             return ["verdicts", family, ""]
         interface = name.partition("-")[0]
         if family and interface in encoders.interfaces_of(family):

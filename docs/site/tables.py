@@ -1,6 +1,6 @@
 """Make tables fit their column: break long code at its marks, and stack the rows of wide tables on a narrow screen.
 
-A stacked row shows each cell under its heading, which is in ``data-label``. Style sheets cannot tell whether a table
+A stacked row shows each cell under its heading, which is in ``data-label``. Style sheets cannot test whether a table
 fits a width, so its least width is estimated from its longest words. ``tests/verify`` measures every page.
 """
 

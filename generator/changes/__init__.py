@@ -2,6 +2,6 @@
 
 Resolved models are compared: ``families`` goes through two families, ``pairs`` and ``counterparts`` recognise renamed
 things, and ``compare`` compares their members by the rules in the table of ``model.members``. ``expressions`` compares
-numbers by their values. ``rules`` gives the impact of each rule. The ``report`` modules present the changes.
+numbers by their values. ``rules`` defines the impact of each rule. The ``report`` modules present the changes.
 ``version`` derives the version, and ``release_files`` saves it with the changes.
 """

@@ -56,7 +56,7 @@ def _read_acceptance(document: Document, index: int, acceptance: object) -> Acce
     """Return the accepted change at this index of the file.
 
     Raises:
-        NotAccepted: The entry is not a map with exactly the keys ``_KEYS``, or has no valid rule or date.
+        NotAccepted: The entry is not a map with exactly the keys ``_KEYS``, or its rule or date is not valid.
     """
     line, _ = document.position(("accepted", index))
     location = f"{document.file}:{line}"
@@ -93,7 +93,7 @@ def changes_to_accept(
 
 
 def _describe_acceptance(acceptance: Accepted, changes: Sequence[Change], today: date) -> str:
-    """Return a sentence on an acceptance: there is no such change, it has expired, or it is valid."""
+    """Return a sentence on an acceptance: the change does not exist, the acceptance has expired, or it is valid."""
     accepted_change = f"{acceptance.family}: {acceptance.rule} {acceptance.path}"
     has_change = any(acceptance.covers(change) for change in changes)
     if not has_change:

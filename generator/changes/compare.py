@@ -62,7 +62,7 @@ def compare_members(family_pair: FamilyPair, subject: Subject, old: Any, new: An
     old = family_pair.with_new_names(old, subject.scope)
     members_by_name = {"source": _SOURCE, **PARTS_BY_CLASS[type(new).__name__].by_attribute}
     for attribute in fields(new):
-        # An attribute that the table lacks still gives a change, so that nothing is overlooked.
+        # An attribute that the table lacks still leads to a change, so that nothing is overlooked.
         member = members_by_name.get(attribute.name) or Member(attribute.name, rule="unforeseen")
         # A member without a rule is compared elsewhere, or by its order code.
         if member.rule:
@@ -144,8 +144,8 @@ def _difference_text(
 ) -> str:
     """Return the differing values of two expressions, by the first of these forms that applies.
 
-    ``17 → 19`` if there is one pair of numbers under every setting, the two expressions if their texts differ, or the
-    first two pairs of numbers.
+    ``17 → 19`` if all settings give the same pair of numbers, the two expressions if their texts differ, or the first
+    two pairs of numbers.
     """
     pair_texts = [old_to_new(old_value, new_value, notation) for old_value, new_value in difference.value_pairs]
     if len(pair_texts) == 1 and difference.is_everywhere:
@@ -153,7 +153,8 @@ def _difference_text(
     old_text, new_text = short_value(old, notation), short_value(new, notation)
     if old_text != new_text:
         return f"{old_text} → {new_text}"
-    # The same expression has other values if a parameter in it has. The first two pairs of values are shown.
+    # The same expression has other values if the value of a parameter in it changes. The first two pairs of values are
+    # shown.
     return first_of(pair_texts, 2)
 
 
@@ -165,7 +166,7 @@ def compare_parts(
     section_subject: Subject,
     compare_content: CompareContent | None = None,
 ) -> Iterator[Change]:
-    """Yield the changes of several things: new, gone and renamed ones, and the members of the others.
+    """Yield the changes of several things: the new, removed and renamed ones, and changed members of the rest.
 
     Args:
         family_pair: The two versions of the family.
@@ -187,7 +188,7 @@ def compare_pair(
     pair: Pair[Any],
     compare_content: CompareContent | None = None,
 ) -> Iterator[Change]:
-    """Yield the changes of one thing: new, gone or renamed, and its members and content if both versions have it.
+    """Yield the changes of one thing: new, gone or renamed, or changes of its members and content.
 
     ``subject`` is the thing, and ``compare_content`` is as in ``compare_parts``. A decision with a default, which
     users need not make, has its own rules for its presence, such as "choice-new".
@@ -207,8 +208,8 @@ def compare_section(
 ) -> Iterator[Change]:
     """Yield the changes of all things in a section of the spec, such as ``"register"``, a key of ``_SECTIONS``.
 
-    A thing concerns its interface in the new version. Things that are gone, CRCs and procedures concern that of the old
-    version.
+    A thing concerns its interface in the new version. Removed things, CRCs and procedures concern the interface in the
+    old version.
     """
     section_path, label = _SECTIONS[part_kind]
     for pair in pair_section(family_pair, section_path):
@@ -232,8 +233,8 @@ def _only_interface_of(device: Device, part: Any) -> str:
 def _interfaces_of(device: Device, part: Any) -> set[str]:
     """Return the names of the interfaces that a thing concerns, in which "" stands for all.
 
-    These are those of the parameters of a decision, of the register or frames with the bits of an alarm, of a
-    connector, and those that send a CRC. Any other thing has its own interface.
+    These are the interfaces of a decision's parameters, of an alarm's register and frames, of a connector, or all that
+    send a CRC. Any other thing has its own interface.
     """
     match part:
         case Alternative(name):
@@ -260,7 +261,7 @@ def _has_group(layout: Layout, group: str) -> bool:
 def _named_in_code(family_pair: FamilyPair, pair: Pair[Any], section_subject: Subject) -> Subject:
     """Return a thing of a section as a subject, with its old names in code if it has any.
 
-    A new thing has no names that users know, except a new data ID, which extends an enumeration that they already use.
+    A new thing has no names known to users, except a new data ID, which extends an enumeration that they already use.
     """
     # The last step of the path, such as ``layouts`` of ``interfaces.ssi.layouts``.
     section = section_subject.path.rpartition(".")[2]
@@ -282,8 +283,8 @@ def _named_in_code(family_pair: FamilyPair, pair: Pair[Any], section_subject: Su
 def _names_in_code(device: Device, section: str, part: Any, section_interface: str) -> dict[str, str]:
     """Return the names of a thing of a section in code: ``{"c": "acme_x24_ssi_frame_…", "python": "x24.Frame"}``.
 
-    ``section_interface`` is "" for things without an interface of their own. The name in C is then that of the first
-    interface, or for a CRC the part that all names have.
+    ``section_interface`` is "" for things without an interface of their own. The name in C is then the name for the
+    first interface, or for a CRC the part that all names share.
     """
     interface = section_interface or getattr(part, "interface", "")
     if not interface and device.interfaces:
@@ -294,7 +295,7 @@ def _names_in_code(device: Device, section: str, part: Any, section_interface: s
         "name": part.name,
         "interface": interface,
     }
-    # Macros have the same words in capitals. ``Name`` is that of a Python class.
+    # Macros have the same words in capitals. ``Name`` is the name of a Python class.
     text_by_placeholder |= {
         placeholder.upper(): replacement.upper() for placeholder, replacement in text_by_placeholder.items()
     }

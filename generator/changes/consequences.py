@@ -1,4 +1,4 @@
-"""Changes that follow from another one: a field of a different size moves the fields after it and resizes the frame."""
+"""Changes that follow from other changes: a resized field moves the fields after it and resizes the frame."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class ComparedField:
 class _ResizedField:
     """A field with a different size: its new lowest bit, or the old one if it is gone, and the bits that it gains.
 
-    Both have one value for each point at which expressions are compared.
+    Both contain one value for each point at which expressions are compared.
     """
 
     name: str
@@ -53,8 +53,8 @@ def fold_moves(
 ) -> Iterator[Change]:
     """Yield the changes of the fields of a layout, without those moves that a resized field explains.
 
-    A moved field is instead listed as ``frame.field`` in ``moved_fields`` of the change that resized the other one.
-    ``_cause_of_move`` has the rule.
+    A moved field is instead listed as ``frame.field`` in ``moved_fields`` of the change that resized the other field.
+    ``_cause_of_move`` implements the rule.
     """
     resized_fields = list(_resized_fields(family_pair, interface, compared_fields))
     # Paths of the moved fields by the name of the resized field that moves them.
@@ -85,9 +85,9 @@ def fold_length(
 ) -> Sequence[ComparedField]:
     """Return the fields, of which one has the different length of the frame as a consequence of its resizing.
 
-    This is the resized field with the highest low bit. Its change gets ``{frame: gained bits}``, with 0 if the gain
-    depends on the order code. If the length is the same, or differs by other bits than the resized fields gain, the
-    fields are returned as they are.
+    This is the resized field that begins at the highest bit. Its change gets ``{frame: gained bits}``, with 0 if the
+    gain depends on the order code. If the length is the same, or differs by other bits than the resized fields gain,
+    the fields are returned as they are.
     """
     old_lengths = family_pair.values_at_points(old_length, interface, is_old=True)
     new_lengths = family_pair.values_at_points(new_length, interface, is_old=False)
@@ -110,7 +110,7 @@ def _subtract_each(old_numbers: Sequence[int], new_numbers: Sequence[int]) -> tu
 
 
 def _with_resized_frames(compared_field: ComparedField, resized_frames: dict[str, int]) -> ComparedField:
-    """Return a resized field whose resizing change also has ``resized_frames``: gained bits by frame."""
+    """Return a resized field whose resizing change also lists ``resized_frames``: gained bits by frame."""
     changes = list(compared_field.changes)
     resizing_change = compared_field.resizing_change
     assert resizing_change is not None
@@ -130,7 +130,7 @@ def without_explained_lengths(changes: Sequence[Change]) -> Iterator[Change]:
 def _resized_fields(
     family_pair: FamilyPair, interface: str, compared_fields: Sequence[ComparedField]
 ) -> Iterator[_ResizedField]:
-    """Yield the fields that have a change of their size, are new or are gone, with the bits that they gain."""
+    """Yield fields that are resized, new or gone, with the bits that they gain."""
     for compared_field in compared_fields:
         if compared_field.resizing_change is None:
             continue
@@ -176,7 +176,7 @@ def _cause_of_move(
     distances = _subtract_each(old_low_bits, new_low_bits)
     fields_below: list[_ResizedField] = []
     for resized_field in resized_fields:
-        # The tuples have a low bit for each point. The first point at which they differ decides.
+        # The tuples contain a low bit for each point. The first point at which they differ decides.
         is_below = resized_field.low_bits < new_low_bits or resized_field.low_bits < old_low_bits
         if is_below and resized_field.name != pair.new.name:
             fields_below.append(resized_field)
@@ -213,10 +213,10 @@ def with_consequences(change: Change) -> Change:
 
 
 def fold_defaults(changes: Sequence[Change]) -> Iterator[Change]:
-    """Yield the changes, with a changed default of a field merged into that of its register.
+    """Yield the changes, with a field's changed default merged into the change of its register's default.
 
-    The text of the register's change continues with ``(speed 1 → 2)``. A default of a field whose register has no such
-    change stays alone.
+    The text of the register's change continues with ``(speed 1 → 2)``. If the register has no such change, the default
+    of a field remains a separate change.
     """
     register_paths = {_owner_path(change) for change in changes if change.rule.name == "register-default"}
     field_changes = [change for change in changes if change.rule.name == "field-default"]
@@ -255,7 +255,8 @@ def _combine_impacts(first: _Impacts, second: _Impacts) -> _Impacts:
 def _resized_frames_text(resized_frames: Mapping[str, int]) -> str:
     """Return a text such as ``frame 2 bits longer`` or ``3 frames with a different length``.
 
-    Frames that gain different numbers of bits, or one that depends on the order code (0), have a different length.
+    If frames gain different numbers of bits, or a gain depends on the order code (0), the text only says that their
+    length differs.
     """
     frames_text = "frame" if len(resized_frames) == 1 else counted(len(resized_frames), "frame")
     different_gains = set(resized_frames.values())
@@ -269,13 +270,13 @@ def _resized_frames_text(resized_frames: Mapping[str, int]) -> str:
 
 
 def fold_alike(changes: Sequence[Change]) -> Iterator[Change]:
-    """Yield the changes, with alike ones as one change.
+    """Yield the changes, with similar changes merged into one.
 
     Alike are the same pause in several procedures, and the same signal at several contacts, for the same order codes.
     """
     alike_changes_by_key: dict[object, list[Change]] = {}
     for change in changes:
-        # A change that stands alone gets a key that no other change has.
+        # A change that is not merged gets a unique key.
         alike_key = _alike_key(change) or id(change)
         alike_changes_by_key.setdefault(alike_key, []).append(change)
     for alike_changes in alike_changes_by_key.values():
@@ -300,7 +301,7 @@ def _merge_alike(alike_changes: Sequence[Change]) -> Change:
 
 
 def _alike_key(change: Change) -> object:
-    """Return rule, new value and order codes of a pause or a signal, or None for another change, which stands alone."""
+    """Return rule, new value and order codes of a pause or a signal, or None for any other change."""
     value_text = _value_text(change)
     is_pause = change.rule.name == "procedure-steps" and value_text.startswith("pause ")
     is_signal = change.rule.name == "contact" and value_text.startswith("signal ")
@@ -313,7 +314,7 @@ def fold_types(changes: Sequence[Change]) -> Iterator[Change]:
     """Yield the changes, with a different type in C merged into the change of the field's width.
 
     The text of the width's change continues with ``, in C uint16_t → uint32_t``. A different type without a different
-    width stays alone.
+    width remains a separate change.
     """
     type_change_by_subject = {_subject_text(change): change for change in changes if change.rule.name == "field-type"}
     resized_subjects = {_subject_text(change) for change in changes if change.rule.name == "field-width"}

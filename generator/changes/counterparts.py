@@ -45,7 +45,7 @@ def remember_all_renamings(family_pair: FamilyPair) -> None:
 def _pair_replaced_registers(family_pair: FamilyPair) -> list[Pair[Register]]:
     """Return the pairs of a register that is gone and a new one with another length or other bits at its address.
 
-    Both are reported. Those that use the register then do not count as changed too.
+    Both are reported. Parts that use the register then do not count as changed too.
     """
     pairs = pair_section(family_pair, "registers")
     gone_registers = [pair.old for pair in pairs if pair.old is not None and pair.new is None]
@@ -110,7 +110,7 @@ def _with_renamed_between_neighbours(
     new_fields: Sequence[Field],
     interface: str,
 ) -> list[Pair[Field]]:
-    """Return the pairs with further ones: a field that is gone and a new one of the same width between the same fields.
+    """Return the pairs, and pairs of a removed field and a new field of the same width between the same fields.
 
     Both are also in the same group, and either both carry data or neither does. Such a field was renamed while a
     change elsewhere in the frame moved it. Pairs with a new field are in the new order, and gone fields follow.
@@ -144,8 +144,8 @@ def _with_renamed_between_neighbours(
 def _find_neighbours(fields_in_order: Sequence[Field], paired_names: Mapping[str, str]) -> dict[str, tuple[str, str]]:
     """Return the new names of the nearest paired fields before and after each field, by the name of the field.
 
-    For example ``{"counts": ("status", "crc")}``, with "" for a missing neighbour. ``paired_names`` has the new name of
-    each paired field by the name that it has in ``fields_in_order``.
+    For example ``{"counts": ("status", "crc")}``, with "" for a missing neighbour. ``paired_names`` contains the new
+    name of each paired field by the name that it has in ``fields_in_order``.
     """
     # The name is empty for a field without a counterpart, which does not count as a neighbour.
     new_names = [paired_names.get(field.name, "") for field in fields_in_order]
@@ -170,9 +170,9 @@ def pair_parts(
 ) -> list[Pair[_Item]]:
     """Return every part with its counterpart, or with None if it is new or gone.
 
-    Parts with the same name are a pair. So are a part whose name is gone and one whose name is new if their identities
-    are equal and no other such part has this identity. An identity is what stays the same when a part is renamed,
-    such as the address of a register or the bits of a field (see ``_identity_of``).
+    Parts with the same name are a pair. A part whose name is gone and a part whose name is new are also a pair if their
+    identities are equal and no other such part has this identity. The identity of a part stays the same when the part
+    is renamed, such as the address of a register or the bits of a field (see ``_identity_of``).
 
     Args:
         family_pair: The two versions of the family.
@@ -258,7 +258,7 @@ def step_with_new_names(family_pair: FamilyPair, step: Step) -> Step:
     new_register = family_pair.to_new_names("register", getattr(step, "register", ""))
     renamed_step = family_pair.with_new_names(step_without_words(step), new_register)
     if isinstance(renamed_step, (WriteStep, ModifyStep)) and renamed_step.value is None:
-        # Without a value, the name is that of an argument, which is not renamed with values.
+        # Without a value, the name is the name of an argument, which is not renamed with values.
         assert isinstance(step, (WriteStep, ModifyStep))
         return replace(renamed_step, value_name=step.value_name)
     return renamed_step

@@ -31,7 +31,7 @@ def compare_clocks(family_pair: FamilyPair, subject: Subject, old: Clocked, new:
     for code in family_pair.order_codes_over(new.name):
         old_clock = old.clock_of(family_pair.old_code(code))
         new_clock = new.clock_of(code)
-        # Without their order codes, so that those with the same clocks share a change.
+        # Without their order codes, so that timings with the same clocks share a change.
         clocks = replace(old_clock, only=""), replace(new_clock, only="")
         codes_by_clocks.setdefault(clocks, []).append(code)
     for (old_clock, new_clock), codes in codes_by_clocks.items():
@@ -56,7 +56,10 @@ def compare_timeouts(family_pair: FamilyPair, subject: Subject, old: Biss, new: 
 
 
 def compare_cables(family_pair: FamilyPair, subject: Subject, old: Ssi, new: Ssi) -> Iterator[Change]:
-    """Yield that the clock by cable length depends on the order code in only one version. Its rows are one member."""
+    """Yield that the clock by cable length depends on the order code in only one version.
+
+    Its rows are compared as one member.
+    """
     has_only = any(row.only for row in new.cable_lengths)
     if has_only is not any(row.only for row in old.cable_lengths):
         yield _by_code_change(family_pair, subject, "clock by cable", is_by_code=has_only)
@@ -82,7 +85,7 @@ def _for_any_code(timeout: Timeout | None) -> Timeout | None:
 
 
 def with_distinct_names(facts: Sequence[_Named], shared_names: Container[str]) -> tuple[_Named, ...]:
-    """Return facts in which those with a shared name have their order codes in the name: ``pause, X-24``."""
+    """Return the facts, with the order codes added to a name that several facts share: ``pause, X-24``."""
     return tuple(
         replace(fact, name=f"{fact.name}, {fact.only}") if fact.name in shared_names else fact for fact in facts
     )

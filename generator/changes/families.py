@@ -62,7 +62,7 @@ def _compare_evidence(family_pair: FamilyPair) -> Iterator[Change]:
     subject = Subject(path="evidence", label="evidence")
     if old.evidence and new.evidence:
         yield from compare_members(family_pair, subject, old.evidence, new.evidence)
-    elif old.evidence or new.evidence:  # With --lenient, a spec in an older form of the language has none.
+    elif old.evidence or new.evidence:  # With --lenient, a spec in an older form of the language has no evidence.
         description = " is new" if new.evidence else " is gone"
         yield family_pair.change("evidence", subject, description=description, old=old.evidence, new=new.evidence)
 
@@ -75,7 +75,7 @@ def _edition_text(manual: Manual) -> str:
 
 
 def compare_order_codes(family_pair: FamilyPair) -> Iterator[Change]:
-    """Yield order codes that are gone, new or renamed, and the changes of the common ones, their parts and notations.
+    """Yield order codes that are gone, new or renamed, and the changes of common codes, their parts and notations.
 
     A renamed order code has a different text, but the same texts of its parts.
     """
@@ -217,7 +217,7 @@ def _compare_part_values(family_pair: FamilyPair, subject: Subject, old: CodePar
         for variant in family_pair.new.variants:
             if variant.parts.get(new.name) == new_value.text:
                 codes.append(variant.code)
-        # An empty interface stands for all of them.
+        # An empty interface represents all of them.
         affected_codes = tuple(codes) or family_pair.order_codes_over(interface="")
         yield from compare_supply(family_pair, value_subject, old_value.supply, new_value.supply, affected_codes)
 
@@ -225,12 +225,12 @@ def _compare_part_values(family_pair: FamilyPair, subject: Subject, old: CodePar
 def _compare_spellings(family_pair: FamilyPair) -> Iterator[Change]:
     """Yield changes of the additional notations for labels.
 
-    An old and a new notation are compared if they have the same place of use (``where``). Of the remaining ones, those
-    with the same texts are one notation whose place of use was renamed.
+    An old and a new notation are compared if they have the same place of use (``where``). Of the remaining notations,
+    an old and a new one with the same texts are one notation whose place of use was renamed.
     """
 
     def texts_of(spelling: Spelling) -> Hashable:
-        """Return a notation with the new names of parts, without its place of use and source."""
+        """Return a notation with the new names of parts, without its ``where`` and its source."""
         return replace(family_pair.with_new_names(spelling), where="", source=())
 
     old_spellings, new_spellings = family_pair.old.order_code.also_written, family_pair.new.order_code.also_written
@@ -262,7 +262,7 @@ def compare_supply(
     supply_label = f"{subject.label} supply".strip()  # The family itself has no label.
     supply_subject = subject.inside("supply", supply_label)
     if old is not None and new is not None:
-        # Each change is created again for ``codes``, since those of members affect all order codes.
+        # Each change is created again for ``codes``, since changes of members affect all order codes.
         for change in compare_members(family_pair, supply_subject, old, new):
             yield family_pair.change(
                 change.rule.name,
@@ -326,7 +326,7 @@ def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:
         pairs = [Pair(old=old[0], new=new[0])]
     for pair in sorted(pairs, key=lambda pair: pair.new_or_old.name):
         if pair.old is None or pair.new is None:
-            # Only the name of the family is compared, so one device stands for both versions.
+            # Only the name of the family is compared, so one device represents both versions.
             only_device = pair.new_or_old
             subject = Subject(path="", label=f"family {only_device.name}")
             old_name = pair.old.name if pair.old is not None else None
@@ -343,7 +343,7 @@ def _set_of_order_codes(device: Device) -> frozenset[str]:
 
 
 def _section_changes(family_pair: FamilyPair) -> Iterator[Change]:
-    """Return the changes of each section of the specs in turn, before repeated and alike ones are merged."""
+    """Return the changes of each section of the specs in turn, before repeated and similar changes are merged."""
     old, new = family_pair.old, family_pair.new
     return chain(
         compare_family_itself(family_pair),
@@ -365,8 +365,8 @@ def _section_changes(family_pair: FamilyPair) -> Iterator[Change]:
 def compare_family(old: Device, new: Device) -> list[Change]:
     """Return all changes of a family, by descending impact.
 
-    Renamings are found first, since references to a renamed thing do not count as changes. If no change is found but
-    the devices differ, only the order of items does, which is then the only change.
+    Renamings are found first, since references to a renamed thing do not count as changes. If the devices differ but no
+    change is found, the order of items is the only change.
     """
     family_pair = FamilyPair(old, new)
     remember_all_renamings(family_pair)

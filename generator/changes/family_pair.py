@@ -39,7 +39,7 @@ def _names_of_frame_fields(device: Device) -> frozenset[str]:
 
 
 def _match_order_codes(old: Device, new: Device) -> dict[str, str]:
-    """Return the new order code by the old one, for those with the same code or else the same texts of all parts.
+    """Return the new order code by the old one, for codes that are the same or whose parts all have the same texts.
 
     ``{"X-24": "X-24", "X-17": "X-17-B"}``: the second one was renamed. Order codes that are gone are not in it.
     """
@@ -58,7 +58,7 @@ def _match_order_codes(old: Device, new: Device) -> dict[str, str]:
 
 
 def _affected_side(rule: str) -> str:
-    """Return whose order codes a change affects: those of the "old" or "new" version, or the "common" ones."""
+    """Return whose order codes a change affects: the "old" or "new" version's, or the "common" ones."""
     if rule.endswith("-gone"):
         return "old"
     if rule.endswith("-new"):
@@ -71,7 +71,7 @@ def _order_codes_of(device: Device) -> set[str]:
 
 
 def _parts_key(variant: Variant) -> tuple[tuple[str, str], ...]:
-    """Return the texts of the parts of an order code, in a form in which they can be compared."""
+    """Return the texts of the parts of an order code, in a comparable form."""
     return tuple(sorted(variant.parts.items()))
 
 
@@ -81,11 +81,11 @@ class FamilyPair:
     def __init__(self, old: Device, new: Device) -> None:
         self.old = old
         self.new = new
-        #: The new name by the old one, for each kind of renamed thing, and for fields also by their frame or register.
+        #: The new name by the old name, for each kind of renamed thing, and for fields also by their frame or register.
         self.new_names_by_kind: dict[str, dict[str, str]] = {}
         #: The fields and joined numbers of the new frames.
         self.names_in_new_frames = _names_of_frame_fields(new)
-        #: The common order codes: the new ones by the old ones.
+        #: The common order codes: the new codes by the old codes.
         self.new_code_by_old = _match_order_codes(old, new)
         self._old_code_by_new = {new_code: old_code for old_code, new_code in self.new_code_by_old.items()}
         #: The new ones among them.
@@ -134,7 +134,7 @@ class FamilyPair:
         return {self.to_new_names("parameter", parameter): number for parameter, number in old_names.items()}
 
     def _text_to_new_names(self, part_kind: str, old_text: str, scope: str) -> str:
-        """Return a text that is or contains old names, with the new ones.
+        """Return a text with its old names replaced by the new names.
 
         ``part_kind`` says what the text is: a pattern, a path, a condition, the subject of limits, or just the name of
         a thing of this kind. A name without a new one stays.
@@ -171,9 +171,9 @@ class FamilyPair:
 
     @cached_property
     def _points_by_interface(self) -> dict[str, list[ComparisonPoint]]:
-        """The points for comparing expressions, by new interface, and under an empty name those of all interfaces.
+        """The points for comparing expressions, by new interface, and under an empty name the points of all interfaces.
 
-        There is one for each common order code and each setting of registers and answers.
+        There is a point for each common order code and each setting of registers and answers.
         """
         new_variant_by_code = {variant.code: variant for variant in self.new.variants}
         points_by_interface: dict[str, list[ComparisonPoint]] = {}
@@ -192,7 +192,8 @@ class FamilyPair:
     ) -> ComparisonPoint:
         """Return the point of a common order code: the parameters of its old and new variant under a setting.
 
-        ``setting`` has the values of the new family by parameter name. The old family gets them under the old names.
+        ``setting`` contains the values of the new family by parameter name. The old family gets them under the old
+        names.
         """
         new_name_by_old = self.new_names_by_kind.get("parameter", {})
         old_name_by_new = {new_name: old_name for old_name, new_name in new_name_by_old.items()}
@@ -211,7 +212,7 @@ class FamilyPair:
     ) -> NumberDifferences | None:
         """Return the differences of two expressions, or None if they have the same value at every point.
 
-        The points are those of an interface, or of all if ``interface`` is empty.
+        The points of the interface are compared, or all points if ``interface`` is empty.
         """
         return compare_at_points(old, new, self._points_by_interface.get(interface, ()))
 
@@ -237,10 +238,10 @@ class FamilyPair:
         return tuple(expression.value(point.new_parameters) for point in points)
 
     def order_codes_over(self, interface: str, side: str = "common") -> tuple[str, ...]:
-        """Return the order codes of an interface, or of all if it is empty, of one ``side``.
+        """Return the order codes of an interface, or of all if ``interface`` is empty, of one ``side``.
 
-        The side is the ``old`` or ``new`` family, or the ``common`` codes, as the new family has them. If there is no
-        common one, those of the new family count as common.
+        The side is the ``old`` or ``new`` family, or the ``common`` codes, as the new family has them. If no code is
+        common, the codes of the new family count as common.
         """
         device = self.old if side == "old" else self.new
         codes = [variant.code for variant in device.variants if interface in ("", variant.interface)]
@@ -253,8 +254,8 @@ class FamilyPair:
     ) -> Change:
         """Return a change by a rule. Without ``codes``, it affects all order codes of the subject's interface.
 
-        These are the old ones if the rule ends with "-gone", the new ones if it ends with "-new", and else the common
-        ones. A register or procedure that moves to another interface affects the order codes of both.
+        These are the old codes if the rule ends with "-gone", the new codes if it ends with "-new", and else the common
+        codes. A register or procedure that moves to another interface affects the order codes of both.
         """
         side = _affected_side(rule)
         affected_codes = tuple(codes) if codes is not None else self.order_codes_over(subject.interface, side)
@@ -289,8 +290,8 @@ class FamilyPair:
     def _describe_affected_codes(self, side: str, codes: Collection[str]) -> str:
         """Describe order codes of one side, such as ``all 12 BiSS order codes``, or as a pattern.
 
-        Common codes are described among all of the new family. If they are all common ones, but not all of the family,
-        the text is ``all 10 BiSS order codes that stay``.
+        Common codes are described among all of the new family. If they are all common codes, but not all codes of the
+        family, the text is ``all 10 BiSS order codes that stay``.
         """
         if side == "old":
             return describe_codes(self.old, codes)
@@ -312,8 +313,8 @@ class FamilyPair:
     ) -> Iterator[Change]:
         """Yield a change if a thing is gone, new or renamed. ``subject.label`` ends with its new or only name.
 
-        The text of a renaming names what both have in common: ``register mode → state (the same address)``. This is
-        ``common_property``, or else that of its kind.
+        The text of a renaming names what both have in common: ``register mode → state (the same address)``. The common
+        property is ``common_property``, or else the one in ``SAME``.
         """
         if new is None:
             yield self.change(f"{part_kind}-gone", subject, description=" is gone", old=old, new=None)

@@ -102,7 +102,7 @@ def _compare_arguments(family_pair: FamilyPair, subject: Subject, old: Procedure
     new_arguments = _describe_arguments(new.arguments)
     if old_arguments != new_arguments:
         old_texts, new_texts = _argument_names(old), _argument_names(new)
-        if old_texts == new_texts:  # Then the register that takes an argument differs, or its meaning.
+        if old_texts == new_texts:  # In this case, the register that takes an argument differs, or its meaning.
             old_texts, new_texts = _argument_texts(old_arguments), _argument_texts(new_arguments)
         yield family_pair.change(
             "procedure-arguments",
@@ -122,9 +122,9 @@ def _argument_names(procedure: Procedure) -> list[str]:
 
 
 def _describe_arguments(arguments: Iterable[Argument]) -> list[tuple[str, str, str]]:
-    """Return a tuple for each argument: its name, the register or field that takes it, and how it is meant.
+    """Return a tuple for each argument: its name, the register or field that takes it, and its meaning.
 
-    For example ``("position", "preset", "counts")``, with "" if the spec does not say how it is meant.
+    For example ``("position", "preset", "counts")``, with "" if the spec does not give the meaning.
     """
     return [(argument.name, argument.of, argument.meant_as) for argument in arguments]
 
@@ -149,7 +149,8 @@ def _list_sources(steps: Sequence[Step]) -> list[Sources]:
 def _describe_steps(old_steps: list[Step], new_steps: list[Step]) -> str:
     """Describe the steps that differ: ``: steps 2, 3: pause 5 ms → 10 ms``, or ``: steps 2, 3 differ``.
 
-    The second form is for steps that differ in several ways. With another number of steps, only the numbers are given.
+    The second form is for steps that differ in several ways. If the number of steps differs, only the numbers are
+    given.
     """
     if len(old_steps) != len(new_steps):
         return f": {len(old_steps)} steps → {len(new_steps)} steps"
@@ -163,7 +164,7 @@ def _describe_steps(old_steps: list[Step], new_steps: list[Step]) -> str:
     steps_text = f": {noun} {', '.join(step_numbers)}"
     if len(differences) > 1:
         return f"{steps_text} differ"
-    # The caller passes different steps, so there is one difference left.
+    # The caller passes different steps, so one difference remains.
     (common_difference,) = differences
     return f"{steps_text}: {common_difference}"
 
@@ -195,8 +196,8 @@ def compare_interfaces(family_pair: FamilyPair) -> Iterator[Change]:
 def _compare_interface(family_pair: FamilyPair, subject: Subject, old: Interface, new: Interface) -> Iterator[Change]:
     """Yield changes of the port or clock, data IDs, control frame, timings and frames of an interface.
 
-    RS-485 has a port and data IDs, all others a clock, and BiSS a control frame. They are compared if both versions
-    have them. Changes of a frame's length are left out if a resized field explains them.
+    RS-485 has a port and data IDs, the other interfaces a clock, and BiSS also a control frame. They are compared if
+    both versions have them. Changes of a frame's length are left out if a resized field explains them.
     """
     if isinstance(new, Rs485) and isinstance(old, Rs485):
         port_subject = subject.inside("port", subject.label)
@@ -223,7 +224,7 @@ def _compare_interface(family_pair: FamilyPair, subject: Subject, old: Interface
 def _compare_frame(family_pair: FamilyPair, subject: Subject, old: Layout, new: Layout) -> Iterator[Change]:
     """Yield changes of the fields and the position range of a frame, and decisions that it needs only in one version.
 
-    A decision is needed if the layout depends on an alternative. Old ones are compared by their new names.
+    A decision is needed if the layout depends on an alternative. Old decisions are compared by their new names.
     """
     unnamed = subject.unnamed
     yield from compare_layout(family_pair, unnamed, old, new)
@@ -244,9 +245,9 @@ def _compare_frame(family_pair: FamilyPair, subject: Subject, old: Layout, new: 
 def _compare_position_range(
     family_pair: FamilyPair, subject: Subject, old: LayoutRange | None, new: LayoutRange | None
 ) -> Iterator[Change]:
-    """Yield changes of the range of a position in one frame, or that only one version has its own.
+    """Yield changes of the range of a position in one frame, or that only one version has a separate range.
 
-    Without its own range, a frame has that of the interface.
+    Without its own range, a frame has the range of the interface.
     """
     range_subject = subject.inside("position_range", f"{subject.label}: position range")
     if old is not None and new is not None:
@@ -258,7 +259,7 @@ def _compare_position_range(
 def _compare_channels(
     family_pair: FamilyPair, subject: Subject, old: DataChannels | None, new: DataChannels | None
 ) -> Iterator[Change]:
-    """Yield changes of the data channels that one frame carries, or that only one version has such a frame."""
+    """Yield changes of the data channels in one frame, or that only one version has such a frame."""
     channels_subject = subject.inside("channels", f"{subject.label}: frame with several data channels")
     if old is not None and new is not None:
         yield from compare_members(family_pair, channels_subject, old, new)
@@ -326,7 +327,7 @@ def compare_contacts(family_pair: FamilyPair, subject: Subject, old: Connector, 
 def compare_displayed_facts(family_pair: FamilyPair) -> Iterator[Change]:
     """Yield changes of errata, examples, field groups, and of facts that no code depends on.
 
-    Each section of ``_DISPLAYED_SECTIONS`` gives one change for each item that is new, gone or different.
+    Each section of ``_DISPLAYED_SECTIONS`` leads to one change for each item that is new, gone or different.
     """
     for rule, section, key_member, noun in _DISPLAYED_SECTIONS:
         old_section, new_section = getattr(family_pair.old, section), getattr(family_pair.new, section)
@@ -355,7 +356,7 @@ def _by_member(parts: Iterable[_Part], member_name: str) -> dict[Any, _Part]:
 def _describe_difference(old: Any, new: Any) -> str:
     """Return `` is new``, `` is gone``, ``: 5 V → 12 V`` for a different value, or `` has changed``.
 
-    Only characteristics have a value. If its short text is the same, something else of the item has changed.
+    Only characteristics have a value. If its short text is unchanged, something else of the item has changed.
     """
     if old is None:
         return " is new"

@@ -40,7 +40,7 @@ def compare_layout(family_pair: FamilyPair, subject: Subject, old: Layout, new: 
     yield from compare_parts(family_pair, "joined", old.joins, new.joins, join_subject)
     combination_subject = replace(subject, label=f"{subject.scope}: combination")
     yield from compare_parts(family_pair, "combination", old.combinations, new.combinations, combination_subject)
-    # A joined number that is new has no old type, and only its presence is reported.
+    # A new joined number has no old type, and only its presence is reported.
     old_type_by_name = {join.name: _type_of_join(old, join) for join in old.joins}
     for join in new.joins:
         join_path, join_label = f"{subject.path}.{join.name}", f"{subject.scope}: number {join.name}"
@@ -52,7 +52,7 @@ def compare_layout(family_pair: FamilyPair, subject: Subject, old: Layout, new: 
 def _compare_fields(family_pair: FamilyPair, subject: Subject, old: Layout, new: Layout) -> Iterator[Change]:
     """Yield changes of the fields of a layout. Moves and lengths that a resized field explains are part of its change.
 
-    Fields that pad another one are not compared, since they follow from its container.
+    Fields that pad another field are not compared, since they follow from its container.
     """
     compared_fields: list[ComparedField] = []
     for pair in pair_fields(family_pair, old, new, subject.interface):
@@ -75,7 +75,7 @@ def _compare_fields(family_pair: FamilyPair, subject: Subject, old: Layout, new:
 
 
 def _is_padding(field: Field, layout: Layout) -> bool:
-    """Return whether the field is the padding of another one: ``position_padding`` of ``position``."""
+    """Return whether the field is the padding of another field: ``position_padding`` of ``position``."""
     padded_name, suffix, _ = field.name.rpartition("_padding")
     padded_field = layout.find_field(padded_name) if suffix else None
     return padded_field is not None and padded_field.container > 0
@@ -84,7 +84,7 @@ def _is_padding(field: Field, layout: Layout) -> bool:
 def _common_property(
     family_pair: FamilyPair, subject: Subject, pair: Pair[Field], old_layout: Layout, new_layout: Layout
 ) -> str:
-    """Return "between the same fields" for a renamed field at other bits, or "" if it has the same bits.
+    """Return "between the same fields" for a renamed field with other bits, or "" if its bits are unchanged.
 
     For a field of a group, bits are counted from the start of the group. "" means that the default text applies, which
     is "the same bits".
@@ -113,7 +113,7 @@ def _low_bits_in_group(
     for group_field in layout.fields:
         if group_field.group == field.group:
             low_bits_of_group.append(family_pair.values_at_points(group_field.low, interface, is_old=is_old))
-    # ``low_bits_of_group`` has a tuple for each field. ``zip`` gives the low bits of all fields at each point.
+    # ``low_bits_of_group`` contains a tuple for each field. ``zip`` yields the low bits of all fields at each point.
     group_starts = map(min, zip(*low_bits_of_group, strict=True))
     return tuple(low_bit - group_start for low_bit, group_start in zip(low_bits, group_starts, strict=True))
 
@@ -161,13 +161,13 @@ def _type_of(field: Field) -> str:
     """Return the type of a number in C, such as ``uint32_t``, or an empty string for another kind of field."""
     if not isinstance(field.kind, (Number, Decimal)):
         return ""
-    # The number that zero stands for may need one bit more than the field has.
+    # The number that zero represents may need one bit more than the field has.
     bits = max(field.widest, field.number.zero_means.bit_length())
     return _smallest_integer_type(bits, is_signed=field.number.signed)
 
 
 def _type_of_join(layout: Layout, join: Join) -> str:
-    """Return the unsigned type in C of a number made of several fields, at their largest widths."""
+    """Return the unsigned type in C of a number formed by several fields, at their largest widths."""
     bits = sum(layout.field(name).widest for name in join.fields)
     return _smallest_integer_type(bits, is_signed=False)
 
@@ -180,7 +180,7 @@ def _smallest_integer_type(bits: int, *, is_signed: bool) -> str:
 
 
 def _has_data_ids(device: Device, field: Field) -> bool:
-    """Return whether the names of a field's values are those of an interface's data IDs, which are compared as such."""
+    """Return whether a field's values are named after data IDs of an interface, which are compared as data IDs."""
     value_names = {value.name for value in field.values}
     for interface in device.interfaces:
         if isinstance(interface, Rs485) and value_names == {data_id.name for data_id in interface.data_ids}:
@@ -211,9 +211,10 @@ def _compare_kind(family_pair: FamilyPair, subject: Subject, old: Field, new: Fi
 
 
 def _compare_digits(family_pair: FamilyPair, subject: Subject, old: Decimal, new: Decimal) -> Iterator[Change]:
-    """Yield a change of the numbers made of decimal digits, by their names and their numbers of digits.
+    """Yield a change of the numbers formed by decimal digits, by their names and their numbers of digits.
 
-    If these are the same in the same order, only words have changed. If a name is gone, the kind has changed.
+    If names and numbers are the same in the same order, only words have changed. If a name is gone, the kind has
+    changed.
     """
     if old == new:
         return

@@ -1,4 +1,4 @@
-"""Names of generated files that go, or that keep their name with another value: C macros, Python names and files."""
+"""Names in generated files that disappear, or keep their name with another value: C macros, Python names and files."""
 
 from __future__ import annotations
 
@@ -45,10 +45,10 @@ def name_changes(
 ) -> tuple[NameChange, ...]:
     """Return the C macros, Python names and files of families that are gone, or have a different value.
 
-    The texts are those of the generated files by path. Files that do not begin with the name of a family are left out.
+    The arguments contain the generated files by path. Files that do not begin with the name of a family are left out.
     """
     changes: list[NameChange] = []
-    # A family can begin with the name of another one, so the longest name that fits is the family of a file.
+    # A family can begin with the name of another family, so the longest name that fits is the family of a file.
     longest_first = sorted(families, key=len, reverse=True)
     for path, old_text in old_text_by_path.items():
         new_text = new_text_by_path.get(path)
@@ -79,7 +79,7 @@ def _is_private_module(path: str) -> bool:
 def _changes_in_file(family: str, path: str, old_text: str, new_text: str) -> Iterator[NameChange]:
     """Yield the macros of a C header, or the names of a Python module, that are gone or have another value.
 
-    Names that are new are not listed. Other files and private modules have none.
+    Names that are new are not listed. Other files and private modules contain none.
     """
     if path.endswith(".h"):
         kind = "C macro"

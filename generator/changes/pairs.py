@@ -20,7 +20,7 @@ _name_of: Callable[[Any], str] = attrgetter("name")
 
 @dataclass(frozen=True, slots=True)
 class Pair(Generic[_Item]):
-    """An old item and its new counterpart. ``old`` is None for a new one, ``new`` for one that is gone."""
+    """An old item and its new counterpart. ``old`` is None for a new item, ``new`` for an item that is gone."""
 
     old: _Item | None
     new: _Item | None
@@ -41,7 +41,7 @@ class Pair(Generic[_Item]):
 
 
 def complete_pairs(pairs: Iterable[Pair[_Item]]) -> Iterator[tuple[_Item, _Item]]:
-    """Yield old and new item of the pairs that have both."""
+    """Yield the old and the new item of each complete pair."""
     for pair in pairs:
         if pair.old is not None and pair.new is not None:
             yield pair.old, pair.new
@@ -57,8 +57,8 @@ def pair_by_name(
 ) -> list[Pair[_Item]]:
     """Return every item with its counterpart: first the new items in their order, then those that are gone.
 
-    Items with the same name are a pair. Of the others, an old and a new one are a pair if they have the same identity,
-    and no other item without a counterpart by name on their side has it.
+    Items with the same name are a pair. An old and a new item without a namesake are a pair if they have the same
+    identity, and no other such item on their side has it.
 
     Args:
         old_items: The old items.
@@ -88,7 +88,7 @@ def pair_by_name(
 
 
 def _by_unique_identity(items: Sequence[_Item], identity_of: Key) -> dict[Hashable, _Item]:
-    """Return the items by their identities, without those that have None or share an identity."""
+    """Return the items by their identities, without items that have no identity or share one."""
     identities = [identity_of(item) for item in items]
     counts = Counter(identities)
     items_by_identity: dict[Hashable, _Item] = {}

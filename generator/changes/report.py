@@ -168,7 +168,7 @@ _TITLES = {
 def as_markdown(findings: DiffResult) -> str:
     """Return the output of ``codewheel diff --markdown``.
 
-    It has the package versions as a heading, notices, a section for each family, and the number of changed files.
+    It contains the package versions as a heading, notices, a section for each family, and the number of changed files.
     """
     versions_text = "; ".join(map(describe_versions, findings.packages))
     lines = [f"## {versions_text or 'Changes'}", ""]
@@ -348,10 +348,10 @@ def _files_of_manufacturer(families: Iterable[Family]) -> set[str]:
 
 
 def _files_with_new_version(package: Package, files: set[str]) -> Iterator[tuple[Path, str]]:
-    """Yield each file with its text, in which the version of the package is the new one.
+    """Yield each file with its text and the new version of the package.
 
     Raises:
-        NotRecorded: A file has no line with a version, or several.
+        NotRecorded: A file has no line with a version, or several such lines.
     """
     for path in map(Path, sorted(files)):
         old_text = path.read_text(encoding="utf-8")

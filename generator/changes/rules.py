@@ -76,7 +76,7 @@ class Change:
     """One difference, described by ``text``. ``old`` and ``new`` are plain data, or None.
 
     ``codes`` are the order codes that it affects, ``reach`` describes them in words, and ``names`` contains its name in
-    each output that has one. ``moved_fields`` are the fields that are at other bits because of it, and
+    each output that names it. ``moved_fields`` are the fields that are at other bits because of it, and
     ``resized_frames`` the frames with a different length, with the bits that they gain, or 0 if that depends on the
     order code.
     """
@@ -137,7 +137,7 @@ class Package:
 
     @property
     def new(self) -> str:
-        """New version: the stated one if that is high enough."""
+        """New version: the stated version if that is high enough."""
         return self.stated if self.is_enough else self.due
 
     @property
@@ -166,7 +166,7 @@ def due_version(version: str, impact: Impact) -> str:
 
 
 def packages(old: Sequence[Device], new: Sequence[Device], changes: Collection[Change]) -> list[Package]:
-    """Return the packages of manufacturers that both sides have, each with its old, stated and due version.
+    """Return the packages that both sides have, each with its old, stated and required version.
 
     The due version follows from the old one and the highest impact of the changes of the manufacturer's families.
     """

@@ -21,9 +21,9 @@ Parameters = Mapping[str, int]
 class ComparisonPoint:
     """A common order code, and its parameters under one setting of registers and answers.
 
-    ``compared_parameters`` are those for expressions of the old family. They have the new values where the old family
-    has the parameter too, so that a changed parameter is reported only once. A renamed one has its old value, which is
-    the same by definition.
+    ``compared_parameters`` are the parameters for expressions of the old family. They take the new values where the old
+    family has the parameter too, so that a changed parameter is reported only once. A renamed parameter has its old
+    value, which is the same by definition.
     """
 
     code: str
@@ -47,8 +47,8 @@ class NumberDifferences:
 def settings_of(device: Device) -> Iterator[Parameters]:
     """Yield settings of registers and answers, each with the parameters that it changes: ``{"resolution": 24}``.
 
-    The first one is empty and stands for the defaults. In each other one, one parameter is at an end of its range, or
-    one question has one of its answers.
+    The first setting is empty and stands for the defaults. In each other setting, one parameter is at an end of its
+    range, or one question has one of its answers.
     """
     yield {}
     for parameter in device.run_time_parameters:
@@ -62,7 +62,7 @@ def settings_of(device: Device) -> Iterator[Parameters]:
 def with_setting(device: Device, variant: Variant, setting: Parameters) -> Parameters:
     """Return the parameters of an order code under a setting.
 
-    Names that the order code does not have are ignored, and so are those that a formula defines.
+    Names that the order code does not have are ignored, and so are names that a formula defines.
     """
     own_names = variant.parameters.keys() - device.definitions
     own_setting = {name: value for name, value in setting.items() if name in own_names}
@@ -76,7 +76,7 @@ def compare_at_points(
 
     Without points, since no order code is common, they are equal if their texts are the same.
     """
-    # A name that both sides use was not renamed, and has the same number on both.
+    # A name used on both sides was not renamed, and has the same number on both.
     if old == new:
         return None
     if not points:
@@ -105,7 +105,7 @@ def compare_at_points(
 def _constant_pairs(old: Expression | None, new: Expression | None) -> tuple[tuple[int | None, int | None], ...]:
     """Return one pair of numbers, ``((17, 19),)``, if both expressions are numbers or None.
 
-    Return ``()`` if one of them has variables, whose values are not known.
+    Return ``()`` if one of them contains variables, whose values are not known.
     """
     has_variables = any(expression is not None and not expression.is_constant for expression in (old, new))
     if has_variables:
@@ -134,7 +134,7 @@ def describe_codes(device: Device, codes: Collection[str]) -> str:
     """Describe order codes of a family, by the first of these that applies.
 
     ``all 12 order codes``, ``all 6 BiSS order codes``, a pattern such as ``X-24-…``, or the first few and the number of
-    the others. A family with a single order code gives that, and no codes give "".
+    the others. A family with a single order code returns that code, and no codes return "".
     """
     variants = device.variants
     if not codes:
@@ -152,7 +152,7 @@ def describe_codes(device: Device, codes: Collection[str]) -> str:
 def codes_as_pattern(device: Device, codes: Collection[str]) -> str:
     """Return the order codes as a pattern with some parts left open, such as ``X-…20-B1``, or "".
 
-    The pattern must stand for exactly these order codes, of which there are at least two.
+    The pattern must match exactly these order codes, of which there are at least two.
     """
     affected_variants = [variant for variant in device.variants if variant.code in codes]
     used_texts = _texts_by_part(device, affected_variants)
@@ -169,12 +169,12 @@ def codes_as_pattern(device: Device, codes: Collection[str]) -> str:
     has_open_parts_behind = last_closed_index + 2 < len(pieces)
     if not has_open_parts_behind:
         return "".join(pieces)
-    # If everything up to the end is open, one mark stands for the rest.
+    # If everything up to the end is open, one mark represents the rest.
     return "".join(pieces[: last_closed_index + 1]) + _ANY_TEXT
 
 
 def _texts_by_part(device: Device, variants: Sequence[Variant]) -> dict[str, tuple[str, ...]]:
-    """Return the different texts that each part of the order code has in these variants, by the part's name."""
+    """Return the distinct texts that each part of the order code has in these variants, by the part's name."""
     texts_by_part: dict[str, tuple[str, ...]] = {}
     for part in device.order_code.parts:
         texts_by_part[part.name] = tuple(dict.fromkeys(variant.parts[part.name] for variant in variants))
@@ -307,7 +307,7 @@ def without_texts(value: Any) -> Any:
 
 
 def differing_items(old: Any, new: Any) -> tuple[Any, Any]:
-    """Return both values, reduced to the items that the other one lacks if both are tuples of parts.
+    """Return both values, reduced to the items that the other value lacks if both are tuples of parts.
 
     Items are compared without their texts. If only their order or their texts differ, both values stay whole.
     """
@@ -322,7 +322,7 @@ def differing_items(old: Any, new: Any) -> tuple[Any, Any]:
 
 
 def _items_not_in(items: tuple[Any, ...], other_items: tuple[Any, ...]) -> tuple[Any, ...]:
-    """Return the items without an equal one among ``other_items``, apart from their texts."""
+    """Return the items without an equal item in ``other_items``, ignoring their texts."""
     other_data = [without_texts(other_item) for other_item in other_items]
     return tuple(item for item in items if without_texts(item) not in other_data)
 

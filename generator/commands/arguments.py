@@ -45,7 +45,10 @@ class Parser(argparse.ArgumentParser):
         return f"{help_text}\n{self.more_help()}\n" if self.more_help is not None else help_text
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
-        """Raise ArgumentError if the value is not among the choices. The message has the nearest one, or else all."""
+        """Raise ArgumentError if the value is not among the choices.
+
+        The message contains the nearest choice, or else all.
+        """
         if action.choices is not None and value not in action.choices:
             from ..language.problems import suggestion
 

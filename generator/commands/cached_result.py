@@ -53,7 +53,7 @@ class CachedResult:
 
 
 def cached_result(cache: Cache, command: str, paths: Sequence[Path], options: Sequence[str] = ()) -> CachedResult:
-    """Return the place in the cache for the result of a command. ``get`` returns the result, if there is one.
+    """Return the place in the cache for the result of a command. ``get`` returns the result, if the cache has one.
 
     Args:
         cache: The cache.

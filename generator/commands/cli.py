@@ -84,7 +84,7 @@ def parser_for(arguments: Sequence[str]) -> argparse.ArgumentParser:
 
 
 def _possible_commands(arguments: Sequence[str]) -> Sequence[str]:
-    """Return the command with which the arguments begin, none for ``--version``, or else all commands."""
+    """Return the command with which the arguments begin, no command for ``--version``, or else all commands."""
     first_argument = arguments[0] if arguments else ""
     if first_argument in COMMANDS:
         return [first_argument]
@@ -92,10 +92,10 @@ def _possible_commands(arguments: Sequence[str]) -> Sequence[str]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit code. ``arguments`` default to those of the process.
+    """Run one command and return its exit code. ``arguments`` default to the arguments of the process.
 
-    The exit code is 1 if the output cannot be written. An end by the reader of the output or by the user has the code
-    of shells: 141 or 130.
+    The exit code is 1 if the output cannot be written. If the user or the reader of the output ends the command, it has
+    the exit code of shells: 141 or 130.
     """
     if arguments is None:
         # Models have no cycles, so a process that ends soon gains nothing from a search for them, not even at its end.
@@ -123,7 +123,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run_command(arguments: Sequence[str] | None) -> int:
-    """Parse the arguments, run the command, and return its exit code, or that of ``Stop``, whose message is printed."""
+    """Parse the arguments, run the command, and return its exit code.
+
+    If it raises ``Stop``, print the message and return the exit code of ``Stop``.
+    """
     try:
         words = sys.argv[1:] if arguments is None else arguments
         parsed = parse(parser_for(words), words)

@@ -28,10 +28,10 @@ def add_arguments(parser: Parser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Write the sheet of a family without overlays, and print the number of gaps to fill.
 
-    What an existing sheet has filled in is kept for texts that have not changed.
+    Words that an existing sheet has filled in are kept for unchanged texts.
 
     Raises:
-        Stop: There is no such family (exit code 2), it has problems, or its sheet cannot be read (exit code 1).
+        Stop: The family does not exist (exit code 2), it has problems, or its sheet cannot be read (exit code 1).
     """
     from ..language.problems import Report
     from ..language.schema_files import word_sheet_path
@@ -50,7 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
     sheet_data = sheet(family.document, old_entries)
     spec_path = Path(family.document.file)
     path = word_sheet_path(spec_path)
-    lines = [*as_lines(sheet_data, spec_path.name), ""]  # The empty line gives the last one its line end.
+    lines = [*as_lines(sheet_data, spec_path.name), ""]  # The empty line adds a line end to the last line.
     try:
         path.write_text("\n".join(lines), encoding="utf-8")
     except OSError as error:

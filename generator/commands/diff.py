@@ -94,7 +94,7 @@ def _add_record_options(parser: Parser) -> None:
 class _Side:
     """One side of the comparison: the families that were read, and the names of those that could not be.
 
-    ``file_names`` has the original names of files from a git revision, by the names of the files that were read.
+    ``file_names`` contains the original names of files from a git revision, by the names of the files that were read.
     """
 
     families: tuple[Family, ...]
@@ -155,7 +155,7 @@ def _print_comparison(comparison: DiffResult, old_side: _Side, new_side: _Side, 
         print(as_markdown(comparison))
     else:
         from ..changes.report import as_text
-        from .colours import with_coloured_impacts
+        from .terminal import with_coloured_impacts
 
         print(with_coloured_impacts(as_text(comparison)))
         if arguments.editions:
@@ -255,7 +255,7 @@ def _comparable_devices(side: _Side, other_side: _Side) -> tuple[Device, ...]:
 def _write_records(comparison: DiffResult, new_side: _Side) -> DiffResult:
     """Write the records, and return ``comparison`` with notices about them and with the version that was written.
 
-    Notices that it already has mean that a part was not compared. Then nothing is written.
+    If ``comparison`` already has notices, a part was not compared. Then nothing is written.
 
     Raises:
         Stop: Part of a family could not be compared, or a file cannot be written.
@@ -314,9 +314,9 @@ def _read_side(text: str, cache: Cache, old_side: _Side | None) -> tuple[Sequenc
     """Return the families, the report on them, and the original names of files from a git revision.
 
     ``text`` is a path, or a revision and a path such as ``v1.0:specs``. Files of a revision are read from a temporary
-    folder. The names map each file there to its name in the revision, and are empty for a path on the disk.
-    Specs of the old side (``old_side`` is None) are first migrated to the current language. Families that the new side
-    shares with the old one are not built again.
+    folder. The names map each file there to its name in the revision. They are empty for a path on the disk. Specs of
+    the old side (``old_side`` is None) are first migrated to the current language. Families that the new side shares
+    with the old one are not built again.
 
     Raises:
         Stop: There is no such file, folder or revision. The exit code is 2.
@@ -342,7 +342,7 @@ def _read_side(text: str, cache: Cache, old_side: _Side | None) -> tuple[Sequenc
             path = written_files.place
             file_names = written_files.names
         if old_side is None:
-            # The empty sequence keeps the content of each family, for the comparison with those of the new side.
+            # The empty sequence keeps the content of each family, for the comparison with the new side.
             no_shared_families: tuple[Family, ...] = ()
             families, report = load_families([path], cache, migrate, no_shared_families)
         else:
@@ -376,7 +376,7 @@ def _not_comparable_error(text: str, problems: Sequence[Problem], *, is_old: boo
 
 
 def _findings_in_new_specs(changes: Sequence[Change], side: _Side) -> list[Finding]:
-    """Return the changes with their places in the new specs. A removed item is at the nearest place that is left.
+    """Return the changes with their places in the new specs. A removed item is at the nearest remaining place.
 
     A change in a family that the new specs lack is at the beginning of their first spec.
     """
@@ -440,7 +440,7 @@ def _paths_to_step(step: str, node: Any) -> Iterator[SpecPath]:
 
 
 def _children_named(step: str, node: Any) -> Iterator[SpecPath]:
-    """Yield the path ``(index,)`` to each item of a list with this name, or ``(key,)`` if a map has this key."""
+    """Yield the path ``(index,)`` to each item of a list with this name, or ``(key,)`` for a map with this key."""
     from ..language.document import label_of
 
     if isinstance(node, list):

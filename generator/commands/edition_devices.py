@@ -1,4 +1,4 @@
-"""``--edition``: another edition of the manual, named or inferred from the label or from registers."""
+"""Handle ``--edition``: another edition of the manual, named or inferred from the label or from registers."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def in_requested_edition(
         register_bytes: Register bytes by address.
 
     Raises:
-        Stop: There is no such edition, it cannot be inferred, or it has no such order code. The exit code is 2.
+        Stop: The edition does not exist, cannot be inferred, or does not have the order code. The exit code is 2.
     """
     remaining_bytes = dict(register_bytes)
     try:
@@ -102,7 +102,7 @@ def edition_devices(families: Iterable[Family], wanted_editions: Iterable[str], 
     Editions of a family whose spec has problems are left out. Problems of an edition are added to ``report``.
 
     Raises:
-        Stop: An argument is malformed, or there is no such family or edition. The exit code is 2.
+        Stop: An argument is malformed, or the family or edition does not exist. The exit code is 2.
     """
     families_by_name = {family.device.name: family for family in families if not family.device.base}
     devices: dict[str, Device] = {}

@@ -1,4 +1,4 @@
-"""The ``editions`` entry for the facts that a new edition of a manual no longer has."""
+"""The ``editions`` entry for the facts that a new edition of a manual no longer contains."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def _lines_of_missing_history(old_family: Family, new_family: Family) -> Iterato
     listed_revisions = [
         history_row["revision"] for history_row in new_family.document.data["manual"].get("history", ())
     ]
-    # An edition describes encoders before a revision, so an older revision must be listed in front of it.
+    # An edition describes encoders before a revision, so an older revision must be listed before it.
     if revision in listed_revisions[1:]:
         return
     key_of_rows = "history" if listed_revisions else "manual"
@@ -112,17 +112,18 @@ def _lines_of_entry(new_family: Family, edition_changes: Iterable[Mapping[str, A
 def _edition_changes(
     old_family: Family, new_family: Family, renamed_names: Container[str]
 ) -> Iterator[Mapping[str, Any]]:
-    """Yield the changes that lead from the new edition to the old one, each as a map of an overlay.
+    """Yield the changes that lead from the new edition to the old one, each as a change of an overlay.
 
     Each removed item is added: ``{"add": place, "value": item, "why": reason, "source": source}``. If options of the
-    order code are among them, the changes that follow from these come last.
+    order code are among them, their consequences come last.
     """
     old_data, new_data = old_family.document.data, new_family.document.data
     reason = f"Edition {old_family.device.manual.revision} has it, edition {new_family.device.manual.revision} does not"
     first_option_source = ""
     removed_options: list[tuple[str, Any]] = []
     for place, removed_node in _removed_nodes(old_data, new_data, place=""):
-        # The place of a list item is that of its list, so it has the name itself. A value of a map has it in its place.
+        # The place of a list item is the place of its list, so the name comes from the item itself. The place of a
+        # value in a map includes its name.
         _, _, last_step = place.rpartition(".")
         name = label_of(removed_node) or last_step
         if name in renamed_names:
@@ -173,7 +174,7 @@ def _source_of_removed(data: Any, place: str, removed_node: Any) -> str:
             node = {label_of(child): child for child in node}
         node = node.get(step, {}) if isinstance(node, dict) else {}
         nodes_on_path.append(node)
-    # A node without a source has that of the nearest node around it.
+    # A node without a source has the source of the nearest node around it.
     source = ""
     for enclosing_node in (*nodes_on_path, removed_node):
         if isinstance(enclosing_node, dict):
@@ -183,9 +184,9 @@ def _source_of_removed(data: Any, place: str, removed_node: Any) -> str:
 
 
 def _new_labels(place: str, removed_option: Any, old_data: Any, new_data: Any) -> Iterator[str]:
-    """Yield the place of the first option that only the new edition has and that selects the same as a removed one.
+    """Yield the place of the first option that only the new edition has and that selects the same as a removed option.
 
-    Such an option is the removed one with another label. Nothing is yielded if there is none.
+    Such an option is the removed option with another label. Nothing is yielded if there is no such option.
     """
     options_place, _, _ = place.rpartition(".")
     old_options = value_at(old_data, resolve(old_data, options_place))
@@ -241,7 +242,7 @@ def _changed_references(old_node: Any, new_node: Any, place: str) -> Iterator[tu
 def _is_reference(place: str, key: str) -> bool:
     """Return whether the value of a key at a place names order codes or their options.
 
-    ``only`` at ``registers.bank`` does, for example. Top-level keys, whose place is empty, do not.
+    ``only`` at ``registers.bank`` does, for example. Top-level keys, whose place is empty, name none.
     """
     is_top_level = not place
     is_spelling = key == "values" and "also_written" in place

@@ -55,7 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
 def explain(name: str | None) -> str:
     """Return the description of a rule or, if no name is given, the list of all rules.
 
-    A name may be that of a rule of ``check`` and of one of ``diff``. Then both are described.
+    The same name can belong to a rule of ``check`` and a rule of ``diff``. Then both are described.
 
     Raises:
         Stop: There is no such rule. The exit code is 2.
@@ -75,7 +75,10 @@ def explain(name: str | None) -> str:
 
 
 def rules_of_check() -> dict[str, Example]:
-    """Return an example of each rule of ``check``, by the name of the rule. Rules about several files have none."""
+    """Return an example of each rule of ``check``, by the name of the rule.
+
+    Rules about several files have no example.
+    """
     from importlib.resources import files
 
     rules_file = files("codewheel.language").joinpath("rules.json")
@@ -84,9 +87,9 @@ def rules_of_check() -> dict[str, Example]:
 
 
 def _list_rules(examples: dict[str, Example]) -> str:
-    """Return all rules: those of diff with their impacts and conditions, and only the names of those of check.
+    """Return all rules: the rules of diff with their impacts and conditions, and the names of the rules of check.
 
-    ``examples`` has an example of each rule of check about a single file, by the name of the rule.
+    ``examples`` contains an example of each rule of check about a single file, by the name of the rule.
     """
     from ..changes.rules import RULES
     from ..say.plain_text import WIDTH, wrapped

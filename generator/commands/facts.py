@@ -30,10 +30,10 @@ def add_arguments(parser: Parser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """List the facts that cite the page and the section, if both are given. The exit code is 1 if there are none.
+    """List the facts that cite the page and the section, if both are given. The exit code is 1 if no fact cites them.
 
     Raises:
-        Stop: There is no such family, or neither page nor section was given.
+        Stop: The family does not exist, or neither page nor section was given.
     """
     from ..reread.facts import facts_with_citations
     from .read_specs import specs_to_judge
@@ -61,7 +61,7 @@ def family_named(name: str, paths: Sequence[Path]) -> Family:
     """Return the family of this name.
 
     Raises:
-        Stop: There are problems in the specs (exit code 1), or there is no such family (exit code 2).
+        Stop: The specs have problems (exit code 1), or the family does not exist (exit code 2).
     """
     from ..loading.library import load_families
 

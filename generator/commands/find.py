@@ -28,7 +28,7 @@ _ABOUT = (
     "between the frames: a bit that never changes has no name. The exit code is 0 if there is a proposal, and 1 if all "
     "frames are equal."
 )
-#: Bits of the longest frame, by interface. All others have the second limit.
+#: Bits of the longest frame, by interface. All other interfaces share the second limit.
 _LONGEST = {"rs485": 1024}
 _LONGEST_IN_BITS = 64
 #: Bits of the shortest frame, by interface. All others have at least one bit.
@@ -119,8 +119,8 @@ def _read_recording(arguments: argparse.Namespace) -> Recording:
 def _frame_texts(frame_arguments: Sequence[str]) -> list[str]:
     """Return the text of each frame.
 
-    A frame is an argument or, if it has several lines, one of them. If ``-`` is the only argument, it is a line of
-    standard input.
+    A frame is an argument, or one line of an argument with several lines. If ``-`` is the only argument, it is a line
+    of standard input.
     """
     from .decode.decoding import argument_lines
 
@@ -142,8 +142,8 @@ class _Frame(NamedTuple):
 def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
     """Return the frame in a text: ``0b`` with every bit, ``0x`` with hex digits or, also for RS-485, hex bytes.
 
-    ``bits`` is the length that the user gave, or None. It does not apply to ``0b``, and cuts the zeros in front of
-    others.
+    ``bits`` is the length that the user gave, or None. ``bits`` does not apply to ``0b``. Leading zeros of other
+    numbers are cut to this length.
 
     Raises:
         Stop: The text is not a frame. The exit code is 2.
@@ -178,7 +178,7 @@ def _with_stated_length(frame: _Frame, bits: int | None, text: str) -> _Frame:
     """Return a frame with the length ``bits`` that the user gives, or as written if that is None.
 
     Raises:
-        Stop: The frame has ones above this length. The exit code is 2.
+        Stop: The frame has 1 bits above this length. The exit code is 2.
     """
     if bits is None:
         return frame
@@ -191,7 +191,7 @@ def _read_positions(text: str, count: int) -> tuple[float, ...]:
     """Return the positions in a text such as ``0,45,90``. There must be ``count`` of them, one for each frame.
 
     Raises:
-        Stop: It has other text, or another number of positions. The exit code is 2.
+        Stop: The text contains something else, or another number of positions. The exit code is 2.
     """
     from math import isfinite
 
@@ -228,7 +228,7 @@ def _proposal_data(proposal: Answer) -> dict[str, Any]:
 
 
 def _text_lines(recording: Recording, proposals: Sequence[Answer], first_frame: str) -> Iterator[str]:
-    """Yield the proposals as lines of text, and the commands to go on with the first one."""
+    """Yield the proposals as lines of text, and the commands to continue with the first proposal."""
     yield f"{counted(len(recording.frames), 'frame')} of {counted(recording.bits, 'bit')}, most likely layout first"
     for rank, proposal in enumerate(proposals, 1):
         yield ""

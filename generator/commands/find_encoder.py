@@ -37,10 +37,10 @@ def find_order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, Matc
     with problems are then omitted and listed.
 
     Raises:
-        Stop: There is no such code (exit code 2), or no valid spec has it and others have problems (exit code 1).
+        Stop: The code does not exist (exit code 2), or no valid spec has it and others have problems (exit code 1).
     """
     device, match, paths = _find_in_groups(specs, text, cache, accepts_family=False)
-    if match is None:  # Only a name has no match.
+    if match is None:  # Only a name is found without a match.
         raise _unknown_code_error([device], text)
     return device, match, paths
 
@@ -76,9 +76,9 @@ def find_family_or_code(specs: Specs, text: str, cache: Cache) -> Located:
 
 
 def _find_in_groups(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> Located:
-    """Return the family or order code of the first group of specs that has it.
+    """Return the family or order code from the first group of specs that contains it.
 
-    A later group that also has it is reported, unless its spec is the same.
+    A later group that also contains it is reported, unless its spec is the same.
 
     Without ``accepts_family``, the text must be an order code, or an encoder in one line, which needs no specs.
     """
@@ -105,7 +105,7 @@ def _find_in_groups(specs: Specs, text: str, cache: Cache, *, accepts_family: bo
 
 
 def _group_has(paths: Sequence[Path], family: str, text: str, cache: Cache, *, accepts_family: bool) -> bool:
-    """Return True if a group of specs has a family of this name, or the order code or family that ``text`` names."""
+    """Return True if a group of specs contains this family, or the order code or family that ``text`` names."""
     if has_family(paths, family):
         return True
     family_and_code, _ = _find_in_group(paths, text, cache, accepts_family=accepts_family)
@@ -142,7 +142,7 @@ def _best_match(devices: Sequence[Device], text: str, *, accepts_family: bool) -
 
 
 def _tail_length(family_and_code: tuple[Device, Match | None]) -> int:
-    """Return the number of characters after the order code, or 0 for a family named by itself."""
+    """Return the number of characters after the order code, or 0 for the name of a family."""
     _, match = family_and_code
     return len(match.tail) if match is not None else 0
 
@@ -150,7 +150,8 @@ def _tail_length(family_and_code: tuple[Device, Match | None]) -> int:
 def _all_matches(devices: Sequence[Device], text: str, *, accepts_family: bool) -> list[tuple[Device, Match | None]]:
     """Return each family that has the order code ``text``, with its match.
 
-    If ``accepts_family`` allows names and a family has this name, return that alone, with None instead of a match.
+    If ``accepts_family`` allows names and a family has this name, return only this family, with None instead of a
+    match.
     """
     from ..order_codes.labels import UnknownOrderCode
     from ..order_codes.labels import find_code as match_of
@@ -173,7 +174,7 @@ def _refuse_hidden(device: Device, reports_with_problems: Iterable[Report]) -> N
         Stop: There is such a file. The exit code is 1.
     """
     for report in reports_with_problems:
-        # The file of a family has its name.
+        # A file is named after its family.
         names_of_faulty_families = {Path(file).stem for file in report.faulty_files}
         if device.name in names_of_faulty_families:
             raise problems(report)
@@ -186,7 +187,7 @@ def _print_skipped_files(report: Report) -> None:
 
 
 def _no_such_encoder(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> Stop:
-    """Return the error that no group has the text: a spec has problems, or it is unknown, with the nearest codes."""
+    """Return the error that no group contains the text: a spec has problems, or the text is unknown."""
     from ..language.files import packaged_families
     from ..loading.library import load_sound
 

@@ -1,4 +1,4 @@
-"""An encoder described in one line, in place of an order code: its device, or all problems of the line."""
+"""An encoder described in one line instead of an order code: its device, or all problems of the line."""
 
 from __future__ import annotations
 

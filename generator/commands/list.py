@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the families.
 
     Raises:
-        Stop: There are problems in the specs, or a path does not exist.
+        Stop: The specs have problems, or a path does not exist.
     """
     from .read_specs import specs_to_read
     from .specs_by_text import has_same_spec
@@ -126,9 +126,9 @@ def _summarise_family(device: Device) -> Row:
 def without_packaged_duplicates(
     own_rows: Sequence[Row] = (), packaged: Sequence[Row] = ()
 ) -> tuple[list[Row], list[str]]:
-    """Return the user's families and then the packaged ones, except those with a name or order code of the user's.
+    """Return the user's families, then the packaged ones, except families whose name or order code a user's family has.
 
-    The second list has the names of these.
+    The second list contains the names of these exceptions.
     """
     user_names = {row["family"] for row in own_rows}
     user_codes = {code for row in own_rows for code in row["order_codes"]}

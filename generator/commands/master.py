@@ -73,10 +73,10 @@ def metres(text: str) -> int:
 def run(arguments: argparse.Namespace) -> int:
     """Print the masters or, with an order code, its settings or a file with them, and return the exit code.
 
-    It is 1 if the named master refuses the encoder, or if something keeps every master from reading it.
+    The exit code is 1 if the named master refuses the encoder, or if no master can read it.
 
     Raises:
-        Stop: There is no such master, order code or edition, or there are no settings for it.
+        Stop: The master, order code or edition does not exist, or there are no settings for it.
     """
     from ..masters import sheet, text
 
@@ -138,7 +138,7 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, Match, Rec
     """Return the family and match of the order code, and the record of the settings that masters need for it.
 
     Raises:
-        Stop: There is no such order code or edition, or there are no settings for it.
+        Stop: The order code or edition does not exist, or there are no settings for it.
     """
     from ..masters.frame_parts import NoRecord
     from ..masters.record import Undecided, record
@@ -170,7 +170,7 @@ def _file_for_master(
 ) -> str:
     """Return the text of a file for ``--master`` in the ``--format`` that the user chose.
 
-    It is for ``--device``, or for the first device of the master that has the format.
+    The file is for ``--device``, or for the first device of the master that has the format.
 
     Raises:
         Stop: There is no such format or device, or the master cannot use the encoder. The exit code is 2.
@@ -194,10 +194,10 @@ def _file_for_master(
 
 
 def _chosen_format(arguments: argparse.Namespace, master: Master, masters: Sequence[Master]) -> Any:
-    """Return the description of the file format that the user chose, one of those in ``master.files``.
+    """Return the description of the file format that the user chose from ``master.files``.
 
     Raises:
-        Stop: The master has no such format, or JSON is wanted too. The exit code is 2.
+        Stop: The master has no such format, or JSON is also requested. The exit code is 2.
     """
     from ..language.problems import listed
 

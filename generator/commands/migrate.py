@@ -96,7 +96,9 @@ def _migrate_file(path: Path, *, only_check: bool) -> int:
 
 
 def _apply_edits(edits: Sequence[Edit], path: Path) -> None:
-    """Write a new file with the changes next to the old one, and rename it. A byte order mark and the mode are kept.
+    """Write a new file with the changes next to the old one, and rename it.
+
+    The byte order mark and the mode of the file are kept.
 
     Raises:
         Stop: It cannot be written. The exit code is 1.

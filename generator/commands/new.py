@@ -23,7 +23,7 @@ EXAMPLES = (
     "codewheel new bench_encoder --line biss:position=32,error,warning,crc=6:0x43",
 )
 _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
-#: Characters of the longest name of a family, and those of an invalid name that a message shows.
+#: Characters of the longest name of a family, and characters of an invalid name that a message shows.
 _LONGEST_NAME, _SHOWN_CHARACTERS = 40, 60
 #: Encoders to start from. The rotary ones count revolutions, except over SPI.
 LIKE = ("biss", "ssi", "rs485", "rs485-exchanges", "spi", "linear")
@@ -113,7 +113,7 @@ def write_spec(name: str, output: Path | None, like: str = "", text_of: DeviceTe
         name: The family's name.
         output: The file, or a folder for it. By default, ``name.yaml`` in the current folder.
         like: One of ``LIKE``, or empty for a singleturn encoder over BiSS.
-        text_of: Returns the text of the spec. By default, that of the example.
+        text_of: Returns the text of the spec. By default, the text of the example.
 
     Returns:
         The files that were written.
@@ -148,7 +148,7 @@ def _refuse_invalid_name(name: str) -> None:
     """Check the name of a family.
 
     Raises:
-        NameRefused: The name is not valid, or is that of something else in the tool or in generated files.
+        NameRefused: The name is not valid, or something else in the tool or in generated files has this name.
     """
     from ..language.rules.names import TAKEN
 
@@ -197,7 +197,7 @@ def _suggested_name(name: str) -> str:
 
 
 def _manufacturer_name(path: Path) -> str:
-    """Return the name of the manufacturer in a file, or that of the templates if it has no valid one."""
+    """Return the name of the manufacturer in a file, or the template's name if it has no valid one."""
     from ..language.problems import Report
     from ..language.read import read_document
 
@@ -232,7 +232,7 @@ def _in_one_checkout(folder: Path, kind: str) -> bool:
 
 
 def _schema_reference(folder: Path, kind: str) -> str:
-    """Return the path of the schema for a spec in ``folder``: the relative one of the tool's own, or that of the copy.
+    """Return the path of the schema for a spec in ``folder``: a relative path to the tool's schema, or its copy.
 
     ``kind`` is ``device`` or ``manufacturer``. The copy is next to the spec, so its path is only its name.
     """

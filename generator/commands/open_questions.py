@@ -17,11 +17,12 @@ class UndecidedError(ValueError):
 def answers_of(device: Device, variant: Variant, pairs: Sequence[str]) -> dict[str, str]:
     """Return pairs such as ``eeprom_address=as_printed`` as ``{"eeprom_address": "as_printed"}``.
 
-    An alternative is a question that the manual leaves open, here for this order code. Each pair has its name and an
-    answer.
+    An alternative is a question that the manual leaves open, here for this order code. Each pair consists of a name and
+    an answer.
 
     Raises:
-        Stop: This order code has no such alternative or answer, or an alternative has two. The exit code is 2.
+        Stop: This order code does not have the alternative or answer, or an alternative has two answers. The exit code
+            is 2.
     """
     reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
     alternatives = {alternative.name: alternative for alternative in reduced_device.alternatives}
@@ -59,8 +60,8 @@ def open_questions(
 ) -> str:
     """Return a message with the questions of a layout that ``answers`` does not answer, or "" if there are none.
 
-    ``answers`` has the names of the answered questions. ``predicate`` follows the name of the layout in the message:
-    ``'position' cannot be decoded until you decide. …``
+    ``answers`` contains the names of the answered questions. ``predicate`` follows the name of the layout in the
+    message: ``'position' cannot be decoded until you decide. …``
     """
     unanswered = [alternative for alternative in device.alternatives_of(layout) if alternative.name not in answers]
     if not unanswered:

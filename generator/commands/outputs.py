@@ -20,12 +20,12 @@ from ..targets.registry import PackageMissing, files_of, load_target, problems_o
 from .edition_devices import edition_devices
 from .terminal import Stop
 
-#: Families named in a message. If there are more, it has their number.
+#: Families named in a message. If there are more, the list ends with their number.
 _MOST_FAMILIES = 8
 
 
 def accepted_devices(target: str, devices: Sequence[Device], filters: FamilyFilters) -> tuple[Device, ...]:
-    """Return the devices that a target writes: those that its filter in the settings accepts, or all without one.
+    """Return the devices that a target writes: the devices that its filter accepts, or all without a filter.
 
     The filter looks at the family and its grade of evidence. An edition is written if its family is.
     """
@@ -60,7 +60,7 @@ _WIDTH = 79
 
 
 def targets_named(names: Iterable[str] | None = None, default_names: Iterable[str] = BUILT_IN) -> list[Target]:
-    """Return the named targets, each once. Without names, return the default ones that do not lack their packages.
+    """Return the named targets, each once. Without names, return the default targets that do not lack their packages.
 
     Raises:
         Stop: There is no such target (exit code 2), or it cannot be loaded (exit code 1).
@@ -81,9 +81,11 @@ def targets_named(names: Iterable[str] | None = None, default_names: Iterable[st
 
 
 def are_built_in(targets: Iterable[Target], names: Iterable[str] | None) -> bool:
-    """Return whether all wanted targets are built in and were loaded. Without ``names``, all built-in ones are wanted.
+    """Return whether all wanted targets are built in and were loaded.
 
-    ``targets`` are the loaded ones, in the order of the names.
+    Without ``names``, all built-in targets are wanted.
+
+    ``targets`` are the loaded targets, in the order of the names.
     """
     wanted_names = list(dict.fromkeys(names or BUILT_IN))
     all_are_loaded = [target.name for target in targets] == wanted_names
@@ -123,7 +125,7 @@ def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[st
 
 
 def _refuse_setting(target: Target, name: str, value: str) -> None:
-    """Raise ``Stop`` if the target has no such option or the option does not accept the value.
+    """Raise ``Stop`` if the option does not exist in the target or does not accept the value.
 
     An option without a list of values accepts all.
     """
@@ -169,7 +171,7 @@ def complete_devices(
 def report_unfit_parts(
     families: Sequence[Family], targets: Iterable[Target], report: Report, filters: FamilyFilters = NO_FILTERS
 ) -> None:
-    """Report the parts that these targets cannot express of families whose specs have no other problems.
+    """Report the parts that these targets cannot express, for families whose specs have no other problems.
 
     ``filters`` are the conditions for the families that each target must express.
 
@@ -225,7 +227,10 @@ def render_targets(
 
 
 def targets_help() -> str:
-    """Return the text about all targets and their options for ``--help``. A target that fails has its error instead."""
+    """Return the text about all targets and their options for ``--help``.
+
+    A target that fails is listed with its error.
+    """
     known_names = target_names()
     # Two spaces are in front of a name, and at least two behind it.
     indent = " " * (max(map(len, known_names)) + 4)

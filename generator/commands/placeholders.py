@@ -1,4 +1,4 @@
-"""Values of specs that are still those of the template of ``codewheel new``: they have the word TODO."""
+"""Find values in specs that still come from the template of ``codewheel new``: they contain the word TODO."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True)
 class Placeholder:
-    """A value that is still the template's. ``name`` is that of the fact in its spec."""
+    """A value that is still the template's. ``name`` is the name of the fact in its spec."""
 
     file: str
     line: int
@@ -27,7 +27,7 @@ def placeholders_in(files: Iterable[str]) -> Iterator[Placeholder]:
 
 
 def _placeholders_of(path: Path) -> Iterator[Placeholder]:
-    """Yield the placeholders in a spec. A file that cannot be read has none."""
+    """Yield the placeholders in a spec. A file that cannot be read contains none."""
     from ..language.document import placeholder_name, placeholder_paths
     from ..language.problems import Report
     from ..language.read import read_document

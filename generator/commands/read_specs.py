@@ -1,7 +1,7 @@
 """The specs and settings that a command reads: found by one rule, and named in its output.
 
-The nearest file with settings holds, in the current folder or above it, but not above the repository that the current
-folder is in. The parsers are imported only for a file with settings, because every command looks for it.
+The nearest file with settings applies, in the current folder or above it, up to the top of the repository. The parsers
+are imported only for a file with settings, because every command looks for it.
 
 docs/transcribe/which-specs.md explains it to users.
 """
@@ -35,17 +35,17 @@ if TYPE_CHECKING:
     from ..language.problems import Report
 
 
-#: Text that a pyproject.toml with the section must contain. Others are not parsed.
+#: Text that a pyproject.toml with the section must contain. Other files are not parsed.
 _NEEDED = b"tool.codewheel"
 
 
 def configuration_above() -> Configuration | None:
-    """Return the settings of the nearest folder that has them, or None if there are none.
+    """Return the settings of the nearest folder with settings, or None if there are none.
 
     The search goes up from the current folder, and ends at the root of its repository.
 
     Raises:
-        Faulty: There are errors in the settings, or a folder has two files with settings.
+        Faulty: The settings contain errors, or a folder has two files with settings.
     """
     for folder in _folders_above():
         files = [path for path in (folder / PYPROJECT, folder / CONFIGURATION) if _has_settings(path)]
@@ -64,7 +64,7 @@ def configuration_above() -> Configuration | None:
 
 
 def _folders_above() -> Iterator[Path]:
-    """Yield the current folder and those above it, as relative paths for messages: ``.``, ``..``, ``../..``."""
+    """Yield the current folder and its parents, as relative paths for messages: ``.``, ``..``, ``../..``."""
     try:
         number_above = len(Path.cwd().parents)
     except OSError:  # The current folder has been removed.
@@ -77,7 +77,7 @@ def _folders_above() -> Iterator[Path]:
 
 
 def _has_settings(file: Path) -> bool:
-    """Return True if a file may have settings: a configuration file that is not a spec, or a suitable pyproject.toml.
+    """Return True if a file may contain settings: a configuration file, or a suitable pyproject.toml.
 
     A pyproject.toml must contain the name of the section. Only the parser finds out whether that is a section.
 
@@ -94,15 +94,15 @@ def _has_settings(file: Path) -> bool:
         raise Faulty(file) from None
 
 
-#: Number of files and folders after which the search below the current folder ends. It takes less than 50 ms.
+#: Number of files and folders after which the search below the current folder ends. The search takes less than 50 ms.
 MOST_NAMES = 10_000
-#: Folders named in the message about those that were not searched. If there are more, it has their number.
+#: Folders named in the message about those that were not searched. If there are more, the list ends with their number.
 _MOST_SHOWN = 8
 
 
 @dataclass(frozen=True, slots=True)
 class Specs:
-    """The specs of the user, and the packaged ones that a command that only reads also knows.
+    """The specs of the user, and the packaged specs that a read-only command also knows.
 
     Attributes:
         paths: Files and folders of the user. Empty if there are none.
@@ -120,16 +120,17 @@ class Specs:
 
     @property
     def groups(self) -> list[tuple[Path, ...]]:
-        """The specs of the user, and then the packaged ones. Groups without specs are omitted."""
+        """The specs of the user, and then the packaged specs. Groups without specs are omitted."""
         return [group for group in (self.paths, self.packaged) if group]
 
 
 def find_specs(named: Sequence[Path]) -> Specs:
     """Return the specs that a command reads.
 
-    These are the ones named on the command line. Without any, they are those that the settings of the project list, or
-    all in the folder of the settings and below it. Without settings, they are those in the current folder and below it.
-    Unless specs were named, the result also has the packaged ones, which only commands that write or judge discard.
+    These are the specs named on the command line. Without any, they are those that the settings of the project list, or
+    all in the folder of the settings and below it. Without settings, they are the specs in the current folder and below
+    it. Unless specs were named, the result also contains the packaged specs, which only commands that write or judge
+    discard.
 
     Raises:
         Stop: A named path does not exist (exit code 2), or there are errors in the settings (exit code 1).
@@ -149,7 +150,7 @@ def find_specs(named: Sequence[Path]) -> Specs:
 
 
 def find_settings() -> Configuration | None:
-    """Return the settings that hold for the current folder, or None.
+    """Return the settings for the current folder, or None.
 
     Raises:
         Stop: There are errors in them. The exit code is 1.
@@ -167,9 +168,9 @@ _COMMANDS_WITH_OPTION = ("reread OLD NEW", "facts FAMILY", "cloze FAMILY")
 
 
 def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
-    """Return the specs for a command that writes or judges. It never uses the packaged ones instead.
+    """Return the specs for a command that writes or judges. It never uses the packaged specs instead.
 
-    ``command`` has the words of the command for messages, such as ``generate`` or ``facts FAMILY``.
+    ``command`` contains the words of the command for messages, such as ``generate`` or ``facts FAMILY``.
 
     Raises:
         Stop: There are no specs, or more than the search can find (exit code 2), or as for ``find_specs``.
@@ -200,7 +201,7 @@ def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
 
 
 def _output_with_specs(specs: Specs) -> str:
-    """Return a clause for an error message if the output folder has specs, which are not searched, else nothing."""
+    """Return a clause for an error message if the output folder contains specs, which are not searched."""
     output = specs.settings.output if specs.settings is not None else None
     has_specs = output is not None and is_folder(output) and bool(find_files(output).specs)
     if output is None or not has_specs:
@@ -209,7 +210,7 @@ def _output_with_specs(specs: Specs) -> str:
 
 
 def _example_of_packaged_family() -> str:
-    """Return the name of the first packaged family, which is that of its file."""
+    """Return the name of the first packaged family, which is also the name of its file."""
     for folder in packaged_families():
         for spec in find_files(folder).specs:
             if describes_encoders(spec):
@@ -225,14 +226,14 @@ def _real_folder(path: Path) -> str:
 def _report_not_entered(specs: Specs, folder: Path) -> None:
     """Report the folders that may contain specs but are not searched, so that a user does not take them for checked.
 
-    ``folder`` is the one that was searched if no folders are among the specs. A link to a folder inside a searched
-    one is not reported, and neither is a folder that cannot be read below a folder among the specs.
+    ``folder`` is the folder that was searched if no folders are among the specs. A link to a folder inside a searched
+    folder is not reported, and neither is a folder that cannot be read below a folder among the specs.
     """
     folders = [path for path in specs.paths if is_folder(path)]
     searched_folders = tuple(_real_folder(path) for path in folders or [folder])
     not_entered = list(specs.not_entered)
     for searched_folder in folders:
-        # It takes no file as a spec, since only the folders that it does not enter are needed.
+        # This search reads no file as a spec, since only the folders that it does not enter are needed.
         search_result = find_files(searched_folder, lambda _: False)
         not_entered += [(path, reason) for path, reason in search_result.not_entered if reason != UNREADABLE]
     paths_with_reasons = []
@@ -388,17 +389,17 @@ def report_unknown_families(settings: Configuration | None, family_names: Iterab
                 add_error(report, settings.file, place, "undefined-reference", message)
 
 
-#: Files named in the line about the specs that were read. If there are more, it has their number.
+#: Files named in the line about the specs that were read. If there are more, the list ends with their number.
 _MOST_FILES = 8
 
 
 def specs_to_judge(named: Sequence[Path], command: str) -> Specs:
     """Return the specs for a command that writes or judges, after a check of the targets in the settings.
 
-    ``command`` has the words of the command for messages.
+    ``command`` contains the words of the command for messages.
 
     Raises:
-        Stop: As for ``find_specs_to_judge``, or there is no such target.
+        Stop: As for ``find_specs_to_judge``, or the target does not exist.
     """
     specs = find_specs_to_judge(named, command)
     refuse_unknown_targets(specs.settings)
@@ -409,7 +410,7 @@ def specs_to_read(named: Sequence[Path]) -> Specs:
     """Return the specs for a command that only reads, after a check of the targets in the settings.
 
     Raises:
-        Stop: As for ``find_specs_to_read``, or there is no such target.
+        Stop: As for ``find_specs_to_read``, or the target does not exist.
     """
     specs = find_specs_to_read(named)
     refuse_unknown_targets(specs.settings)
@@ -439,7 +440,7 @@ def _packaged_text(
     ``packaged`` are the names on the command line, of families or manufacturers. Files outside the folders of
     ``packaged_files`` are the user's.
     """
-    # The file of a family has its name.
+    # A file is named after its family.
     packaged_families_found = {path.stem for path in packaged_files}
     families_read = ", ".join(name for name in families if name in packaged_families_found)
     beginning = f"read the packaged specs of {', '.join(packaged)}: {families_read}"

@@ -94,7 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _family_of_manual(specs: Sequence[Path], name: str | None, old: Manual) -> Family:
-    """Return the family of this name, or else the one that the manual names on its first page.
+    """Return the family of this name, or else the family that the manual names on its first page.
 
     Raises:
         Stop: There are problems in the specs (exit code 1), or the family is not known (exit code 2).
@@ -119,7 +119,7 @@ def _family_of_manual(specs: Sequence[Path], name: str | None, old: Manual) -> F
 
 
 def _is_named_first(family: Family, manual: Manual) -> bool:
-    """Return whether the first section of a manual has all words of the title of the family's manual, in any case."""
+    """Return whether the first section of a manual contains all words of the family's manual title, in any case."""
     from ..reread.sections import WORD
 
     first_words = {word.casefold() for section in manual.sections[:1] for word in section.words}
@@ -130,7 +130,7 @@ def _is_named_first(family: Family, manual: Manual) -> bool:
 def _unnumbered_sections(family: Family) -> Mapping[int, str]:
     """Return the titles of the sections without a number, by their pages: ``{12: "Annex"}``.
 
-    Facts cite these titles, but the text may have them in another language. The page is the same.
+    Facts cite these titles, but the text may contain them in another language. The page is the same.
     """
     contents = family.document.data["manual"].get("contents", {})
     headings = [(title, heading) for title, heading in contents.items() if not title[0].isdigit()]
@@ -142,8 +142,8 @@ def _passage_with_facts(
 ) -> _ChangedPassage:
     """Return a changed passage with the facts of its section that it concerns, and the number of all of them.
 
-    Facts may cite the section by its number, by that of a following one without a heading in the text, or by the title
-    of an unnumbered section on its page.
+    Facts may cite the section by its number, by the number of a following section without a heading in the text, or by
+    the title of an unnumbered section on its page.
     """
     section = passage.section
     section_names = {section.number, *old.without_heading_after(section.number)}
@@ -189,7 +189,7 @@ def _text_lines(
 def _passage_lines(changed_passage: _ChangedPassage) -> Iterator[str]:
     """Yield the old and the new text of a passage, and the facts that cite the place.
 
-    Equal facts are one line with the lines of the others. The rest of the section's facts are only counted.
+    Equal facts are printed once, with all their lines. The rest of the section's facts are only counted.
     """
     yield ""
     old_text, new_text = changed_passage.passage.shown

@@ -11,7 +11,7 @@ from urllib.parse import quote
 from .. import __version__
 
 _SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
-#: Levels of SARIF by those of GitHub.
+#: Levels of SARIF by levels of GitHub.
 _LEVELS = {"error": "error", "warning": "warning", "notice": "note"}
 
 
@@ -48,7 +48,7 @@ def _workflow_command(finding: Finding) -> str:
 
 def _escape_workflow_text(text: str, more_characters: str = "") -> str:
     """Return a text in which line ends, percent signs and ``more_characters`` are escaped: ``%0A`` for a line feed."""
-    # The percent sign comes first, so that those of the escapes stay.
+    # The percent sign comes first, so that the signs of the escapes stay.
     for character in f"%\r\n{more_characters}":
         text = text.replace(character, f"%{ord(character):02X}")
     return text

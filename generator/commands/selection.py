@@ -54,7 +54,7 @@ class Selection:
         """
         if not self.is_narrowed:
             return self.options
-        # The file of a family has its name.
+        # A file is named after its family.
         packaged_names = {path.stem for path in self.packaged}
         user_families = [name for name in families if name not in packaged_names]
         *other_options, limit = self.options
@@ -111,14 +111,16 @@ def select_specs(arguments: argparse.Namespace, cache: Cache) -> Selection:
 def _command_with(families: Sequence[str], user_arguments: argparse.Namespace, settings: Configuration | None) -> str:
     """Return the command of the user that also reads ``families``, such as ``maker/my_encoder``.
 
-    A packaged family is named with ``--packaged``. For others, ``FOLDER`` is a place that the user fills in. The specs
-    that the user named stay. Those that are read without names are named too, since any name would exclude them.
+    A packaged family is named with ``--packaged``. For other families, ``FOLDER`` is a placeholder that the user fills
+    in. The specs that the user named stay. Specs that are read without names are named too, since any name would
+    exclude them.
     """
     packaged = [family for family in families if _is_packaged(family)]
     needs_folder = not packaged or len(packaged) < len(families)
     folders = ["FOLDER"] if needs_folder else []
     if user_arguments.specs or user_arguments.more_specs:
-        # The user named some specs, and the settings list all. Without names, the command reads all of those.
+        # The user named some specs, and the settings list all. Without names, the command reads all specs in the
+        # settings.
         if settings is not None and settings.specs and not packaged:
             return "codewheel generate"
     elif not user_arguments.packaged:
@@ -167,7 +169,7 @@ def _is_packaged(family: str) -> bool:
 def _own_specs(settings: Configuration | None) -> list[str]:
     """Return the arguments that name the specs that are read if the user names none.
 
-    These are the ones in the settings, or the folder of the settings or the current one, if any specs are found.
+    These are the specs in the settings, or the folder of the settings or the current folder, if any specs are found.
     """
     if settings is not None and settings.specs:
         return [path.as_posix() for path in settings.specs]
@@ -176,7 +178,9 @@ def _own_specs(settings: Configuration | None) -> list[str]:
 
 
 def _refuse_missing(named: Sequence[Path], cache: Cache) -> None:
-    """Check that all paths exist. The error explains ``--packaged`` if a missing one is the name of a packaged encoder.
+    """Check that all paths exist.
+
+    The error explains ``--packaged`` if a missing path is the name of a packaged encoder.
 
     Raises:
         Stop: A path does not exist. The exit code is 2.
@@ -241,8 +245,8 @@ def _find_packaged(arguments: argparse.Namespace, cache: Cache) -> tuple[tuple[P
 def _packaged_specs(name: str, cache: Cache) -> tuple[Sequence[Path], Sequence[str]]:
     """Return the packaged specs that a name stands for, and the names to which C is limited.
 
-    The name is that of a manufacturer (all specs and families), a family, or an order code (its spec and the code).
-    A code that the manual does not list has no code of its own in C, so its family counts.
+    The name belongs to a manufacturer (all specs and families), a family, or an order code (its spec and the code). An
+    unlisted code has no code of its own in C, so its family counts.
 
     Raises:
         Stop: There is none of this name. The exit code is 2.
@@ -256,7 +260,7 @@ def _packaged_specs(name: str, cache: Cache) -> tuple[Sequence[Path], Sequence[s
     except Stop as stop:
         raise _no_packaged_error(name, stop, folders) from None
     spec = folders[device.manufacturer.name] / f"{device.name}.yaml"
-    # A family has no match.
+    # The name of a family is found without a match.
     if match is None or match.unlisted:
         return [spec], [device.name]
     return [spec], [match.variant.code]
@@ -265,7 +269,7 @@ def _packaged_specs(name: str, cache: Cache) -> tuple[Sequence[Path], Sequence[s
 def _no_packaged_error(name: str, stop: Stop, folders: Mapping[str, Path]) -> Stop:
     """Return the error for an unknown name, with the nearest family or manufacturer if there is one.
 
-    ``stop`` is the error of the search for an order code, and ``folders`` are those of the manufacturers.
+    ``stop`` is the error of the search for an order code, and ``folders`` are the folders of the manufacturers.
     """
     from difflib import get_close_matches
 

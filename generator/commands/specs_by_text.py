@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..model import Device
 
 
-#: Keys of files that can change a family, and those of descriptions of masters, which cannot.
+#: Keys of files that can change a family, and keys of descriptions of masters, which cannot.
 _OTHER_KINDS = frozenset((b"overlay", b"changes"))
 _MASTER_KEYS = frozenset((b"master", b"takes"))
 _KEY = re.compile(rb"\n([a-z_]+)[ \t]*:(?=[ \t\r\n]|$)")
@@ -63,7 +63,7 @@ def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device
     Args:
         paths: Files and folders.
         text: The name of a family, or the text of a label.
-        cache: The place for families that were loaded before.
+        cache: Cache of the families that were loaded before.
 
     Returns:
         The families, or None if all specs must be read, for example because one of them is an overlay.
@@ -113,7 +113,7 @@ def _device_files(paths: Sequence[Path]) -> list[_SpecFile]:
 
     Raises:
         OSError: A file cannot be read.
-        _NotSelectable: There is any other file except manufacturers' files. It may affect a family.
+        _NotSelectable: There is any other file except manufacturers' files. Any such file may affect a family.
     """
     device_files = []
 
@@ -140,13 +140,13 @@ def _read_spec_file(path: Path) -> _SpecFile:
     """
     if not path.is_file():
         raise OSError
-    # The expressions begin with the end of a line, so that they only match at the beginning of one.
+    # The expressions begin with the end of a line, so that they only match at the beginning of a line.
     spec_text = b"\n" + path.read_bytes()
     keys = set(_KEY.findall(spec_text))
     device_names = _NAME.findall(spec_text)
     if not keys.isdisjoint(_OTHER_KINDS):
         return _SpecFile(path)
-    # A file with the key of a device that is also of another kind, or that names no single device, has no known kind.
+    # A file with the key of a device has no known kind if it is also of another kind, or if it names no single device.
     has_device_key = b"device" in keys
     if not keys.isdisjoint(_MASTER_KEYS):
         return _SpecFile(path, kind="" if has_device_key else _MASTER)
@@ -193,7 +193,7 @@ def _read_beginnings(spec: Path) -> tuple[str, ...]:
 
 
 def _load_if_possible(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
-    """Return the device of a spec in a sequence, which is empty if the device cannot have the order code ``label``.
+    """Return the device of a spec in a sequence, which is empty if ``label`` cannot belong to the device.
 
     An empty label is not compared.
 

@@ -66,7 +66,7 @@ def device_dump(device: Device) -> Item:
 def variant_dump(device: Device, code_match: Match) -> Item:
     """Return one order code as plain data, with expressions resolved and without the other interfaces.
 
-    Of the device, only what applies to the order code is left. ``code_match`` also says how the label differs from it.
+    Only facts that apply to the order code are left. ``code_match`` also says how the label differs from it.
     """
     variant = code_match.variant
     label = {
@@ -230,9 +230,12 @@ class _Dump:
         return expression.constant if expression.is_constant else expression.render()
 
     def _interface_data(self, interface: Interface) -> Item:
-        """Return an interface with its kind and the names of its layouts. Members that it lacks have their defaults."""
+        """Return an interface with its kind and the names of its layouts.
+
+        Members that the interface lacks have their defaults.
+        """
         interface_data: Item = self.plain(interface, interface.source)
-        # In the data, these objects are a word, and their source is a member of the interface.
+        # In the data, a word replaces each of these objects, and the source is a member of the interface.
         for name, word_member in (("alignment", "end"), ("output_code", "code")):
             fact_data = interface_data.pop(name, None)
             if fact_data is not None:
@@ -245,7 +248,7 @@ class _Dump:
     def _layout_data(self, layout: Layout, interface: str, inherited: Sources) -> Item:
         """Return a frame with its interface, the questions that it depends on, its joined numbers and its fields."""
         own_sources = layout.source or inherited
-        # The fields are added at the end, in a shape of their own.
+        # The fields are added at the end, in a different form.
         layout_data: Item = self.plain(replace(layout, fields=()), own_sources)
         layout_data |= {"carried_as": layout.carried_as, "interface": interface}
         layout_data["alternatives"] = [alternative.name for alternative in self.device.alternatives_of(layout)]
@@ -256,7 +259,7 @@ class _Dump:
     def _fields_data(self, layout: Layout, inherited: Sources) -> list[Item]:
         """Return the fields of a layout, each with its highest bit.
 
-        For a family, these are all fields, and for an order code only those that have bits.
+        For a family, these are all fields, and for an order code only fields with bits.
         """
         fields_data: list[Item] = []
         if self.variant is None:
@@ -273,7 +276,7 @@ class _Dump:
 
         ``high`` is its highest bit.
         """
-        # A plain number has no members that would get in the way of those of the real kind.
+        # A plain number has no members that conflict with members of the real kind.
         field_data: Item = self.plain(replace(field, kind=Number()), inherited)
         field_data["high"] = self._number_or_text(high)
         if isinstance(field.equals, str):
@@ -337,7 +340,7 @@ class _Dump:
         return fill_members({"from": "encoder"} | self.plain(example, ()), "example")
 
     def _timings_data(self) -> list[Item]:
-        """Return the times of the device, whose ``interface`` is empty, and those of each interface."""
+        """Return the times of the device, whose ``interface`` is empty, and the times of each interface."""
         timings = [self.plain(timing, ()) | {"interface": ""} for timing in self.device.timings]
         for interface in self.device.interfaces:
             for timing in interface.timings:
@@ -366,7 +369,7 @@ def _opening_condition_data(register: Register) -> Item:
 
 
 def _sources_data(sources: Sources) -> Item:
-    """Return ``{"source": first}``, where None means no source, and also ``"sources"`` with all if they are several."""
+    """Return ``{"source": first}``, where None means no source, and also all ``"sources"`` if there are several."""
     sources_data = [_source_data(source) for source in sources]
     if len(sources_data) < 2:
         return {"source": sources_data[0] if sources_data else None}

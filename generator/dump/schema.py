@@ -110,7 +110,7 @@ def _schema_without_default(notation: str) -> JsonSchema:
 
 def _schema_or_null(notation: str) -> JsonSchema:
     """Return the schema of an optional type, of which null is another value."""
-    # A number or a text already has several types.
+    # A number or a text already allows several types.
     if notation == "expression":
         return {"type": ["integer", "string", "null"]}
     shape = _schema_without_default(notation)
@@ -215,9 +215,9 @@ def resolve_reference(shape: Shape) -> tuple[Shape, str]:
 
 
 def _data_member(name: str, unresolved: Shape) -> DataMember:
-    """Return a member with its form in XML. For a list or a map, its shape and its type are those of the values.
+    """Return a member with its form in XML. For a list or a map, the shape and the type describe its values.
 
-    ``unresolved`` is the shape in the schema, which may be a reference to a named one.
+    ``unresolved`` is the shape in the schema, which may be a reference to a named shape.
     """
     shape, type_name = resolve_reference(unresolved)
     if type_name == "text":

@@ -10,7 +10,7 @@ Schema determines the form of each:
 * A number of the form ``hexadecimal`` in the schema, and a hexadecimal parameter, is written as ``0x11``. Any other
   number is decimal.
 * Null, empty strings, empty lists and schema defaults are omitted.
-* ``source`` elements cite the manual. An element without its own sources inherits those of its parent.
+* ``source`` elements cite the manual. An element without its own sources inherits the sources of its parent.
 
 The second part of this module derives the XML Schema from the same definition.
 """
@@ -85,7 +85,7 @@ def _write_object(
         element: The element of the object.
         dumped: The object as plain data.
         shape: The JSON Schema of the object.
-        inherited_sources: The sources of the parent. Only other sources are written.
+        inherited_sources: The sources of the parent. Only sources other than these are written.
         hexadecimal_parameters: Names of parameters whose values are written in hexadecimal.
     """
     sources = inherited_sources
@@ -130,7 +130,7 @@ def _write_content(
 ) -> None:
     """Write a text, texts, a map or objects inside the element of their member.
 
-    ``sources`` are those of the parent, which the objects inherit. The keys of a keyed map are members of its objects,
+    ``sources`` are the parent's sources, which the objects inherit. The keys of a keyed map are members of its objects,
     so only the objects are written.
     """
     if member.kind is Kind.TEXT:
@@ -309,8 +309,8 @@ def _restrict_to_values(parent: Any, values: Iterable[str]) -> None:
 def _add_attribute(complex_type: Any, member: DataMember, description: str) -> None:
     """Add the attribute of a member that is a single value or a list of words or numbers.
 
-    It has a default if the schema gives one, and is required if its value is never omitted, or if it is a name. Its
-    type is either a list of the possible words, without the empty one, or a named type.
+    The attribute has a default if the schema gives one, and is required if its value is never omitted, or if it is a
+    name. Its type is either a list of the possible words, without the empty one, or a named type.
     """
     attribute = _add_schema_element(complex_type, "attribute", name=member.name)
     if "default" in member.shape:

@@ -102,8 +102,8 @@ def _remove_broken_parts(checked: SchemaResult, document: Document, report: Repo
 def _check_device(checked: SchemaResult, document: Document, report: Report) -> dict[str, Any]:
     """Check a device with every rule, and return its data without the broken parts.
 
-    An error of a rule in ``FOUNDATIONS`` about order codes or parameters empties these. One of a rule in ``SHAPES``
-    removes what contains its place. Others remove nothing.
+    An error of a rule in ``FOUNDATIONS`` about order codes or parameters empties the order codes or parameters. An
+    error of a rule in ``SHAPES`` removes the part that contains its place. Others remove nothing.
 
     Raises:
         _TooManyProblems: It has too many problems.

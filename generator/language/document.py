@@ -1,7 +1,7 @@
 """A spec as read: plain data, the place of each value in the file, and the paths that overlays name.
 
 Nothing is modified in place. Each map and list along the path is copied, with its marks, so that the spec remains as
-read. New values keep the marks of the file that they come from.
+read. New values keep the marks of the file from which they come.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Document:
     already reported. Their values are only stand-ins. ``doubtful`` lists places where something was omitted, such as a
     duplicate key. ``kept_indices`` is filled by the schema check: for a list that lost items, it contains the original
     index of each remaining item, so that paths into the pruned data still find their lines. ``other_files`` contains
-    the lines of other files from which changes came. ``family`` is the name of a family derived from the one in the
+    the lines of other files from which changes came. ``family`` is the name of a family derived from the family in the
     file, such as an older edition. It is empty for the family in the file.
     """
 
@@ -65,7 +65,7 @@ class Document:
         return f"{self.file}\0{self.family}" if self.family else self.file
 
     def line(self, line_number: int, file: str = "") -> str:
-        """Return a line, counted from 1, of the document's file or of one of the others. Empty after the last line."""
+        """Return a line, counted from 1, of the document's file or of ``file``. Empty after the last line."""
         lines = self.other_files.get(file, ()) if file else self.lines
         return lines[line_number - 1] if 0 < line_number <= len(lines) else ""
 
@@ -77,16 +77,16 @@ class Document:
     def position(self, path: Path, at_key: bool = False) -> tuple[int, int]:
         """Return line and column, both from 1, of the value at ``path``, or of its nearest ancestor if there is none.
 
-        A str instead of a list index selects the item of that name. With ``at_key``, the position is that of the key.
-        The position of an ancestor is always that of its key, where a reader would look for a missing value.
+        A str instead of a list index selects the item of that name. With ``at_key``, the position is the position of
+        the key. For an ancestor, it is always the position of the key, where a reader would look for a missing value.
         """
-        marks = [mark for _, mark in self._walk_path(path)]  # Fewer than the path has steps if the value is missing.
+        marks = [mark for _, mark in self._walk_path(path)]  # Shorter than the path if the value is missing.
         if not path:
             return self.marks.line, self.marks.column
         if not marks:
             return 1, 1
         mark = marks[-1]
-        if at_key or len(marks) < len(path):  # With fewer marks than steps, the last one is that of an ancestor.
+        if at_key or len(marks) < len(path):  # With fewer marks than steps, the last mark belongs to an ancestor.
             return mark.key_line, mark.key_column
         return mark.line, mark.column
 
@@ -113,7 +113,7 @@ class Document:
     def name_path(self, path: Path) -> str:
         """Return the path as shown in messages: ``procedures.preset.steps[3]``.
 
-        A list item is shown by its name, or by its number from 1 if it has none or one with other characters.
+        A list item is shown by its name, or by its number from 1 if it has none or if the name has other characters.
         """
         text = ""
         node: Any = self.data
@@ -129,7 +129,7 @@ class Document:
         return text.removeprefix(".")
 
     def _walk_path(self, path: Path) -> Iterator[tuple[str | int, Mark]]:
-        """Yield each step of the path in the data as read, with its mark, up to the first one that is missing."""
+        """Yield each step of the path in the data as read, with its mark, up to the first missing step."""
         mark = self.marks
         for step in self.original(path):
             child = mark.children.get(step)
@@ -184,7 +184,7 @@ def _child_at(node: Any, step: str | int) -> Any:
 def label_of(list_item: Any) -> str | None:
     """Return the label of a list item, such as its ``name``, or None if it has none.
 
-    Only the first of ``_ITEM_KEYS`` that the item has counts.
+    Only the first of ``_ITEM_KEYS`` in the item counts.
     """
     if not isinstance(list_item, dict):
         return None
@@ -381,7 +381,7 @@ def leads_somewhere(root: Any, affected: str) -> bool:
 
 
 class Affected:
-    """Finds what the paths of errata refer to, in data that does not change."""
+    """Finds the targets of an erratum's paths, in data that do not change."""
 
     def __init__(self, data: Any) -> None:
         self._data = data
@@ -442,7 +442,7 @@ def placeholder_paths(root: Any, path: Path = ()) -> Iterator[Path]:
 
 
 def placeholder_names(spec_data: dict[str, Any]) -> list[str]:
-    """Return the names of all placeholders, each once. A source stands for the facts that cite it."""
+    """Return the names of all placeholders, each once. A source represents the facts that cite it."""
     names = (placeholder_name(spec_data, path) for path in placeholder_paths(spec_data))
     return list(dict.fromkeys(names))
 

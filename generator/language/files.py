@@ -1,7 +1,7 @@
-"""Find the specs in a folder, those that ship with the tool, and those on which a family's model depends.
+"""Find the specs in a folder, the specs that ship with the tool, and the files on which a family's model depends.
 
-A file given by name is always read. Folders also contain other YAML files, such as those of CI, so specs are
-recognised by their keys.
+A file given by name is always read. Folders also contain other YAML files, such as CI settings, so specs are recognised
+by their keys.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ _KEY = rb"""["']?(?<![a-z_])([a-z_]+)["']?[ \t]*:(?=\s|$)"""
 class FoundFiles:
     """Files below a folder in sorted order: the specs, and the other YAML files, which are skipped.
 
-    ``not_entered`` has the folders that may contain specs but were not searched, each with the reason.
+    ``not_entered`` contains the folders that may contain specs but were not searched, each with the reason.
     ``is_complete`` is False if the search ended at its limit.
     """
 
@@ -88,7 +88,7 @@ def find_files(
 
 
 def is_folder(path: Path) -> bool:
-    """Return True if a path is that of a folder. A path with a NUL is not."""
+    """Return True if a path names a folder. A path with a NUL is not."""
     try:
         return os.path.isdir(path)
     except ValueError:  # A NUL in the name.
@@ -98,7 +98,7 @@ def is_folder(path: Path) -> bool:
 class _Search:
     """Search for YAML files in a folder and below it, level by level.
 
-    ``files`` has the YAML files and unreadable folders, ``not_entered`` the folders to report, with the reason.
+    ``files`` contains the YAML files and unreadable folders, ``not_entered`` the folders to report, with the reason.
     """
 
     def __init__(self, outputs: Collection[str], most_names: float) -> None:
@@ -127,7 +127,7 @@ class _Search:
                     self._look_at(folder_entry, folder / folder_entry.name, folders)
 
     def _list_entries(self, folder: Path) -> list[os.DirEntry[str]]:
-        """Return the entries of a folder. An unreadable one has none and is noted."""
+        """Return the entries of a folder. An unreadable folder has no entries and is noted."""
         try:
             with os.scandir(folder) as listing:
                 return list(listing)
@@ -248,7 +248,7 @@ MANUFACTURER = "manufacturer.yaml"
 
 
 def spec_files(paths: Sequence[Path]) -> Iterator[Path]:
-    """Yield the files that a run with these paths reads as specs: those in folders, and each file given by name."""
+    """Yield the files that a run with these paths reads as specs: specs in folders, and each file given by name."""
     for path in paths:
         yield from find_files(path).specs if is_folder(path) else (path,)
 
@@ -256,8 +256,8 @@ def spec_files(paths: Sequence[Path]) -> Iterator[Path]:
 def family_files(spec: Path, names_in: Callable[[Path], Iterable[str]] = os.listdir) -> list[Path]:
     """Return the paths of all files on which the model of a family may depend.
 
-    These are the files with its name and any suffixes, such as ``x24.second.yaml``, and that of its manufacturer,
-    which need not exist. ``names_in`` returns the names in a folder.
+    These are the files with its name and any suffixes, such as ``x24.second.yaml``, and the manufacturer file, which
+    need not exist. ``names_in`` returns the names in a folder.
     """
     file_names = sorted(name for name in names_in(spec.parent) if name.startswith(f"{spec.stem}."))
     files = [spec.with_name(name) for name in file_names]

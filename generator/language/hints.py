@@ -26,7 +26,7 @@ _LARGER = {"hz": "Hz", "baud": "baud"}
 _LIKELY_KILO = 50
 #: Forms of keys with a value other than true or false.
 _FORMS = {"gray": "{of: position}"}
-#: Alternatives if a value does not fit the smallest supported unit.
+#: Alternatives for a value that does not fit the smallest supported unit.
 _INSTEAD = {
     "step_nm": ": write the length of several counts, and their number in 'per_counts'",
 }
@@ -207,7 +207,7 @@ def word_hint(key: str, wrong_word: Any) -> str:
 
 
 def unsupported_hint(word: Any) -> str:
-    """Return the way round a feature that the language does not have, for a key or value such as ``bcd``, or nothing.
+    """Return the workaround for a feature that the language lacks, for a key or value such as ``bcd``, or nothing.
 
     The page on encoders lists all limits of the language.
     """
@@ -237,7 +237,7 @@ def foreign_key_hint(
     # A type such as uint16_t gives the length or the number of bits.
     type_bits = _TYPE_BITS.fullmatch(str(value_of_key).lower())
     if type_bits is not None:
-        bits = int(type_bits[1] or type_bits[2])  # One of the groups, for uint16_t and for u16, is empty.
+        bits = int(type_bits[1] or type_bits[2])  # The group for uint16_t or the group for u16 is empty.
         number = bits // 8 if our_key == "length" else bits
         return f"; write '{our_key}: {number}'"
     return f"; it is called '{our_key}' here"
@@ -247,7 +247,7 @@ def _our_key(unknown_key: str, value_of_key: Any, allowed_keys: Collection[str])
     """Return the key of our language for one of another tool, or an empty string.
 
     A key that takes words is preferred if the value is one of its words, so that ``mode: rw`` becomes ``access``.
-    Otherwise it is the first one that is allowed.
+    Otherwise it is the first key that is allowed.
     """
     candidates = [our_key for our_key in _ELSEWHERE.get(unknown_key.lower(), ()) if our_key in allowed_keys]
     for our_key in candidates:
@@ -271,7 +271,7 @@ def _bytes_hint(listed_bytes: bytes) -> str:
 def _fraction_hint(key: str, fraction: float) -> str:
     """Return the hint for ``at_least_us: 0.03``. Bounds are rounded to the safe side of the manual's value.
 
-    A lower bound is rounded up and an upper one down, unless it would be 0. Others are not rounded.
+    A lower bound is rounded up and an upper bound down, unless it would be 0. Others are not rounded.
     """
     unit = _unit_of_key(key)
     # A small frequency or baud rate is probably in a larger unit.
@@ -386,7 +386,7 @@ def _keys_of_same_kind(stem: str, unit: str, known_keys: Iterable[str]) -> list[
 def _best_unit(keys: list[str], value_of_key: Any, unit: str) -> str:
     """Return the key with the largest unit in which the value is a whole number, or else with the smallest one.
 
-    ``unit`` is the one in which the value was given.
+    ``unit`` is the unit in which the value was given.
     """
     largest_first = sorted(keys, key=lambda known_key: -_UNITS[_unit_of_key(known_key)][1])
     for known_key in largest_first:

@@ -172,7 +172,7 @@ def _as_code(words: Iterable[str]) -> str:
 def _definitions_in_order(schema: Shape) -> list[str]:
     """Return the names of the definitions, each once, in the order of their first use on the page.
 
-    A definition comes before those that it uses.
+    A definition comes before the definitions that it uses.
     """
     names: list[str] = []
 
@@ -230,7 +230,7 @@ def _yield_rows(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[
         required_text = "required" if name in required_keys else ""
         yield code(prefix + name), required_text, type_and_limits, escape(meaning)
         is_one_or_more = "properties" in inner and "items" in inner
-        if not is_one_or_more:  # Otherwise, the section of its items has the keys.
+        if not is_one_or_more:  # Otherwise, the section of its items lists the keys.
             yield from _yield_rows(inner, definitions, f"{prefix}{name}.")
         yield from _yield_rows(inner.get("items", {}), definitions, f"{prefix}{name}[].")
     value_shape = shape.get("additionalProperties")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-#: Items that are words: the meaning of each value. Names of numbers in braces stand for the numbers.
+#: Items that are words: the meaning of each value. Names of numbers in braces are replaced by the numbers.
 WORDS: Mapping[str, Mapping[str, str]] = {
     "interface": {"biss": "BiSS C-mode", "ssi": "SSI"},
     "movement": {"rotary": "rotary", "linear": "linear"},
@@ -69,7 +69,7 @@ NUMBERS: Mapping[str, str] = {
 #: Lengths of a count, each with its unit. A count is not a whole number of each.
 STEPS: Mapping[str, str] = {"step_um": "µm", "step_pm": "pm"}
 
-#: Kind and width in bits of each data type that a master's document names. The width of some is not given.
+#: Kind and width in bits of each data type that a master's document names. For some, the width is not given.
 TYPES: Mapping[str, tuple[str, int | None]] = {
     **dict.fromkeys(("BOOLEAN", "BOOL", "bool"), ("boolean", 1)),
     **dict.fromkeys(("UINT8", "USINT", "Unsigned8", "uint8_t"), ("unsigned", 8)),
@@ -84,7 +84,7 @@ TYPES: Mapping[str, tuple[str, int | None]] = {
     "text": ("text", None),
 }
 
-#: Kinds of place that a file format can write, with what a place of the kind has.
+#: Kinds of place that a file format can write, with the members of such a place.
 PLACE_KINDS: Mapping[str, str] = {
     "object": "index, subindex and a width in whole bytes",
     "symbol": "symbol",
@@ -103,7 +103,7 @@ class FileFormat:
         comment: Beginning of a comment line, or ``<!--`` in XML.
         needs: Kind of place that the format can write, a key of ``PLACE_KINDS``.
         reader: Program of the tool that has been seen to read such files, or empty if none is public.
-        highest: Highest number that the reader can take, or None.
+        highest: Highest number that the reader accepts, or None.
     """
 
     title: str

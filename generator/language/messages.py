@@ -232,12 +232,12 @@ def _is_misspelt(error: Any, required_key: str) -> bool:
 
 
 def _is_meant_as(required_key: str, unknown_key: str, instance: Any, known_keys: Any) -> bool:
-    """Return True if an unknown key is a typo of the required one, or the hint about it names the required one."""
+    """Return True if an unknown key is a typo of the required one, or the hint about it names the required key."""
     if nearest_choice(unknown_key, list(known_keys)) == required_key:
         return True
     value = instance[unknown_key]
     hints = key_hint(unknown_key, value, known_keys) + foreign_key_hint(unknown_key, value, known_keys, instance)
-    # The hints quote the key to write, perhaps with a value behind it.
+    # The hints quote the key to write, perhaps followed by a value.
     return f"'{required_key}" in hints
 
 
@@ -282,7 +282,8 @@ class _RuleMessage(NamedTuple):
 def _explain_type(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a value of the wrong type, with the likely correction.
 
-    ``subject`` is its key in quotes, or ``an item of`` its list. The other functions in ``_MESSAGES`` are alike.
+    ``subject`` is its key in quotes, or ``an item of`` its list. The other functions in ``_MESSAGES`` work in the same
+    way.
     """
     value = error.instance
     types = [error.validator_value] if isinstance(error.validator_value, str) else error.validator_value
@@ -304,7 +305,7 @@ def _explain_type(error: Any, subject: str) -> _RuleMessage:
 def _text_hint(error: Any) -> str:
     """Return the correction of a number or boolean that must be text. Empty if quotes would not help.
 
-    In a step, it stands for a named value.
+    In a step, the text is the name of a value.
     """
     path = list(error.absolute_path)
     if "steps" in path and path[-1] == "value":
@@ -316,7 +317,7 @@ def _text_hint(error: Any) -> str:
 
 
 def _explain_enum(error: Any, subject: str) -> _RuleMessage:
-    """Return rule and message for a value that is not one of the allowed ones, with the likely or all allowed ones."""
+    """Return rule and message for a value that is not allowed, with the likely or all allowed values."""
     hint = word_hint(str(error.absolute_path[-1]), error.instance) or unsupported_hint(error.instance)
     if not hint and not isinstance(error.instance, (dict, list)):
         hint = suggestion(str(error.instance), map(str, error.validator_value), "use one of")
@@ -328,9 +329,9 @@ def _explain_enum(error: Any, subject: str) -> _RuleMessage:
 
 
 def _explain_const(error: Any, subject: str) -> _RuleMessage:
-    """Return rule and message for a value that must be another one, such as the version of the language."""
+    """Return rule and message for a value that must be different, such as the version of the language."""
     value, required_value = error.instance, error.validator_value
-    # The key 'codewheel' has the version of the language.
+    # The key 'codewheel' states the version of the language.
     is_later_version = type(value) is int and subject == "'codewheel'" and value > required_value
     hint = "; a later version of codewheel can read this file" if is_later_version else ""
     return _RuleMessage("not-allowed", f"{subject} must be {quoted(required_value)}, not {quoted(value)}{hint}")

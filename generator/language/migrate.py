@@ -45,7 +45,7 @@ def _rename_key(mapping: dict[Any, Any], old_key: str | int, new_key: str) -> No
 
 
 def edited(spec_text: str, edits: Iterable[Edit]) -> str:
-    """Return the text of a file after these edits, made from its end so that places before them stay right.
+    """Return the text of a file after these edits, made from its end so that earlier positions stay valid.
 
     A key may be in quotes, so it is searched from its place on.
     """

@@ -1,8 +1,8 @@
 """Overlays: changes applied to a spec, each with its reason and its source.
 
 The result is a document like any other. Each value records the file that it comes from, so that later problems with
-them are reported in the overlay. Changes that cannot be applied are reported here: a place that does not exist, a
-value that is already there, two changes to the same place.
+them are reported in the overlay. Changes that cannot be applied are reported here: places that do not exist, values
+that are already there, and two changes to the same place.
 """
 
 from __future__ import annotations
@@ -122,7 +122,7 @@ class LayeredSpec:
         )
 
     def apply(self, layers: Sequence[Layer]) -> None:
-        """Apply the changes of layers to the spec. Two of them must not change the same place.
+        """Apply the changes of layers to the spec. Two changes must not affect the same place.
 
         A change that cannot be applied is reported and left out.
         """
@@ -137,7 +137,7 @@ class LayeredSpec:
                     self._apply_change(layer, number, kind, change)
 
     def _kind_of_change(self, layer: Layer, change_number: int, change: Mapping[str, Any]) -> str | None:
-        """Return the kind of a change. If it has none or several, report it and return None."""
+        """Return the kind of a change. If it has no kind or several, report it and return None."""
         kinds = [kind for kind in CHANGE_KINDS if kind in change]
         if len(kinds) == 1:
             return kinds[0]
@@ -147,7 +147,9 @@ class LayeredSpec:
         return None
 
     def _has_value(self, layer: Layer, change_number: int, change_kind: str) -> bool:
-        """Return True if a change has the key for its new value, and no other. Report it otherwise.
+        """Return True if a change has the key for its new value, and no key for another kind of value.
+
+        Report it otherwise.
 
         ``set`` needs ``to``, and ``add`` needs ``value``. Other kinds have no new value.
         """
@@ -241,7 +243,7 @@ class LayeredSpec:
             self._put_value(layer, change_path, path, f"no {_shorten_path(path_text)}")
 
     def _set_or_remove(self, layer: Layer, change_path: Path, path_text: str, change_kind: str) -> None:
-        """Replace the value at an existing place by that of a change, or remove it if it is wrong or unknown."""
+        """Replace the value at an existing place by the value of a change, or remove it if it is wrong or unknown."""
         try:
             path = resolve(self._data, path_text)
         except MissingPath as missing_path:
@@ -255,7 +257,7 @@ class LayeredSpec:
             self._remove_value(layer, change_path, path_text, path, is_known=change_kind != "unknown")
 
     def _replace_value(self, layer: Layer, change_path: Path, path_text: str, path: Path) -> None:
-        """Replace the value at ``path`` by that of a change. Report a change to the same value."""
+        """Replace the value at ``path`` by the value of a change. Report a change to the same value."""
         current_value = value_at(self._data, path)
         current_text = _value_text(current_value, self._text_from(path))
         if _is_equal(layer.changes[place_number(change_path)]["to"], current_value):
@@ -265,7 +267,7 @@ class LayeredSpec:
             self._put_value(layer, change_path, path, f"{_shorten_path(path_text)}: {current_text}")
 
     def _remove_value(self, layer: Layer, change_path: Path, path_text: str, path: Path, *, is_known: bool) -> None:
-        """Remove the value at ``path``, and record the removed place or, if it has no name any more, its parent."""
+        """Remove the value at ``path``, and record the removed place or, if it no longer has a name, its parent."""
         affected = as_affected(self._data, path)
         parent_affected = as_affected(self._data, path[:-1])
         self._data, self._marks = without_value(self._data, self._marks, path)
@@ -349,8 +351,8 @@ def _shorten_path(path_text: str) -> str:
 def _value_text(changed_value: Any, text_from_value: str) -> str:
     """Return a value as text, shortened if it is long: maps and lists in braces and brackets.
 
-    A number is written in hexadecimal if the file has it so. ``text_from_value`` is the line of the file, starting at
-    the value.
+    A number is written in hexadecimal if the file writes it so. ``text_from_value`` is the line of the file, starting
+    at the value.
     """
     if isinstance(changed_value, int) and not isinstance(changed_value, bool):
         words_of_line = text_from_value.split(maxsplit=1)

@@ -78,7 +78,7 @@ def part_schema(part_class: Any) -> JsonSchema:
 
 
 def _key_schema(described: DescribedKey) -> JsonSchema:
-    """Return the JSON Schema of a key: its description, and a schema of its own or that of its type and limits."""
+    """Return the JSON Schema of a key: its description, and its own schema or the schema of its type and limits."""
     key = described.key
     value_type = key_type(described.notation)
     description_text = f"{key.about} {key.writing}".rstrip()
@@ -89,7 +89,7 @@ def _key_schema(described: DescribedKey) -> JsonSchema:
 
 
 def _value_schema(value_type: KeyType, key: Key) -> JsonSchema:
-    """Return the JSON Schema of a value. ``key`` has the least and the most entries of a list or map.
+    """Return the JSON Schema of a value. ``key`` contains the least and the most entries of a list or map.
 
     A part with a definition in the schema is referred to. Other parts are described inline.
     """
@@ -170,7 +170,7 @@ def _with_block(lines: Sequence[str], begin: int, keys: Sequence[str], text_of: 
 def _format_schema(schema: JsonSchema, indent: int) -> str:
     """Return the text of a schema. Only objects with properties, and their containers, take several lines.
 
-    Of these, each description and each nested object is on a line of its own, and other keywords share a line.
+    Inside them, each description and each nested object is on a line of its own, and other keywords share a line.
     """
     if '"properties"' not in json.dumps(schema):
         return json.dumps(schema, ensure_ascii=False)
@@ -202,7 +202,7 @@ def _value_text(word: str, schema_value: Any, indent: int) -> str:
 
 
 def _in_braces(lines: Sequence[str], indent: int) -> str:
-    """Return lines in braces, separated by commas. ``indent`` is that of the closing brace."""
+    """Return lines in braces, separated by commas. ``indent`` is the indentation of the closing brace."""
     margin = " " * (indent + 2)
     return "{\n" + ",\n".join(margin + line for line in lines) + "\n" + " " * indent + "}"
 

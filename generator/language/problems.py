@@ -66,7 +66,7 @@ class Problem:
         if self.path:
             path = self.path if len(self.path) <= _LONGEST_PATH else f"{self.path[: _LONGEST_PATH - 3]}..."
             lines.append(f"  in {visible(path)}")
-        # The line above a text of several lines has none of its words.
+        # The line above a text of several lines contains none of its words.
         has_words = _BLOCK.search(self.text) is None
         if has_words:
             lines += excerpt(self.text, self.column, width)
@@ -80,7 +80,7 @@ class Problem:
 class Report:
     """The problems of all documents of a run.
 
-    ``files`` lists the files that were read, ``passed_over`` those in folders that are not specs.
+    ``files`` lists the files that were read, ``passed_over`` lists files in folders that are not specs.
     """
 
     def __init__(self) -> None:
@@ -144,7 +144,7 @@ class Report:
         self._faults.setdefault(document.key, set()).update(faulty_paths)
 
     def faults(self, document: Document) -> frozenset[Path]:
-        """Return the faulty places of a document so far, as paths into the data as read, without those in prose."""
+        """Return the faulty places of a document so far, as paths into the data as read, without faulty prose."""
         return frozenset(self._faults.get(document.key, ()))
 
     def for_document(self, document: Document) -> DocumentReport:
@@ -158,7 +158,7 @@ class Report:
 
     @property
     def by_cause(self) -> tuple[Problem, ...]:
-        """All problems, with those of one file that have the same rule and cause combined into the first of them."""
+        """All problems, with the problems of one file that have the same rule and cause combined into the first one."""
         problems_by_cause: dict[object, list[Problem]] = {}
         for problem in self.problems:
             key = (problem.file, problem.rule, problem.cause) if problem.cause else problem
@@ -208,7 +208,7 @@ def joined_lines(lines: Sequence[str]) -> str:
 
 def _first_problems(file_problems: Sequence[Problem]) -> Iterator[Problem]:
     """Yield the problems of one file, or the first ``MAX_PROBLEMS`` and one that counts the others."""
-    # If checking ended early, one of the problems only says so. Then there may be more than were counted.
+    # If checking ended early, one of the problems only says so. In this case, there may be more than were counted.
     counted_problems = [problem for problem in file_problems if problem.rule != TOO_MANY]
     unlisted = len(counted_problems) - MAX_PROBLEMS
     if unlisted <= 0:
@@ -242,7 +242,7 @@ class DocumentReport:
         self._report.mark(self.document, [self.document.original(path)])
 
     def faults(self) -> frozenset[Path]:
-        """Return the faulty places of the document so far, as :meth:`Report.faults` does."""
+        """Return the faulty places of the document so far, like :meth:`Report.faults`."""
         return self._report.faults(self.document)
 
     def __len__(self) -> int:
@@ -292,7 +292,7 @@ def suggestion(word: str, known_words: Iterable[str], otherwise: str = "known") 
     Args:
         word: The unknown word.
         known_words: The known words.
-        otherwise: The text before the list of all known words, which is given if they are few.
+        otherwise: The text before the list of all known words, which is given if there are few.
     """
     choices = [known_word for known_word in dict.fromkeys(known_words) if known_word != word]
     nearest_word = nearest_choice(word, choices)
@@ -345,7 +345,7 @@ def is_typo(word: str, known_word: str) -> bool:
         return False
     # What remains between the common beginning and the common end are the differing letters.
     prefix_length = _common_prefix_length(word, known_word)
-    # The end is that of the rests after the beginning, so that no letter counts for both.
+    # The common end is searched after the beginning, so that no letter counts for both.
     suffix_length = _common_prefix_length(word[prefix_length:][::-1], known_word[prefix_length:][::-1])
     differing = word[prefix_length : len(word) - suffix_length]
     known_differing = known_word[prefix_length : len(known_word) - suffix_length]
@@ -353,7 +353,7 @@ def is_typo(word: str, known_word: str) -> bool:
     if len(differing) == 2 and len(known_differing) == 2:
         are_swapped = differing == known_differing[::-1]
         return are_swapped and shorter_length >= 4
-    # Now at most one letter may differ. One of the two is empty for an extra or missing letter.
+    # Now at most one letter may differ. The differing part of one word is empty for an extra or missing letter.
     if prefix_length == 0 or len(differing) > 1 or len(known_differing) > 1:
         return False
     is_plural = suffix_length == 0 and "s" in (differing, known_differing)
@@ -420,7 +420,7 @@ def _cut_window(line_text: str, column: int, width: int) -> tuple[str, int]:
 
 
 def _cut_at_start(pieces: list[str], room: int, *, is_cut_already: bool) -> list[str]:
-    """Return the last pieces that fit into ``room`` columns, after dots if any are omitted here or were before."""
+    """Return the last pieces that fit into ``room`` columns, after dots if any are or were omitted."""
     fitting_count = _count_fitting(pieces[::-1], room)
     if not is_cut_already and fitting_count == len(pieces):
         return pieces

@@ -59,7 +59,7 @@ _TAGGED_TYPES: dict[str, tuple[type, ...]] = {
 class Unreadable(Exception):
     """Something that cannot be read.
 
-    ``rule`` and ``message`` are those of a problem. The path is given if the rest of the file can be read.
+    ``rule`` and ``message`` describe the problem. The path is given if the rest of the file can be read.
     """
 
     def __init__(self, line: int, column: int, rule: str, message: str, path: Path = ()) -> None:
@@ -176,7 +176,7 @@ class _Parser:
         if depth + value.depth > MAX_DEPTH:
             message = f"maps and lists are nested more than {MAX_DEPTH} levels deep through this alias"
             raise _build_error(event, "too-deep", message)
-        # The values keep the place where they are written. Only the item itself is located at the alias.
+        # The values keep the positions where they are written. Only the item itself is located at the alias.
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
         return _Value(value.data, Mark(line, column, line, column, value.mark.children), value.count, value.depth)
 
@@ -243,10 +243,10 @@ class _Parser:
         return str(event.value)
 
     def _read_scalar(self, event: Any, path: Path) -> Any:
-        """Return a scalar as its tag, quotes or the core schema says, or None, noted as a stand-in, if not valid."""
+        """Return a scalar by its tag, its quotes or the core schema, or None, noted as a stand-in, if invalid."""
         text, tag = event.value, event.tag
         is_quoted = bool(event.style)
-        # The text of the file was searched before. Only an escape in double quotes can still produce one.
+        # The text of the file was searched before. Only an escape in double quotes can still produce such a character.
         forbidden = FORBIDDEN.search(text) if event.style == '"' else None
         if forbidden is not None:
             message = f"the character U+{ord(forbidden[0]):04X} is not allowed in text; remove its escape"
@@ -361,7 +361,7 @@ def _parsed_document(file: str, yaml_text: str, lines: tuple[str, ...], report: 
 def read_specs(paths: Iterable[pathlib.Path], report: Report) -> list[Document]:
     """Read files and whole folders, each file once.
 
-    A folder stands for the specs in it and below it, in sorted order, which ``find_files`` lists. A file given by name
+    A folder represents the specs in it and below it, in sorted order, which ``find_files`` lists. A file given by name
     is always read, except for a second reading or a sheet of turning words, which belongs to a spec.
     """
     documents = []
@@ -450,5 +450,5 @@ def _decode_text(content: bytes) -> str:
 
 
 def _not_text(content: bytes, problem: str) -> str:
-    """Return the problem, or instead that the file is binary if it has a NUL near its start."""
+    """Return the problem, or the problem that the file is binary if a NUL is near its start."""
     return "this is a binary file; a spec is UTF-8 text" if b"\0" in content[:65536] else problem

@@ -2,8 +2,8 @@
 
 The keys of each part are in device.schema.json. The quick test supports only the keywords that our schemas use. In any
 doubt the answer is no, and jsonschema decides and finds the errors. Importing jsonschema takes several times as long as
-this test takes for a whole spec. Editors use the same JSON Schemas. The messages are our own, because those of a
-validator talk about instances and properties to someone who is transcribing a manual.
+this test takes for a whole spec. Editors use the same JSON Schemas. We write our own messages, because the messages of
+a validator talk about instances and properties to someone who is transcribing a manual.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _TYPES: Mapping[str, tuple[type, ...]] = {
 def follows_schema(checked_value: Any, schema: Mapping[str, Any]) -> bool:
     """Return True if a value follows a schema without references, and False if it may not.
 
-    Each keyword of the schema has a test in ``_TESTS``. A keyword without one may not be fulfilled.
+    Each keyword of the schema has a test in ``_TESTS``. A value may not follow a keyword without a test.
     """
     return all(key in _TESTS and _TESTS[key](checked_value, expected, schema) for key, expected in schema.items())
 
@@ -82,7 +82,7 @@ def _has_additional(checked_value: Any, expected: Any, schema: Mapping[str, Any]
 
 
 def _only_for_type(type_name: str, test: Callable[[Any, Any], bool]) -> Callable[[Any, Any, object], bool]:
-    """Return a test that values of other types pass: in JSON Schema, a text has no ``minItems`` to violate."""
+    """Return a test that values of other types pass: in JSON Schema, a text cannot violate ``minItems``."""
     return lambda value, expected, _: type(value) not in _TYPES[type_name] or test(value, expected)
 
 
@@ -131,8 +131,8 @@ class SchemaResult:
 
     ``data`` is a deep copy without the broken parts. It follows the schema, except that keys may be missing at the top
     level or at the top level of an interface. ``complete`` is set if none is missing. ``cut`` contains the places that
-    were removed, and ``stand_ins`` those for missing prose, keyed by the place of the item. The document records
-    which list items were removed, so that paths into ``data`` still find their lines.
+    were removed, and ``stand_ins`` the stand-ins for missing prose, keyed by the place of the item. The document
+    records which list items were removed, so that paths into ``data`` still find their lines.
     """
 
     data: dict[str, Any]
@@ -179,7 +179,7 @@ def _places_to_remove(unread_places: set[Path], findings: Sequence[Finding]) -> 
     """Return the places that later checks cannot use.
 
     Missing keys of a file or an interface and missing prose are tolerated. An error that its parent survives, such as
-    an extra key, removes only its place.
+    an extra key, removes only its own place.
     """
     places = set(map(place_to_remove, unread_places))
     for finding in findings:
@@ -190,7 +190,7 @@ def _places_to_remove(unread_places: set[Path], findings: Sequence[Finding]) -> 
 
 
 def _report_findings(findings: Sequence[Finding], document: Document, report: Report) -> None:
-    """Report each finding that no other one explains, up to the largest number, and then that there are more."""
+    """Report each finding that no other finding explains, up to the largest number, and then that there are more."""
     for finding in findings[:MAX_PROBLEMS]:
         if not _is_explained(finding, findings, document.data):
             in_words = _is_missing_prose(finding)
@@ -246,8 +246,8 @@ def without_places(
 ) -> dict[str, Any]:
     """Return a copy of the data without these places and with these stand-ins.
 
-    The document records the original indices of the remaining list items. ``stand_ins`` has the values to add by key,
-    for the path of each map in the data as read.
+    The document records the original indices of the remaining list items. ``stand_ins`` contains the values to add by
+    key, for the path of each map in the data as read.
     """
     document.kept_indices.clear()
     data: dict[str, Any] = _copy_without(document.data, cut, (), document.kept_indices)
@@ -312,7 +312,7 @@ def _can_be_incomplete(path: Path) -> bool:
 def place_to_remove(path: Path) -> Path:
     """Return what to remove for an error at ``path``: the owner of the fields around it, or the nearest list item.
 
-    Prose, and a place in neither, is removed individually. Removing only a width or a key would cause further errors,
+    Prose, and a place outside both, is removed individually. Removing only a width or a key would cause further errors,
     such as a missing key or bits without a field: ``("registers", 2, "fields", 0, "bits")`` removes the register.
     """
     is_prose = bool(path) and path[-1] in WORDS_ONLY
@@ -346,7 +346,7 @@ def _copy_without(node: Any, cut: Collection[Path], path: Path, kept_indices: di
 def value_at(root: Any, path: Path, kept_indices: Mapping[Path, Sequence[int]] = MappingProxyType({})) -> Any:
     """Return the value in pruned data at a path into the data as read, or None if it was removed.
 
-    ``kept_indices`` has the original indices of the remaining items, by the path of their list.
+    ``kept_indices`` contains the original indices of the remaining items, by the path of their list.
     """
     for depth, step in enumerate(path):
         if isinstance(root, list) and isinstance(step, int):
@@ -375,7 +375,7 @@ def _collect_findings(
 ) -> list[Finding]:
     """Return the first finding for each place, except at and below places that the reader reported.
 
-    Their number ends one above ``MAX_PROBLEMS``, so that the caller notices that there are more.
+    At most ``MAX_PROBLEMS`` plus one are returned, so that the caller notices that there are more.
     """
     findings: dict[tuple[Path, bool], Finding] = {}
     for error in validator.iter_errors(file_data):
@@ -389,7 +389,7 @@ def _collect_findings(
 
 
 def _is_explained(finding: Finding, findings: Sequence[Finding], file_data: dict[str, Any]) -> bool:
-    """Return True if another finding explains this one.
+    """Return True if another finding explains ``finding``.
 
     That is a value under a wrong key, or the name of an interface whose key under ``interfaces`` is wrong.
     """

@@ -87,9 +87,9 @@ def family_of(file: str) -> str:
 
 
 def second_reading_schema(schema: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the schema of second readings, derived from that of device files.
+    """Return the schema of second readings, derived from the schema of device files.
 
-    Prose and the manufacturer are optional, parts that explain or calculate are left out, and those of second readings
+    Prose and the manufacturer are optional, parts that explain or calculate are left out, and parts of second readings
     are added.
     """
     derived: dict[str, Any] = _prose_optional(schema)
@@ -119,7 +119,7 @@ def _prose_optional(schema: Any) -> Any:
 def with_stand_ins(file_data: Any, schema: Mapping[str, Any]) -> Any:
     """Return checked data of a second reading, with a stand-in for each key for prose that device files must have.
 
-    ``schema`` is that of the data in device files, without references.
+    ``schema`` is the schema of the data in device files, without references.
     """
     if isinstance(file_data, list):
         return [with_stand_ins(inner, schema.get("items", {})) for inner in file_data]

@@ -21,7 +21,7 @@ from .document import Path
 
 T = TypeVar("T")
 Part = TypeVar("Part", covariant=True)
-#: Returns the value at a path, or None if it has a wrong type.
+#: Returns the value at a path, or None for a wrong type.
 Reader = Callable[[Any, Path], Any]
 
 
@@ -53,7 +53,7 @@ class Located(Generic[Part]):
 
 
 class WrittenPart:
-    """A part of a spec. Each key is an attribute. A missing one has its default or, if it is required, is empty."""
+    """A part of a spec. Each key is an attribute. A missing key has its default or, if it is required, is empty."""
 
     #: The keys with their types and descriptions.
     described_keys: tuple[DescribedKey, ...] = ()
@@ -136,7 +136,7 @@ class _Attribute:
 
 
 def written(about: str, **options: Any) -> Callable[[type[T]], type[T]]:
-    """Return the decorator of a part as it is written in specs. The options are those of ``About``."""
+    """Return the decorator of a part as it is written in specs. The options are the options of ``About``."""
 
     def decorate(part_class: type[T]) -> type[T]:
         described: Any = part_class
@@ -178,7 +178,7 @@ def _word_reader(value_type: KeyType, module: str) -> Reader:
 
 
 def _part_reader(part_class: Any) -> Reader:
-    """Return the reader of a part. One of the model is inside another one, and has no place of its own."""
+    """Return the reader of a part. A part of the model is inside another part, and has no place of its own."""
 
     def read_part(value: Any, path: Path) -> Any:
         if not isinstance(value, dict):
@@ -286,7 +286,8 @@ def _located_reader(model_class: Any) -> Reader:
 def located(model_class: type[T], part_data: Mapping[str, Any], path: Path) -> Located[T]:
     """Return a part of the model as it is written in a spec, with its path and data.
 
-    A missing key has its default or, if it is required, is empty. Parts in it have no place, and sources are left out.
+    A missing key has its default or, if it is required, is empty. Parts inside it have no place, and sources are left
+    out.
     """
     values_by_key: dict[str, Any] = {}
     for described in keys_of(model_class):

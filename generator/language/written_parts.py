@@ -1,4 +1,4 @@
-"""The parts of a spec that differ from those of the model, as they are written.
+"""The parts of a spec whose written form differs from the model.
 
 The JSON Schema follows from these classes (see ``part_schema.py``), and rules read them.
 """

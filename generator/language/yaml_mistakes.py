@@ -68,7 +68,7 @@ def explain(error: yaml.MarkedYAMLError, yaml_text: str) -> YamlMistake:
 
 
 def _odd_space(lines: list[str], positions: list[int]) -> YamlMistake | None:
-    """Return the error for an unusual space in one of these lines, counted from 0, or in the one before, or None."""
+    """Return the error for an unusual space in one of these lines, counted from 0, or in the line before, or None."""
     for position in positions:
         for line in (position, position - 1):
             is_in_file = 0 <= line < len(lines)

@@ -24,7 +24,7 @@ class EqualLine:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """A line, the lines that these frames cannot tell apart from it, and notes about it."""
+    """A line, the lines that these frames cannot distinguish from it, and notes about it."""
 
     line: str
     equal_lines: tuple[EqualLine, ...]
@@ -127,7 +127,7 @@ def _crc_text(interface: str, crc: FoundCrc, form: CrcForm) -> str:
 def _equal_lines(recording: Recording, layout: FoundLayout, line_parts: _Parts) -> Iterator[EqualLine]:
     """Yield the lines that differ from the first one only in what the frames cannot show, each with the reason.
 
-    ``line_parts`` are the parts of the first one.
+    ``line_parts`` are the parts of the first line.
     """
     interface = recording.interface
     if layout.crc is not None:
@@ -176,7 +176,7 @@ def _line_with_wider_position(recording: Recording, layout: FoundLayout, line_pa
 
 
 def _line_with_flags(recording: Recording, layout: FoundLayout, line_parts: _Parts) -> Iterator[EqualLine]:
-    """Yield the line with the flags of BiSS in place of one or two ones behind the position, if there are any.
+    """Yield the line with the flags of BiSS instead of one or two 1 bits after the position, if there are any.
 
     They are the last bits before the CRC. With a parity bit, there is no such line.
     """

@@ -48,9 +48,9 @@ class FoundCrc:
 
 
 def crcs_of(recording: Recording) -> list[FoundCrc]:
-    """Return the CRCs that all frames satisfy: all known ones with enough evidence, or else that of another polynomial.
+    """Return the CRCs that all frames satisfy: all known ones with enough evidence, or else one of another polynomial.
 
-    The list is empty if there is none.
+    The list is empty if there are none.
     """
     polynomials = dict.fromkeys(known.polynomial for known in KNOWN_CRCS)
     if recording.interface == "rs485":
@@ -73,7 +73,7 @@ def _divides_all(recording: Recording, polynomial: int) -> bool:
 def _crc_with_polynomial(recording: Recording, polynomial: int) -> FoundCrc:
     """Return the CRC with the two forms in which it matches the frames: plain and inverted, the most usual first.
 
-    Each of them has the start value that the first frame needs.
+    Each form has the start value that the first frame needs.
     """
     width = polynomial.bit_length() - 1
     message_bits = recording.bits - width
@@ -172,7 +172,7 @@ class FoundParity:
 
 
 def parities_of(recording: Recording, body_bits: int) -> list[FoundParity]:
-    """Return the parity bits that all frames satisfy: the first bit, or the last one before the CRC, if it changes."""
+    """Return the parity bits that all frames satisfy: the first bit, or the last bit before the CRC, if it changes."""
     crc_bits = recording.bits - body_bits
     parities = {(frame >> crc_bits).bit_count() % 2 for frame in recording.frames}
     if len(parities) > 1 or recording.interface == "rs485":

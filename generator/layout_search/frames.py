@@ -18,9 +18,9 @@ class NoLayout(ValueError):
 
 @dataclass(frozen=True)
 class Recording:
-    """Frames of ``bits`` bits over an interface, each as a number whose highest bit is the first one sent.
+    """Frames of ``bits`` bits over an interface, each as a number whose highest bit is sent first.
 
-    ``positions`` has the positions that the user turned to, one for each frame, or nothing.
+    ``positions`` contains the positions that the user turned to, one for each frame, or nothing.
     """
 
     interface: str
@@ -30,7 +30,7 @@ class Recording:
 
     @cached_property
     def differences(self) -> tuple[int, ...]:
-        """The bits in which each frame differs from the first one. Frames that are equal to it are left out."""
+        """The bits in which each frame differs from the first frame. Frames that are equal to it are left out."""
         first_frame = self.frames[0]
         return tuple(frame ^ first_frame for frame in self.frames if frame != first_frame)
 

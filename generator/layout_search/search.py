@@ -15,7 +15,7 @@ MOST_LAYOUTS = 3
 _MOST_MORE_BITS = 20.0
 #: Evidence in bits, above which a CRC cannot fit by chance, and frames without one need not be considered.
 _CERTAIN = 30
-#: Bits that describe a parity bit: in its usual place, in the other one, and in addition to a CRC.
+#: Bits that describe a parity bit: in its usual place, in the other place, and in addition to a CRC.
 _PARITY_BITS, _OTHER_PLACE_BITS, _WITH_CRC_BITS = 4.0, 2.0, 4.0
 #: Difference of two costs in bits, below which the frames do not decide between Gray code and binary.
 _UNDECIDED = 3.0
@@ -36,9 +36,9 @@ class FoundLayout:
 
 
 def find_layouts(recording: Recording) -> list[FoundLayout]:
-    """Return up to ``MOST_LAYOUTS`` layouts, the one with the lowest cost first.
+    """Return up to ``MOST_LAYOUTS`` layouts, the layout with the lowest cost first.
 
-    Of layouts that differ only in constant bits in front of the position, only the one with the lowest cost remains.
+    Of layouts that differ only in constant bits in front of the position, only the layout with the lowest cost remains.
 
     Raises:
         NoLayout: The frames do not change.
@@ -57,14 +57,14 @@ def find_layouts(recording: Recording) -> list[FoundLayout]:
 def _possible_layouts(recording: Recording) -> Iterator[FoundLayout]:
     """Yield every combination of a CRC or none, a parity bit or none, and a split of the other bits.
 
-    If the frames prove a CRC, layouts without one are left out.
+    If the frames prove a CRC, layouts without a CRC are left out.
     """
     crcs = crcs_of(recording)
     crc_candidates: list[FoundCrc | None] = list(crcs)
     if not any(crc.evidence > _CERTAIN for crc in crcs):
         crc_candidates.append(None)
     for crc in crc_candidates:
-        # The CRC is the last bits of a frame, and the body all others.
+        # The CRC is the last bits of a frame, and the body is the rest.
         body_bits = recording.bits - (crc.width if crc is not None else 0)
         crc_cost = crc.cost if crc is not None else 0.0
         for parity in (*parities_of(recording, body_bits), None):

@@ -96,7 +96,7 @@ def _position_problems(device: Device, layouts: Sequence[Layout]) -> Iterator[_P
 
 
 def _comparison_problems(device: Device, channels: DataChannels, layouts: Mapping[str, Layout]) -> Iterator[_Problem]:
-    """Yield fields that cannot be compared, and a number of bits that they do not have."""
+    """Yield fields that cannot be compared, and a number of bits above their width."""
     has_fields = bool(channels.compared)
     has_bits = channels.compared_bits is not None
     if has_fields != has_bits:

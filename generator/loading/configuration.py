@@ -43,7 +43,7 @@ class FamilyFilter:
         return (not self.families or family in self.families) and (not self.grades or grade in self.grades)
 
 
-#: The condition of each target that has one, by the name of the target.
+#: The condition of each target with a condition, by the name of the target.
 FamilyFilters = Mapping[str, FamilyFilter]
 NO_FILTERS: FamilyFilters = MappingProxyType({})
 
@@ -81,7 +81,7 @@ class Configuration:
 
 
 def exists(path: Path) -> bool:
-    """Return True if there is something at a path."""
+    """Return True if there is a value at a path."""
     with suppress(OSError, ValueError):
         return os.path.lexists(path)
     return False

@@ -87,7 +87,7 @@ class _PlaceFinder:
     def _read_dotted_key(self, table: Mark) -> Mark:
         """Read a key, which can be dotted such as ``tool.codewheel``, and return the mark of its last name.
 
-        Each name has a mark below that of the name before it, and the first one below ``table``. A mark that exists
+        Each name has a mark below the mark of the name before it, and the first one below ``table``. An existing mark
         keeps its place.
         """
         mark = table
@@ -102,7 +102,7 @@ class _PlaceFinder:
         return mark
 
     def _read_setting(self, table: Mark) -> None:
-        """Read a key, the equals sign and the value. The mark of the key then has the place of the value."""
+        """Read a key, the equals sign and the value. The mark of the key then gets the place of the value."""
         mark = self._read_dotted_key(table)
         self._index += 1  # The equals sign.
         if self._next_token():
@@ -149,7 +149,7 @@ class _PlaceFinder:
 
 #: The place at the end of a message of the TOML parser.
 _WHERE = re.compile(r" \(at (?:line ([0-9]+), column ([0-9]+)|end of document)\)$")
-#: All settings, and those in the condition of a target.
+#: All settings, and the settings in the condition of a target.
 _KEYS = ("specs", "output", "targets", "only")
 _FILTER_KEYS = ("families", "grades")
 #: Values in TOML, by key.
@@ -171,7 +171,7 @@ _MESSAGES = {
 
 
 def read_configuration(file: Path) -> Configuration | None:
-    """Return the settings in a file, or None if it has none.
+    """Return the settings in a file, or None if it contains none.
 
     Raises:
         Faulty: There are errors in the settings.
@@ -188,7 +188,7 @@ def read_configuration(file: Path) -> Configuration | None:
 def errors_in(files: tuple[Path, ...]) -> Report:
     """Return a report with the errors in these files, which are next to each other.
 
-    If none of them has an error, two files are an error themselves, because only one may have the settings.
+    If none of the files has an error, two files are an error themselves, because only one may have the settings.
     """
     report = Report()
     for file in files:
@@ -213,7 +213,7 @@ def add_error(report: Report, file: Path, place: Place, rule: str, message: str,
 
 
 def _read_settings(file: Path, report: Report, *, has_places: bool = True) -> Document | None:
-    """Return the settings in a file as a document, or None if there are none or they cannot be read.
+    """Return the settings in a file as a document, or None if it contains none or cannot be read.
 
     Without ``has_places``, a ``pyproject.toml`` is read in half the time, and all its keys have the place 1:1.
     """
@@ -223,7 +223,7 @@ def _read_settings(file: Path, report: Report, *, has_places: bool = True) -> Do
 
 
 def _yaml_document(file: Path, report: Report) -> Document | None:
-    """Return a codewheel.yaml as a document. Its messages are about settings, unlike those for a spec."""
+    """Return a codewheel.yaml as a document. Its messages are about settings instead of specs."""
     from ..language.read import read_document  # PyYAML takes longer to import than a frame to decode.
 
     yaml_report = Report()
@@ -239,7 +239,7 @@ def _read_pyproject_table(file: Path, report: Report, has_places: bool) -> Docum
     """Return the table ``[tool.codewheel]`` of a pyproject.toml as a document, or None if there is none.
 
     Return None also if the file cannot be read, which is reported. If ``tool.codewheel`` is not a table, the document
-    has it under the key ``codewheel``, which is then reported as unknown.
+    contains it under the key ``codewheel``, which is then reported as unknown.
     """
     try:
         content = file.read_bytes()
@@ -263,7 +263,7 @@ def _read_pyproject_table(file: Path, report: Report, has_places: bool) -> Docum
     if not isinstance(section, dict):
         return Document(str(file), toml_lines, {"codewheel": section}, start_of_file)
     marks = places_in(toml_text) if has_places else start_of_file
-    # The marks of the section are below those of its two names.
+    # The marks of the section are below the marks of its two names.
     for name in ("tool", "codewheel"):
         marks = marks.children.get(name, start_of_file)
     return Document(str(file), toml_lines, section, marks)
@@ -329,7 +329,7 @@ def _build_configuration(file: Path, document: Document, report: Report) -> Conf
 def _report_unknown_keys(
     document: Document, place: Place, keys: Iterable[Any], known_keys: Iterable[str], report: Report
 ) -> None:
-    """Report the keys that are not among the known ones. ``place`` is the path of the map with these keys."""
+    """Report the keys that are not known. ``place`` is the path of the map with these keys."""
     for key in keys:
         if key not in known_keys:
             message = f"unknown key '{key}'{suggestion(str(key), known_keys, 'known keys')}"
@@ -395,7 +395,7 @@ def _family_filter(document: Document, target: str, conditions: Any, report: Rep
 
 
 def _report_unknown_grades(document: Document, place: Place, grades: Iterable[str], report: Report) -> None:
-    """Report each grade that does not exist, with the one that it misspells, or else all grades."""
+    """Report each grade that does not exist, with the grade that it misspells, or else all grades."""
     from ..say.evidence import GRADES  # Settings without grades need no model.
 
     for index, grade in enumerate(grades):

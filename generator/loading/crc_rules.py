@@ -46,7 +46,7 @@ def check_crc(layout: Layout, field: Field, crc_value: CrcValue, site: Site) -> 
     """Check the width of a CRC, that it ends the frame, and the fields that it covers.
 
     Only other CRCs may follow it, because each order code has at most one. A frame of bits in bytes may have zeros
-    before it, and its CRC may not be whole bytes. It must then be one that these zeros do not change, with bits in
+    before it, and its CRC may not be whole bytes. Such a CRC must not change with these zeros, and its bits must be in
     sending order.
     """
     crc = site.context.crcs.get(crc_value.crc)
@@ -77,7 +77,10 @@ def check_crc(layout: Layout, field: Field, crc_value: CrcValue, site: Site) -> 
 
 
 def _check_width(field: Field, crc: Crc, site: Site) -> None:
-    """Check that a CRC has its width, or no bits for order codes without it. In a register, it must always have it."""
+    """Check that a CRC has its width, or no bits for order codes without it.
+
+    In a register, it must always have its width.
+    """
     if field.width.is_constant:
         if field.width != Expression(crc.width):
             message = f"'{field.name}' has {field.widest} bits, but the CRC '{crc.name}' has {crc.width}"
@@ -108,7 +111,7 @@ def _is_plain(crc: Crc) -> bool:
 def _yield_fields_left_out(layout: Layout, crc: Field, crc_value: CrcValue) -> Iterator[str]:
     """Yield at most one problem: fields that a CRC with ``crc_of`` does not list, unless a note names them.
 
-    Constants and unused bits need no mention. The note can be that of the layout or of the CRC.
+    Constants and unused bits need no mention. The note can belong to the layout or to the CRC.
     """
     if not crc_value.of:
         return

@@ -174,7 +174,7 @@ def _build_device_without_procedures(
 
 
 def _derived_expressions(raw_spec: Raw) -> Mapping[str, Expression]:
-    """Return the expressions of the parameters that follow from others, by name, without invalid ones."""
+    """Return the expressions of parameters derived from other parameters, by name, without invalid ones."""
     definitions = {}
     for name, parameter in raw_spec["parameters"].items():
         if "equals" not in parameter:
@@ -240,7 +240,7 @@ def _list_variants(
 ) -> tuple[Variant, ...]:
     """Return every listed order code with its parameters.
 
-    ``default_values`` are those of the parameters that order codes may leave to a register or an alternative.
+    ``default_values`` are the values of the parameters that order codes may leave to a register or an alternative.
     """
     if not order_code.parts:
         return ()
@@ -316,7 +316,7 @@ def _check_limits(register: Register, path: Path, context: Context) -> None:
         expressions += [field.low, field.width]
     depends_on_order_code = any(expression is not None and not expression.is_constant for expression in expressions)
     sets = context.parameter_sets.get(register.interface, ())
-    # Without such a dependency, the first order code stands for all.
+    # Without such a dependency, the first order code represents all.
     compared_sets = sets if depends_on_order_code else sets[:1]
     for parameters in compared_sets:
         placed = register.layout.place(parameters)
@@ -370,7 +370,7 @@ def _problem_of_default(register: Register, placed: PlacedLayout, parameters: Ma
         return None
     limits = _limits_for_code(register, placed, parameters)
     value = _number_within_limits(register, placed, default)
-    # A stored zero can stand for another number.
+    # A stored zero can represent another number.
     meant_value = value or limits.zero_means
     named_numbers = [named_value.value for named_value in register.values]
     register_bits = 8 * register.length

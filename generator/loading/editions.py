@@ -1,7 +1,7 @@
 """Editions of a manual: the family as it was before a revision, or with the published facts of a later one.
 
 The spec transcribes one revision. Its ``editions`` are applied to it step by step: the changes ``before`` each revision
-on the way back to an older one, or those of ``then`` on the way to a newer one.
+on the way back to an older one, or the changes ``then`` on the way to a newer one.
 """
 
 from __future__ import annotations
@@ -28,19 +28,19 @@ Raw = Mapping[str, Any]
 
 
 class UnknownEdition(ValueError):
-    """No such edition. The message lists the existing ones."""
+    """No such edition. The message lists the existing editions."""
 
 
 def editions(raw_spec: Raw) -> tuple[ManualEdition, ...]:
     """Return the editions that can be selected, oldest first, or none if the spec lists no changes.
 
-    These are all revisions of the history, the revision that the spec transcribes, and those with changes.
+    These are all revisions of the history, the revision that the spec transcribes, and revisions with changes.
     """
     editions_by_revision = {edition["revision"]: edition for edition in raw_spec.get("editions", ())}
     if not editions_by_revision:
         return ()
     manual = raw_spec["manual"]
-    # In the order of the history, then the transcribed revision, then the later ones.
+    # In the order of the history, then the transcribed revision, then the later revisions.
     dates_by_revision = {release["revision"]: release.get("date", "") for release in manual.get("history", ())}
     own_revision = manual["revision"]
     date_in_history = dates_by_revision.get(own_revision, "")
@@ -144,7 +144,7 @@ def _change_lists(family: Family, revision: str) -> Iterator[tuple[int, str, str
     1.4")`` on the way back to an older revision, or ``(3, "then", "1.6")`` to a newer one.
     """
     oldest_first = [edition.revision for edition in family.device.editions]
-    # The revision that the spec transcribes, from which the changes lead to the wanted one.
+    # The revision that the spec transcribes, from which the changes lead to the wanted revision.
     own_position = oldest_first.index(family.device.manual.revision)
     wanted_position = oldest_first.index(revision)
     if wanted_position < own_position:
@@ -191,7 +191,7 @@ def _edition_erratum(raw_spec: Raw, change: Raw, revision: str, change_number: i
     """
     text_or_texts = change[kind_of_change]
     affected_texts = text_or_texts if isinstance(text_or_texts, list) else [text_or_texts]
-    # The text of 'also' is a sentence. Those of other kinds are paths.
+    # The text of 'also' is a sentence. Texts of other kinds are paths.
     affected_paths = (
         [] if kind_of_change == "also" else [_affected_path(raw_spec, path_text) for path_text in affected_texts]
     )
@@ -237,7 +237,7 @@ def _affected_path(raw_spec: Raw, path_in_change: str) -> str:
     """
     try:
         path = resolve(raw_spec, path_in_change)
-    except MissingPath as missing_path:  # What is added does not exist yet.
+    except MissingPath as missing_path:  # Added items do not exist yet.
         path = missing_path.existing_path
     return as_affected(raw_spec, path)
 
@@ -269,11 +269,11 @@ def _check_order(raw_spec: Raw, edition: Raw, path: Path, report: DocumentReport
     """Check that an edition has 'before' or 'then' according to its place in the history.
 
     ``before`` is for the revisions after the first, up to the one that the spec transcribes. ``then`` is for later
-    ones.
+    revisions.
     """
     history = [release["revision"] for release in raw_spec["manual"].get("history", ())]
     own_revision = raw_spec["manual"]["revision"]
-    # The history is oldest first. The first revision has no earlier one, so it cannot have 'before'.
+    # The history is oldest first. The first revision has no predecessor, so it cannot have 'before'.
     up_to_own = history[: history.index(own_revision) + 1] if own_revision in history else [own_revision]
     name = edition["revision"]
     # A revision that is not in the history is reported elsewhere.

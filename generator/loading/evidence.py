@@ -51,7 +51,8 @@ _MOST_NAMES = 3
 def with_placeholders(raw_spec: Raw, device: Device, report: DocumentReport) -> Device:
     """Return the device with the names of its placeholders in its evidence. Report a grade that is too high.
 
-    A placeholder is a text of the template that was not replaced. A spec with one can only have the lowest grade.
+    A placeholder is a text of the template that was not replaced. A spec with a placeholder can only have the lowest
+    grade.
     """
     if not raw_spec.get("evidence"):
         return device

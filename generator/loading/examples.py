@@ -122,7 +122,7 @@ def example_variant(device: Device, example: Example) -> Variant:
     if isinstance(example, CrcExample) or not example.order_code:
         return device.variants[0]
     listed_variants = [variant for variant in device.variants if variant.code == example.order_code]
-    # Other labels stand for a listed code, such as one in another spelling.
+    # Other labels represent a listed code, for example in another spelling.
     variant = listed_variants[0] if listed_variants else find_code(device, example.order_code).variant
     if isinstance(example, FrameExample):
         return with_answers(device, variant, example.alternatives)
@@ -150,7 +150,7 @@ def _yield_errors(device: Device, example: Example) -> Iterator[Wrong]:
 
 
 def _check_procedure(device: Device, example: ProcedureExample) -> Iterator[Wrong]:
-    """Yield an error if the procedure, with the arguments of the example, does not lead to the printed writes."""
+    """Yield an error if the procedure, with the arguments of the example, does not produce the printed writes."""
     procedure = device.procedure(example.procedure)
     variant = example_variant(device, example)
     computed_writes = register_writes(device, procedure, variant, example.arguments)
@@ -172,7 +172,7 @@ def _check_measure(device: Device, example: MeasureExample) -> Iterator[Wrong]:
 
 
 def _check_register(device: Device, example: RegisterExample) -> Iterator[Wrong]:
-    """Yield an error for a wrong length, otherwise those of the decoded values, otherwise those of the identity."""
+    """Yield an error for a wrong length, or else the errors of the decoded values, or else those of the identity."""
     register = device.register(example.register)
     variant = example_variant(device, example)
     if len(example.bytes) != register.length:
@@ -190,7 +190,7 @@ def _check_identity(register: Register, decoded: Decoded, variant: Variant) -> I
     for field in register.layout.fields:
         expected = field.documented(variant.parameters)
         value = decoded.values.get(field.name)
-        # Only like types compare: numbers with numbers, texts with texts. A field without 'equals' has None.
+        # Only like types compare: numbers with numbers, texts with texts. For a field without 'equals', this is None.
         if type(expected) is type(value) and value != expected:
             yield ("bytes",), f"'{field.name}' is {value}, but 'equals' is {expected} for {variant.code}"
 
@@ -216,7 +216,7 @@ def _check_frame(device: Device, example: FrameExample) -> Iterator[Wrong]:
 
 
 def _check_decoded(device: Device, decoded: Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
-    """Yield errors of the decoder, otherwise differences from printed values, otherwise from the re-encoded ones."""
+    """Yield errors of the decoder, otherwise differences from printed values, otherwise from re-encoded values."""
     problems = decoded.problems
     # Errors after a wrong length or CRC may only follow from it.
     if problems and problems[0].fault in (Fault.LENGTH, Fault.CRC):
@@ -234,8 +234,8 @@ def _check_decoded(device: Device, decoded: Decoded, example: FrameExample | Reg
 def _suggest_start(device: Device, crc_name: str) -> str:
     """Return the text about a better start value, such as ``; with 'init: 0xff' in the CRC 'crc', it matches``.
 
-    It is empty unless all examples of the CRC need the same start value, and the spec has another one. A single example
-    always fits some start value, so with one example only all bits 0 and all bits 1 are suggested.
+    It is empty unless all examples of the CRC need the same start value, and the spec has another start value. A single
+    example always fits some start value, so with one example only all bits 0 and all bits 1 are suggested.
     """
     crc = device.crc(crc_name)
     start_values: list[int] = []
@@ -251,7 +251,7 @@ def _suggest_start(device: Device, crc_name: str) -> str:
 
 
 def _needed_start_values(device: Device, crc: Crc, example: Example) -> Iterator[int]:
-    """Yield the start value that the CRC needs for an example, or nothing if the decoded example has no such CRC."""
+    """Yield the start value that the CRC needs for an example, or nothing if the example lacks the CRC."""
     if crc.poly & 1 == 0:  # Without the last bit of the polynomial, a CRC does not determine its start value.
         return
     if isinstance(example, CrcExample) and example.crc == crc.name:
@@ -278,7 +278,7 @@ def _data_path(example: Example) -> Path:
 
 
 def decode_example(device: Device, example: FrameExample, variant: Variant) -> Decoded:
-    """Decode the frame of an example with the layout that its bytes select, or else with the one that it names."""
+    """Decode the frame of an example with the layout that its bytes select, or else with the example's layout."""
     if example.bits:
         placed = device.layout(example.layout).place(variant.parameters)
         return decode_bits(device, placed, int(example.bits, 2), len(example.bits))
@@ -355,7 +355,7 @@ def _yield_samples(device: Device, interface: Interface) -> Iterator[Sample]:
 def _most_used_order_code(device: Device, interface: str) -> Variant | None:
     """Return the order code that most examples use, without CRCs and corrected examples, or None if there is none.
 
-    Among several, the one with the largest sum of parameters is used, which usually has the finest resolution.
+    Among several, the code with the largest sum of parameters is used, which usually has the finest resolution.
     """
     example_counts: Counter[str] = Counter()
     for example in device.examples:
@@ -436,7 +436,7 @@ def _made_up_number(bits: int) -> int:
 def _encoded_sample(
     device: Device, placed: PlacedLayout, variant: Variant, values: Values, source: Sources = ()
 ) -> Sample:
-    """Return a frame with these values, and the same one with a flag that decoders must refuse, if there is one."""
+    """Return a frame with these values, and the same frame with a flag that decoders must refuse, if there is one."""
     frame = encode(device, placed, values)
     plain_frame = from_gray(placed, frame)
     decoded_values = {field.name: values[field.name] for field in placed.fields if field.name in values}

@@ -1,4 +1,4 @@
-"""Check that facts for some order codes leave out no order code, and that none has two of them."""
+"""Check that facts for some order codes cover all order codes, and that no order code has two of a kind."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from .from_mapping import Raw
 
 @dataclass(frozen=True, slots=True)
 class ExclusiveFacts:
-    """Facts of which an order code has one, each with its path in the spec.
+    """Facts of which an order code has only one, each with its path in the spec.
 
-    ``noun`` names the fact with an article, such as ``a clock``. ``codes`` are those of the interface, whose name in
-    sentences is empty for facts of the device. If the fact ``is_needed``, each order code must have one. Of facts that
-    have ``other_rules``, these report two for all order codes.
+    ``noun`` names the fact with an article, such as ``a clock``. ``codes`` are the codes of the interface, whose name
+    in sentences is empty for facts of the device. If the fact ``is_needed``, each order code must have a fact. For
+    facts with ``other_rules``, these rules report two facts for all order codes.
     """
 
     noun: str
@@ -34,7 +34,7 @@ class ExclusiveFacts:
 
 
 def check_facts_by_code(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
-    """Report order codes without a clock or time-out, with two facts of a kind, and facts that none of them has."""
+    """Report order codes without a clock or time-out, with two facts of a kind, and facts that no order code has."""
     if not device.variants:
         return
     for exclusive_facts in _all_exclusive_facts(raw_spec, device, report):
@@ -105,7 +105,7 @@ class _Named(Restricted, Protocol):
 
 
 def _group_by_name(path: Path, noun: str, facts: Sequence[_Named], codes: Sequence[str]) -> Iterator[ExclusiveFacts]:
-    """Yield the facts of each name that several have. An order code may have none of them."""
+    """Yield the facts of each name that occurs several times. An order code may have none of these facts."""
     facts_by_name: dict[str, list[tuple[Path, Restricted]]] = {}
     for index, fact in enumerate(facts):
         facts_by_name.setdefault(fact.name, []).append(((*path, index), fact))
@@ -133,7 +133,7 @@ def _is_reported(path: Path, report: DocumentReport) -> bool:
 
 
 def _check_overlaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:
-    """Report a fact for an order code that already has one."""
+    """Report a fact for an order code that already has a fact."""
     for (first_path, first), (path, fact) in combinations(exclusive_facts.facts, 2):
         common_codes = [code for code in exclusive_facts.codes if fits(first.only, code) and fits(fact.only, code)]
         if common_codes:
@@ -165,7 +165,7 @@ def _check_gaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None
 
 
 def _codes_text(codes: Sequence[str]) -> str:
-    """Return the first order code, and how many others there are: ``the order code 'X-24' and 2 others``."""
+    """Return the first order code, and the number of other codes: ``the order code 'X-24' and 2 others``."""
     others = f" and {counted(len(codes) - 1, 'other')}" if len(codes) > 1 else ""
     return f"the order code {quoted(codes[0])}{others}"
 

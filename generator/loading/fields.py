@@ -37,10 +37,10 @@ from .from_mapping import Raw, record
 class Context:
     """Definitions that a layout may refer to.
 
-    ``groups`` has, by name, each group of fields and its path in the spec. ``definitions`` has the expressions of the
-    parameters that follow from others. ``parameter_sets`` has, by interface, the parameters of its order codes, each
-    set once. ``data_ids`` has those of each interface. ``only_while`` returns the parameter that is 0 for all order
-    codes except those of an ``only``.
+    ``groups`` has, by name, each group of fields and its path in the spec. ``definitions`` contains the expressions of
+    derived parameters. ``parameter_sets`` has, by interface, the parameters of its order codes, each set once.
+    ``data_ids`` contains the data IDs of each interface. ``only_while`` returns the parameter that is 0 for all order
+    codes except the codes in ``only``.
     """
 
     report: DocumentReport
@@ -61,7 +61,7 @@ class Context:
         return None if has_unknown_parameter else expression
 
     def _known_parameters(self) -> frozenset[str]:
-        """Return the names of the parameters. They are the same in all sets, so the first one has them all."""
+        """Return the names of the parameters. They are the same in all sets, so the first set has them all."""
         for sets in self.parameter_sets.values():
             for parameters in sets:
                 return frozenset(parameters)
@@ -75,7 +75,7 @@ class Context:
 def _verdict_while_active(raw_field: Raw, interface: str) -> Verdict | None:
     """Return the verdict on the position while a flag is active, or None if it has none.
 
-    It is the one in the spec, or otherwise the one that the interface defines for flags of this name.
+    It is the verdict in the spec, or else the interface's verdict for flags of this name.
     """
     # Such as the verdict of nE over BiSS, whose name in specs is error.
     verdict_of_interface = INTERFACES[interface].flags.get(raw_field["name"], "")
@@ -124,7 +124,7 @@ def expected_value(raw_field: Raw, context: Context) -> Expression | int | str |
     Return None if there is none, or an expression that is not valid.
     """
     expected = raw_field.get("equals")
-    # In a field with 'text', it is the text itself. In others, a string is an expression such as bits + 8.
+    # In a field with 'text', it is the text itself. In other fields, a string is an expression such as bits + 8.
     if isinstance(expected, str) and "text" not in raw_field:
         return context.expression(expected)
     return expected if isinstance(expected, (int, str)) else None
@@ -252,7 +252,7 @@ def _value_of_data_id(data_id: DataId) -> Value:
 
 
 def _digit_runs(digits: Sequence[Raw]) -> tuple[Digits, ...]:
-    """Return the runs of a decimal number, most significant first, each with the divisor that moves it to the ones.
+    """Return the runs of a decimal number, most significant first, each with the divisor that isolates it.
 
     For two runs of three and two digits, the divisors are 100 and 1, and the moduli 1000 and 100.
     """
@@ -269,10 +269,10 @@ def _digit_runs(digits: Sequence[Raw]) -> tuple[Digits, ...]:
 def pieces(field: Field, length: int, low_first: bool) -> tuple[Piece, ...]:
     """Return the parts of a field in each byte of a frame of ``length`` bytes, or none if the order code moves them.
 
-    They begin with the lowest bits of the field. Each has the byte, the lowest bit in that byte, a mask of as many ones
-    as it has bits, and the lowest bit in the field. In a frame of 3 bytes, 10 bits from bit 4 are 4 bits in the last
-    byte, from its bit 4, and 6 bits in the byte before it. With ``low_first``, byte 0 has the lowest bits of the
-    frame, otherwise its last byte.
+    They begin with the lowest bits of the field. Each consists of the byte, the lowest bit in that byte, a mask of as
+    many 1 bits as the part has bits, and the lowest bit in the field. In a frame of 3 bytes, 10 bits from bit 4 are 4
+    bits in the last byte, from its bit 4, and 6 bits in the byte before it. With ``low_first``, byte 0 has the lowest
+    bits of the frame, otherwise its last byte.
     """
     width = field.width.constant if field.width.is_constant else 0
     # A padded field occupies its container: the bits of the field and zeros above them.

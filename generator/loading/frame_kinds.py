@@ -41,7 +41,7 @@ _IN_WORDS = (
 def with_unknown_verdicts(layout: Layout, raw_fields: Iterable[Raw], site: Site) -> Layout:
     """Return the layout with UNKNOWN as the verdict of reserved bits, if no flag says whether the position is usable.
 
-    A warning does not improve on an unknown position, so ``raw_fields`` must not state that verdict.
+    A warning cannot improve an unknown verdict, so ``raw_fields`` must not state that verdict.
     """
     if layout.judges_position:
         return layout
@@ -128,8 +128,8 @@ def _is_affected(field: Field, layout_path: str, erratum: Erratum) -> bool:
 def _verdicts_of_field(field: Field) -> Iterator[Verdict]:
     """Yield the verdicts while a flag or unused bit is active.
 
-    A flag has its verdict, also that of another answer of an alternative, and that of other order codes if only some of
-    them explain it.
+    A flag has its verdict, the verdict of another answer of an alternative, and the verdict for other order codes if
+    only some of them explain it.
     """
     kind = field.kind
     if isinstance(kind, (Flag, Unused)) and kind.makes_position is not None:
@@ -152,7 +152,7 @@ def check_frame_kinds(device: Device, report: DocumentReport) -> None:
     """Report numbers and positions that do not distinguish frames of different layouts.
 
     A number must not have the place of a constant of another frame or of the request. Over RS-485, only the request
-    tells the frames of the encoder apart.
+    distinguishes the frames of the encoder.
     """
     if not valid_parts_so_far(report).has_frames:
         return
@@ -250,7 +250,7 @@ def _check_replies(interface: Interface, positions: frozenset[str], report: Docu
 
 
 def _common_constant(requests: Sequence[Layout], field_name: str) -> int | None:
-    """Return the constant that a field is in all requests that have it, or None if there is no such constant."""
+    """Return the constant value of a field in all requests that contain it, or None if there is none."""
     constants: set[int] = set()
     for request in requests:
         for field in request.fields:
@@ -272,7 +272,7 @@ def _ambiguous_numbers(
 ) -> Iterator[tuple[Field, Layout, int]]:
     """Yield numbers that are a constant with the same name, place and width in a frame of the same length.
 
-    Each comes with the layout of that frame and the value of the constant.
+    Each number comes with the layout of that frame and the value of the constant.
     """
     for variant in device.variants_over(interface.name):
         placed = layout.place(variant.parameters)

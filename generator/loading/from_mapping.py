@@ -38,7 +38,7 @@ Raw = Mapping[str, Any]
 T = TypeVar("T")
 
 _SOURCE = re.compile(r"\s*(?:(?P<document>[a-z][a-z0-9_]*):\s*)?(?P<section>.*?)(?:\s*\bp\.(?P<page>[0-9]+))?\s*$")
-#: Empty values by type. None stands for any other type.
+#: Empty values by type. None represents any other type.
 _EMPTY: Mapping[Any, Any] = MappingProxyType({str: "", int: 0, bool: False, tuple: (), Mapping: MappingProxyType({})})
 
 
@@ -63,7 +63,7 @@ def sources(raw_part: Raw, source_key: str = "source") -> Sources:
 
 
 def record(part_class: Callable[..., T], raw: Raw, /, **values: Any) -> T:
-    """Return a ``part_class`` whose members have the values in ``values``, or those in ``raw`` under the same name.
+    """Return a ``part_class`` whose members have the values in ``values``, or else the values in ``raw``.
 
     Other members have their default, otherwise an empty value: no text, 0, false, or None if the type allows it. Nested
     parts of the model, and lists of them, are filled in the same way.
@@ -128,7 +128,7 @@ def build_manufacturer(raw_manufacturer: Raw) -> Manufacturer:
 def supply(raw_owner: Raw, inherited: Sources = ()) -> Supply | None:
     """Return the supply of a device or of a value of its order code, or None if it has none.
 
-    Without a source of its own, it has that of ``raw_owner``, or else ``inherited``, the source of the parent.
+    Without its own source, it has the source of ``raw_owner``, or else ``inherited``, the source of the parent.
     """
     if "supply" not in raw_owner:
         return None
@@ -142,7 +142,7 @@ def table(raw_table: Raw) -> Table:
 
 
 def only_while(only: str, variants: Sequence[Variant], parameters: Collection[str]) -> str:
-    """Return the first parameter that is 0 for all order codes except those of ``only``, and not 0 for these.
+    """Return the first parameter that is 0 for all order codes except the codes in ``only``, and not 0 for these.
 
     Return an empty string if there is none.
     """

@@ -42,8 +42,8 @@ def with_places(fields: Sequence[Field], site: Site) -> list[Field]:
 def content_of_gaps(raw_layout: Raw, context: Context) -> str:
     """Return the content of bits without a field: ``zero``, ``unspecified``, or an empty string if undefined.
 
-    It is that of the layout, or else of the first group in it that defines it. In a frame, only a group can have such
-    bits.
+    It is the content in the layout, or else in the first group in it that defines one. In a frame, only a group can
+    have such bits.
     """
     layout_and_groups = [raw_layout]
     for field in raw_layout.get("fields", ()):
@@ -89,7 +89,10 @@ def _find_gaps(fields: Sequence[Field], bits: Expression) -> Iterable[_Gap]:
 
 
 def check_all_bits_covered(fields: Sequence[Field], bits: Expression, gaps: str, site: Site) -> bool:
-    """Return True if every bit has a field, or if ``gaps`` defines the others. Report the first gap otherwise."""
+    """Return True if every bit has a field, or if ``gaps`` defines the remaining bits.
+
+    Report the first gap otherwise.
+    """
     if gaps:
         return True
     for parameters in site.sets:

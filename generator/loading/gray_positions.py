@@ -8,24 +8,19 @@ from typing import NamedTuple
 from ..language.document import Path
 from ..language.problems import DocumentReport
 from ..model import Device, Interface, Layout, Measurement, Number, Variant
-from ..model.expressions import Expression
+from ..model.expressions import Expression, is_power_of_two
 from ..order_codes.parameters import run_time_names
 
 
 class KeyProblem(NamedTuple):
-    """A problem of one key of a measurement or of ``gray``. Without a key, ``gray`` itself has it."""
+    """A problem of one key of a measurement or of ``gray``. Without a key, the problem is about ``gray`` itself."""
 
     key: str
     message: str
 
 
-def is_power_of_two(number: int) -> bool:
-    """Return True for 1, 2, 4 and so on."""
-    return number > 0 and number & (number - 1) == 0
-
-
 def check_gray_positions(device: Device, report: DocumentReport) -> None:
-    """Report a position in Gray code without the excess that its counts per turn need, or with one it cannot have."""
+    """Report a position in Gray code that lacks the excess for its counts per turn, or has an impossible excess."""
     names_at_run_time = run_time_names(device)
     for interface in device.interfaces:
         measurement = device.measurement_of(interface.name)

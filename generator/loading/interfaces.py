@@ -1,6 +1,6 @@
 """Build interfaces from checked data, with one function for each kind.
 
-Missing required keys have been reported. Stand-ins replace them, so that the rest can be checked.
+Missing required keys have already been reported. Stand-ins replace them, so that the rest can be checked.
 """
 
 from __future__ import annotations
@@ -71,8 +71,8 @@ class _Word(NamedTuple):
 def _check_words(raw_interface: Raw, layouts: Sequence[Layout], site: Site) -> None:
     """Check that words have a possible number of bits for every order code, and that their layouts have as many.
 
-    ``word_bits`` of an exchange replaces that of the interface. If several layouts agree on another number than all
-    words, ``word_bits`` is reported once, instead of each layout.
+    ``word_bits`` of an exchange replaces ``word_bits`` of the interface. If several layouts agree on another number
+    than all words, ``word_bits`` is reported once, instead of each layout.
     """
     default_bits = _checked_word_bits(raw_interface, site)
     words: list[_Word] = []
@@ -224,7 +224,7 @@ def _build_exchanges(raw_interface: Raw, context: Context) -> tuple[Exchange, ..
 
 
 def _build_exchange(raw_exchange: Raw, source: str, context: Context) -> Exchange:
-    """Return an exchange. ``source`` is that of the interface, for an exchange without its own."""
+    """Return an exchange. ``source`` is the source of the interface, for an exchange without its own."""
     word_bits = context.expression(raw_exchange["word_bits"]) if "word_bits" in raw_exchange else None
     return record(Exchange, {"source": source, **raw_exchange}, word_bits=word_bits)
 
@@ -240,7 +240,7 @@ def _build_control_field(raw_field: Raw, parent: Raw, context: Context) -> Contr
     is_known_crc = raw_field.get("crc") in context.crcs
     default_bits = context.crcs[raw_field["crc"]].width if is_known_crc else 1
     bits = raw_field.get("bits", default_bits)
-    if not isinstance(bits, int):  # Reported: the control frame has fixed widths.
+    if not isinstance(bits, int):  # Already reported: the control frame has fixed widths.
         bits = 0
     source = sources(raw_field) or sources(parent)
     return record(ControlField, raw_field, bits=bits, values=build_values(raw_field), source=source)

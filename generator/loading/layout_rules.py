@@ -79,7 +79,7 @@ def _check_parts_of_join(join: Join, fields: Mapping[str, Field], site: Site) ->
 def _check_order_of_join(join: Join, fields: Mapping[str, Field], layout: Layout, site: Site, low_first: bool) -> None:
     """Check that each field of a joined number is sent before the next one, or after it with ``low_first``.
 
-    A field that is sent earlier has higher bits in the layout.
+    A field sent earlier has higher bits in the layout.
     """
     different_neighbours = []
     for above, below in pairwise(join.fields):
@@ -154,12 +154,14 @@ def _obstacle_to_join(kind: Kind) -> str:
         return "which is active low"
     if not isinstance(kind, Number):
         return "which is not a number; define it with 'bits' and no kind"
-    # Only these two make a number differ from its bits.
+    # Only these two kinds make a number differ from its bits.
     return "which is signed; remove 'signed'" if kind.signed else "which has 'zero_means'; remove 'zero_means'"
 
 
 def _check_gray(layout: Layout, site: Site) -> None:
-    """Check that a number in Gray code has several bits, contiguous while it is in this code. They can include a flag.
+    """Check that a number in Gray code has several bits, contiguous while it is in this code.
+
+    The bits of the number can include a flag.
 
     Also check that the parameter that turns Gray code on is 0 or 1 for all order codes.
     """
@@ -191,7 +193,7 @@ def _check_gray(layout: Layout, site: Site) -> None:
 
 
 def _are_adjacent(above: Field, below: Field, parameter_sets: Iterable[Mapping[str, int]]) -> bool:
-    """Return True if the field above begins where the one below ends, with each set of parameters."""
+    """Return True if the field above begins where the field below ends, with each set of parameters."""
     end_below = below.low + below.width
     return all(end_below.value(parameters) == above.low.value(parameters) for parameters in parameter_sets)
 
@@ -217,7 +219,7 @@ def check_layout(layout: Layout, site: Site, low_byte_first: bool) -> bool:
     ``low_byte_first`` is true if the spec says so, also for a layout that is carried as bits.
     """
     problems_before = len(site.context.report)
-    # A register is not sent as such. Its layout has no limit for frames.
+    # A register is not sent as such. Frame limits do not apply to its layout.
     is_sent_as_bits = INTERFACES[site.interface].carried_as == "bits" and site.path[0] == "interfaces"
     if layout.in_bytes and (not layout.bits.is_constant or layout.bits.constant % 8):
         message = f"'{layout.name}' has {layout.bits.render()} bits, not a whole number of bytes"
@@ -240,7 +242,7 @@ def check_layout(layout: Layout, site: Site, low_byte_first: bool) -> bool:
     selector = next((field for field in layout.fields if field.name == layout.selector), None)
     named_numbers = [value.value for value in selector.values] if selector is not None else []
     for selected_value in layout.selects:
-        # A selector without named values can have any number.
+        # A selector without named values can be any number.
         if named_numbers and selected_value not in named_numbers:
             site.report("undefined-reference", f"'{layout.selector}' has no value {selected_value}", "when")
     if layout.unused and "unused" in layout.member_names:
@@ -368,8 +370,8 @@ def _check_fixed(field: Field, fixed: Constant | Unused, site: Site) -> None:
 def _check_absent(field: Field, reason: str, site: Site) -> None:
     """Report a field that has no bits for some order code, unless there is none.
 
-    Such a field reads as 0. With a kind that does not allow 0, all frames of this order code would be rejected.
-    ``reason`` says why 0 is not allowed, and may have a remedy.
+    Such a field reads as 0. If the kind does not allow 0, all frames of this order code would be rejected. ``reason``
+    says why 0 is not allowed, and may have a remedy.
     """
     for parameters in site.sets:
         if field.width.value(parameters) == 0:

@@ -128,7 +128,7 @@ def _with_joins_covered(raw_layout: Raw, fields: Sequence[Field], site: Site) ->
 
 
 def _build_position_range(raw_layout: Raw, context: Context) -> LayoutRange | None:
-    """Return the range of the position in frames of this layout, or None if it is that of the interface."""
+    """Return the range of the position in frames of this layout, or None if the range of the interface applies."""
     if "position_range" not in raw_layout:
         return None
     raw_range = raw_layout["position_range"]
@@ -211,9 +211,9 @@ def _with_gap_fields(items: Sequence[Item], bits: Expression, gaps: str, site: S
 
 
 def _build_items(raw_fields: Sequence[Raw], path: Path, context: Context, low_first: bool) -> list[Item] | None:
-    """Return the fields and groups as items, or None if one is not valid, which is reported elsewhere.
+    """Return the fields and groups as items, or None if a field or group is not valid, which is reported elsewhere.
 
-    ``path`` is that of the list of fields.
+    ``path`` is the path of the list of fields.
     """
     items = [_build_item(raw, (*path, index), context, low_first) for index, raw in enumerate(raw_fields)]
     valid_items = [field_item for field_item in items if field_item is not None]
@@ -255,7 +255,7 @@ def _build_items_of_group(group: Raw, path: Path, context: Context, low_first: b
 
     Fields in sending order must have the number of bits that the group gives.
     """
-    # A field without a source has that of the group.
+    # A field without a source has the source of the group.
     raw_fields = [{"source": group["source"], **raw} for raw in group["fields"]]
     group_items = _build_items(raw_fields, (*path, "fields"), context, low_first)
     if group_items is None:
@@ -273,7 +273,7 @@ def _build_items_of_group(group: Raw, path: Path, context: Context, low_first: b
 
 
 def _is_placed(raw_field: Raw) -> bool:
-    """Return True if a field gives its own place, such as with ``at``."""
+    """Return True if a field states its own place, for example with ``at``."""
     return any(key in raw_field for key in PLACES)
 
 
@@ -314,7 +314,7 @@ def _lowest_bit_of_field(raw_field: Raw, width: Expression, path: Path, context:
 def _place_in_sequence(items: Sequence[Item], low_first: bool) -> tuple[list[Item], Expression]:
     """Return the items placed one after the other, in sending order as before, and their total width.
 
-    The item sent last begins at bit 0, or the first one with ``low_first``.
+    The item sent last begins at bit 0, or the item sent first with ``low_first``.
     """
     from_lowest = list(items) if low_first else list(reversed(items))
     placed_items = []
@@ -355,10 +355,10 @@ def _check_total_width(bits: Expression, total: int, site: Site) -> bool:
 def _check_items_fit(items: Sequence[Item], bits: Expression, site: Site) -> bool:
     """Return True if every field has a valid width, is inside the layout and overlaps no other field.
 
-    Report the problems of the first parameters for which that is not so. ``bits`` is the width of the layout.
+    Report the problems of the first parameters for which this is not true. ``bits`` is the width of the layout.
     """
     field_items = list(_expand_groups(items))
-    for parameters in site.sets:  # Those of each order code, such as {"position_bits": 24}.
+    for parameters in site.sets:  # The parameters of each order code, such as {"position_bits": 24}.
         total = bits.value(parameters)
         if total > _MOST_BITS:
             message = f"the fields have {total} bits{values_text(parameters, bits)}; the maximum is {_MOST_BITS}"
@@ -405,7 +405,7 @@ def _check_fit(flat: Sequence[Item], total: int, parameters: Mapping[str, int], 
 def _range_problem(field_item: Item, width: int, bits: range, total: int, condition: str) -> tuple[str, str] | None:
     """Return the rule and the message if a field has an invalid width or is outside the layout, otherwise None.
 
-    ``bits`` are those of the field with its padding. ``condition`` is the text about the parameters, such as `` with
+    ``bits`` are the bits of the field with its padding. ``condition`` is the text about the parameters, such as `` with
     spare_bits = 3``.
     """
     name = field_item.raw.get("name", "")
@@ -420,7 +420,7 @@ def _range_problem(field_item: Item, width: int, bits: range, total: int, condit
 
 
 def _build_fields(field_item: Item, site: Site) -> Iterable[Field]:
-    """Yield the fields of an item: the field, also its padding if it has one, or all those of a group."""
+    """Yield the fields of an item: the field, also its padding if it has one, or all fields of a group."""
     for expanded_item in _expand_groups([field_item]):
         raw = expanded_item.raw
         width = expanded_item.width

@@ -49,7 +49,7 @@ def load_library(paths: Sequence[Path] | None = None) -> tuple[tuple[Device, ...
 def load_sound(paths: Sequence[Path] | None = None) -> tuple[tuple[Device, ...], Report]:
     """Load only the devices that are valid, even if other specs have problems.
 
-    A valid device is also left out if it has the same name or an order code of one that is not valid.
+    A valid device is also left out if an invalid device has the same name or one of its order codes.
     """
     families, report = load_families(paths)
     valid_families = sound_families(families, report)
@@ -59,7 +59,7 @@ def load_sound(paths: Sequence[Path] | None = None) -> tuple[tuple[Device, ...],
 
 
 def sound_families(families: Iterable[Family], report: Report) -> list[Family]:
-    """Return the families of which no file has a problem so far."""
+    """Return the families whose files have no problem so far."""
     faulty = report.faulty_files
     return [family for family in families if faulty.isdisjoint(family.files)]
 
@@ -87,7 +87,7 @@ def load_families(
     """Load all families, like ``load_library``, with the spec and the files of each device.
 
     A device is not built again if all files of its family have the same content as when it was built without problems.
-    It then comes from ``others`` or from the cache.
+    The device then comes from ``others`` or from the cache.
 
     Args:
         paths: Files and folders. Default: the specs that ship with the tool.
@@ -141,9 +141,9 @@ def _packaged_specs_for(overlays: Sequence[Document]) -> list[Path]:
 
 
 def _is_storable(family: Family) -> bool:
-    """Return True if a family depends on no other files than those of the key of its entry in the cache.
+    """Return True if a family depends only on the files in the key of its cache entry.
 
-    Families with overlays and those of other editions depend on more.
+    Families with overlays and families of other editions depend on more files.
     """
     files_of_key = set(map(str, family_files(Path(family.document.file))))
     return family.plain is None and not family.device.base and family.files <= files_of_key
@@ -165,7 +165,7 @@ def _add_content(
     """Return a family with the content of its files, and store its device if it is new.
 
     The family is returned unchanged if a file has a problem or changed while it was read, or if it cannot be stored.
-    ``contents_of_files`` has the content of all files of a family by the path of its spec.
+    ``contents_of_files`` contains the content of all files of a family by the path of its spec.
     """
     file = family.document.file
     if file not in contents_of_files or not _is_storable(family) or not is_clean(family, report):
@@ -192,8 +192,8 @@ def families_of(
     """Build the families of documents with their overlays applied, sorted by name.
 
     Problems are added to ``report``. Documents without valid data are left out, and devices that cannot be built.
-    ``cached_devices`` contains devices, by the path of their specs, that were built before and had no problems. They
-    are not checked again.
+    ``cached_devices`` contains devices, by the path of their specs, that were built before and had no problems. These
+    devices are not checked again.
     """
     overlays = [document for document in documents if is_overlay(document)]
     documents = [document for document in documents if not is_overlay(document)]
@@ -228,7 +228,7 @@ def _manufacturer_of(
     manufacturer_files: Sequence[Document],
     report: Report,
 ) -> Manufacturer:
-    """Return the manufacturer of a spec, or a stand-in for one that is not in ``makers``.
+    """Return the manufacturer of a spec, or a stand-in if it is not in ``makers``.
 
     Report that its file is missing. A file with problems has been reported, and so has a spec without the key.
     """
@@ -247,7 +247,8 @@ def _build_device(
 ) -> Device | None:
     """Return the device of a spec, or None if it cannot be built.
 
-    It has the counts of readings and the releases from the files next to the spec, and the other editions as errata.
+    The device gets the counts of readings and the releases from the files next to the spec, and the other editions as
+    errata.
     """
     device = build_device(device_data, maker, report.for_document(document))
     if device is None:
@@ -267,7 +268,7 @@ def in_edition(family: Family, revision: str, report: Report) -> Family | None:
 
 
 def _rebuild_device(makers: Mapping[str, Manufacturer], document: Document, report: Report) -> Device | None:
-    """Build the device of a document derived from one that was already built, or return None if it is not valid."""
+    """Build the device of a document derived from a spec that was already built, or return None if it is not valid."""
     data = check_document(document, report)
     if data is None:
         return None

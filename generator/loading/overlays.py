@@ -35,8 +35,8 @@ Build = Callable[[Document, Report], Device | None]
 class Family:
     """A device with its spec, and the names of all files that it comes from, including its manufacturer's.
 
-    ``plain`` is the same family without its overlays. ``content`` is that of all files on which the device depends,
-    for the key of a result. It is empty for a family with overlays, and if a file changed while it was read.
+    ``plain`` is the same family without its overlays. ``content`` is the content of all files on which the device
+    depends, for the key of a result. It is empty for a family with overlays, and if a file changed while it was read.
     """
 
     device: Device
@@ -91,8 +91,8 @@ def apply_overlays(
     _refuse_same_names(valid_overlays, report)
     resulting_families: list[Family] = []
     for name, family in families_by_name.items():
-        # With the files of all its corrections, a family counts as faulty if one of them has a problem. So one with
-        # only some of its corrections, or none, is not mistaken for the corrected family.
+        # Together with the files of all its corrections, a family counts as faulty if one of them has a problem. So one
+        # with only some of its corrections, or none, is not mistaken for the corrected family.
         files_of_corrections = {overlay.file for overlay in overlays if _is_correction_of(name, overlay)}
         family_with_files = replace(family, files=family.files | files_of_corrections)
         overlays_of_family = [overlay for overlay in valid_overlays if overlay.data["of"] == name]
@@ -137,7 +137,7 @@ def _special_families(
 
 
 def _refuse_same_names(overlays: Sequence[Document], report: Report) -> None:
-    """Report each overlay with the name of an earlier one."""
+    """Report each overlay with the name of an earlier overlay."""
     first_overlays: dict[str, Document] = {}
     for overlay in overlays:
         name = overlay.data["overlay"]
@@ -240,7 +240,7 @@ def _layer_words(layer_kind: str, layer_name: str) -> str:
 def _reported_together(change: AppliedChange) -> tuple[str, str, object]:
     """Return the key under which changes are reported as one erratum.
 
-    In an edition, it is the entry in the list of changes. In an overlay, it is the change itself.
+    In an edition, it is the entry in the list of changes. In an overlay, this is the change itself.
     """
     layer = change.layer
     if layer.kind is LayerKind.EDITION:
@@ -249,14 +249,14 @@ def _reported_together(change: AppliedChange) -> tuple[str, str, object]:
 
 
 def without_examples(names: Sequence[str]) -> Sequence[str]:
-    """Return the names except those of examples, or all names if there are only examples."""
+    """Return the names except names of examples, or all names if there are only examples."""
     return [name for name in names if not name.startswith("examples.")] or names
 
 
 def join_shortened(names: Sequence[str]) -> str:
     """Return the names as text, each once, such as ``a, b`` for two names.
 
-    Of more than nine names, only the first eight are listed, followed by the number of the others: ``and 3 more``.
+    Of more than nine names, only the first eight are listed, followed by the number of remaining names: ``and 3 more``.
     """
     unique_names = list(dict.fromkeys(names))
     omitted = len(unique_names) - _MOST_NAMED
@@ -268,7 +268,7 @@ def join_shortened(names: Sequence[str]) -> str:
 def _reduce_to_listed_codes(device: Device, overlays: Sequence[Document], report: Report) -> Device:
     """Return the device with only the order codes that the overlays list under ``applies_to``.
 
-    Report unknown order codes. If no known one is listed, the device keeps all of them.
+    Report unknown order codes. If no known code is listed, the device keeps all of its codes.
     """
     known_codes = {variant.code for variant in device.variants}
     selected_codes: set[str] = set()
@@ -283,7 +283,7 @@ def _reduce_to_listed_codes(device: Device, overlays: Sequence[Document], report
 
 
 def _report_in_overlay(inner_report: Report, spec: Document, overlay: Document, report: Report) -> None:
-    """Report the problems of the resulting family that the spec does not have itself.
+    """Report the problems of the resulting family that the spec itself does not have.
 
     Those in the spec are reported at the name of the overlay, with their place in the spec as part of the message.
     Others are reported where they are.

@@ -1,4 +1,4 @@
-"""Parameters: those in registers at run time, the sets that order codes combine, and checks of expressions."""
+"""Parameters: parameters in registers at run time, the sets that order codes combine, and checks of expressions."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def _describe_difference(device: Device, parameter: Parameter, interface: Interf
 
 
 def check_reach(raw_spec: Raw, context: Context, variants: Sequence[Variant]) -> bool:
-    """Return True if every expression has a value. Report the others.
+    """Return True if every expression has a value. Report expressions without a value.
 
     An expression needs a value for each order code of the interface that uses it. A parameter with ``equals`` needs one
     for at least one order code.
@@ -91,7 +91,7 @@ def check_reach(raw_spec: Raw, context: Context, variants: Sequence[Variant]) ->
         definitions_of_parameters = [raw_spec["parameters"][name] for name in parameter_names]
         formulas_of_parameters = [raw["equals"] for raw in definitions_of_parameters if "equals" in raw]
         sets_of_interface = context.parameter_sets.get(interface, ())
-        # A number has the same value in each set.
+        # A number is the same in each set.
         sets_to_check = sets_of_interface if parameter_names else sets_of_interface[:1]
         sets_and_expressions = product(sets_to_check, (expression_text, *formulas_of_parameters))
         problems = (_error_of_expression(expression, parameters) for parameters, expression in sets_and_expressions)
@@ -180,8 +180,8 @@ def _default_of_parameter(
 ) -> int:
     """Return the value of a parameter whose field has this number by default, and check it.
 
-    A parameter with codes has the value of the code, or 0 if the number is not one of them. ``zero_means`` is the value
-    for which a stored zero stands, or 0.
+    A parameter with codes has the value of the code, or 0 if the number is not a code. ``zero_means`` is the value for
+    which a stored zero stands, or 0.
     """
     codes_with_values = coded_values(definition)
     if codes_with_values:
@@ -234,7 +234,7 @@ def set_by_codes(raw_spec: Raw) -> frozenset[str]:
 
 
 def _check_set_values(name: str, raw_spec: Raw, codes: Sequence[CodedValue], report: DocumentReport) -> None:
-    """Check that order codes set values that the register can hold, which are those with a code.
+    """Check that order codes set only values that the register can hold, which are the values with a code.
 
     Without codes, nothing is checked.
     """
@@ -270,7 +270,7 @@ def _check_codes(name: str, definition: Raw, width: int, report: DocumentReport)
 
 
 def _find_raw_field(register: Raw, field_name: str) -> Raw | None:
-    """Return a field of a register as in the spec, or None if there is no such field.
+    """Return a field of a register as in the spec, or None if the field does not exist.
 
     A register without fields is one number, whose field has the name of the register. If the register uses a group, any
     other name may be a field of the group. The result is then empty.
@@ -340,7 +340,7 @@ def parameter_sets(
         if len(known_sets) > MOST_SETS:
             break
     # An interface that no order code selects has been reported. Its layouts are checked with the parameters of the
-    # others.
+    # other interfaces.
     all_sets = [parameters for sets in sets_by_interface.values() for parameters in sets]
     return MappingProxyType({kind: sets or all_sets for kind, sets in sets_by_interface.items()})
 
@@ -348,9 +348,9 @@ def parameter_sets(
 def _without_definitions(
     definitions: Mapping[str, Expression], variants: Sequence[Variant]
 ) -> Iterator[tuple[str, Mapping[str, int]]]:
-    """Yield the interface and the parameters of each order code, without parameters that follow from others.
+    """Yield the interface and the parameters of each order code, without derived parameters.
 
-    Order codes with the same interface and values are one.
+    Order codes with the same interface and values count once.
     """
     base_by_values: dict[tuple[str, tuple[int, ...]], Mapping[str, int]] = {}
     for variant in variants:

@@ -9,15 +9,15 @@ from ..language.document import Path
 from ..language.problems import DocumentReport
 from ..language.schema_files import is_second
 from ..model import Device, Field, Interface, Layout, Measurement, Number, Variant
-from ..model.expressions import Expression
+from ..model.expressions import Expression, is_power_of_two
 from ..model.record import dataclass
-from .gray_positions import KeyProblem, check_gray_positions, is_power_of_two
+from .gray_positions import KeyProblem, check_gray_positions
 
 #: From this number, a power of two minus one is assumed to be the highest count, not the number of counts.
 _SEVERAL = 15
-#: Keys of a measurement that are not numbers of counts. They give the length of a count.
+#: Keys of a measurement that are not numbers of counts. They state the length of a count.
 _STEPS = ("step_um", "step_nm", "per_counts")
-#: Highest number in a step, like that of every number in a spec. C has to compute with it in 64 bits.
+#: Highest number in a step, as for every number in a spec. C must be able to compute with it in 64 bits.
 _MOST = 2**53 - 1
 #: Nanometres in the units of a field whose counts are lengths.
 _NANOMETRES = {"nm": 1, "um": 1000, "µm": 1000, "μm": 1000, "mm": 1_000_000}
@@ -40,7 +40,7 @@ class _Case:
 
 def check_measurements(device: Device, report: DocumentReport) -> None:
     """Check scales and Gray code of positions, and report the first contradiction of each measurement."""
-    # Interfaces without a measurement of their own share that of the device, which is reported once.
+    # Interfaces without a measurement of their own share the measurement of the device, which is reported once.
     reported_paths: set[Path] = set()
     _check_scales(device, report)
     check_gray_positions(device, report)
@@ -56,7 +56,7 @@ def check_measurements(device: Device, report: DocumentReport) -> None:
 
 
 def _problems_of(device: Device, interface: Interface) -> Iterator[tuple[Path, KeyProblem]]:
-    """Yield the contradictions of a measurement, each with the path of the measurement or range that has the key."""
+    """Yield the contradictions of a measurement, each with the path of the measurement or range with the key."""
     measurement = device.measurement_of(interface.name)
     if measurement is None:
         return
@@ -68,7 +68,7 @@ def _problems_of(device: Device, interface: Interface) -> Iterator[tuple[Path, K
         problem = _measurement_problem(device, measurement.within(range_of_layout), case)
         if problem is not None:
             range_path: Path = ("interfaces", interface.name, "layouts", case.layout.name, "position_range")
-            # A number that the range of the layout gives is reported there, others in the measurement.
+            # A number stated by the range of the layout is reported there, other numbers in the measurement.
             is_of_range = getattr(range_of_layout, problem.key, None) is not None
             yield range_path if is_of_range else measurement_path, problem
 
@@ -105,7 +105,7 @@ def _yield_cases(device: Device, interface: Interface, measurement: Measurement)
 
 def _measurement_problem(device: Device, measurement: Measurement, case: _Case) -> KeyProblem | None:
     """Return the wrong key and the message of the first contradiction with the layout of a case, or None."""
-    # The key that gives the number of positions: per turn, or in all for a length.
+    # The key that states the number of positions: per turn, or in all for a length.
     key = "counts_per_turn" if measurement.counts_per_turn is not None else "modulus"
     expressions: dict[str, Expression] = {}
     for name in ("counts_per_turn", "turns", *_STEPS, "modulus"):
@@ -169,7 +169,7 @@ def _unit_problem(case: _Case, values: Mapping[str, int]) -> KeyProblem | None:
     unit = case.layout.field(position_name).unit
     if unit not in _NANOMETRES:
         return None
-    # The step is the length of 'per_counts' counts, and the unit of the field that of one count.
+    # The step is the length of 'per_counts' counts, and the unit of the field is the length of one count.
     length_by_unit_nm = _NANOMETRES[unit] * values.get("per_counts", 1)
     if step_nm == length_by_unit_nm:
         return None
@@ -243,7 +243,7 @@ def _range_problem(measurement: Measurement, case: _Case, counts_key: str) -> Ke
 def _message_of_signed_range(case: _Case, field_text: str, total: int) -> str:
     """Return the message about a signed position without ``highest``, or an empty string if it needs none.
 
-    It needs none if it has as many numbers as the encoder has positions.
+    It needs no range if it has as many numbers as the encoder has positions.
     """
     if not is_power_of_two(total):
         message = f"{field_text} is signed, and its range does not follow from {total} counts for {case.variant.code}"
@@ -261,7 +261,7 @@ def _order_problem(
 ) -> KeyProblem | None:
     """Return the key and the message if a number of revolutions is below the position within one revolution.
 
-    In a frame of bytes, the order in which fields are sent does not tell which one is more significant.
+    In a frame of bytes, the order in which fields are sent does not show which field is more significant.
     """
     if counts_key != "counts_per_turn":
         return None
@@ -310,7 +310,7 @@ def _at_run_time(device: Device, expression: Expression) -> bool:
 
 
 def _parameters_behind(device: Device, *expressions: Expression) -> frozenset[str]:
-    """Return the parameters behind these expressions: those set by order codes or held in registers."""
+    """Return the parameters behind these expressions: the parameters that order codes set or registers hold."""
     names = (name for expression in expressions for name in expression.parameters)
     return device.needed_parameters(names) - device.definitions.keys()
 

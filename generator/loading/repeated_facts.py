@@ -1,4 +1,4 @@
-"""Compare facts that are given twice, in one spec or in several specs of a manufacturer."""
+"""Compare facts that one spec, or several specs of a manufacturer, state twice."""
 
 from __future__ import annotations
 
@@ -18,8 +18,7 @@ from ..language.written_layouts import WrittenField
 from ..language.written_parts import WrittenSpec
 from ..model import Biss, Crc, Device, Fault, PlacedField, Register, RegisterExample, Variant, number_to_bytes
 from ..reference import codec
-from .alike_connections import compare_connectors, compare_ports
-from .alike_facts import compare_facts
+from .alike_facts import compare_connectors, compare_facts
 from .from_mapping import Raw
 
 #: Shared facts of registers and CRCs with one name, with the format of numbers in messages.
@@ -41,11 +40,10 @@ def check_shared_facts(documents: Sequence[Document], report: Report) -> None:
         maker = maker_document.data.get("manufacturer")
         documents_of_maker = [device for device in device_documents if device.data.get("manufacturer") == maker]
         for kind in _COMMON:
-            # ``name`` is that of a register or CRC, such as ``{"registers": ["preset"]}``.
+            # ``name`` is the name of a register or CRC, such as ``{"registers": ["preset"]}``.
             for name in alike_names.get(kind, ()):
                 specs_with_part = [device for device in documents_of_maker if name in _parts_by_name(kind, device)]
                 _report_different_facts(kind, name, specs_with_part, report)
-        compare_ports(alike_names.get("ports", ()), documents_of_maker, report)
         compare_facts(alike_names.get("facts", ()), documents_of_maker, report)
         compare_connectors(maker_document, documents_of_maker, report)
 
@@ -93,7 +91,7 @@ def _shared_facts(
 ) -> Iterator[tuple[tuple[str, ...], _Fact]]:
     """Yield the shared facts of a register or CRC, each with its place as an erratum gives it.
 
-    A field has its name in that place, such as ``("warning", "at")``, and its index in the path of the fact, such as
+    The place contains the field's name, such as ``("warning", "at")``, and the path of the fact its index, such as
     ``("fields", 2, "at")``.
     """
     for key, form in _COMMON[section].items():
@@ -147,7 +145,7 @@ def check_agreement(raw_spec: Raw, device: Device, report: DocumentReport) -> No
 def _check_default(device: Device, register: Register, path: Path, report: DocumentReport) -> None:
     """Check that the default of a register agrees with its fields: constants, ``equals`` and their own defaults.
 
-    Report only the first contradiction of the first order code that has one.
+    Report only the first contradiction of the first order code that has a contradiction.
     """
     default = register.default
     has_too_many_bits = default is not None and default >> (8 * register.length) != 0
@@ -156,7 +154,7 @@ def _check_default(device: Device, register: Register, path: Path, report: Docum
     for variant in device.variants_over(register.interface):
         placed = register.layout.place(variant.parameters)
         decoded = codec.decode(device, placed, default)
-        # Numbers without a name are reported with the limits. A command may clear itself to one.
+        # Numbers without a name are reported with the limits. A command may reset itself to such a number.
         contradictions = [problem.message for problem in decoded.problems if problem.fault is Fault.CONSTANT]
         for placed_field in placed.fields:
             value = decoded.values.get(placed_field.name)
@@ -203,8 +201,8 @@ def _describe_contradiction(
 ) -> str:
     """Return how a field contradicts its number in the default of its register, or an empty string.
 
-    ``default`` is that of the register, and ``documented_value`` the decoded value of the field, such as the name of
-    the number.
+    ``default`` is the default of the register, and ``documented_value`` the decoded value of the field, such as the
+    name of the number.
     """
     name = placed_field.name
     number = (default >> placed_field.low) & placed_field.mask
@@ -267,7 +265,10 @@ def _documented_bits(register: Register, variant: Variant) -> tuple[int, int]:
 
 
 def _check_read_biss_id(device: Device, identity: int, report: DocumentReport) -> None:
-    """Check that examples of 7Eh and 7Fh have the ID. Skip brands of another manufacturer, which keep the examples."""
+    """Check that examples of 7Eh and 7Fh contain the ID.
+
+    Skip brands of another manufacturer, which keep the examples.
+    """
     if device.base:
         return
     for example in device.examples:
@@ -333,7 +334,7 @@ def _compared_meaning(raw_value: Raw) -> str:
 
 
 def _check_bits_named(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
-    """Check that a number of bits in the meaning of a value is one that the value sets, or a width that it leads to.
+    """Check that a number of bits in the meaning of a value is a number that the value sets, or a resulting width.
 
     It may also be the sum of the bits that the value sets, or the width of the frame or position of one of its order
     codes: manufacturers also call a format by the bits of its whole frame. Meanings with several numbers of bits are
@@ -390,7 +391,7 @@ def _frame_and_position_widths(device: Device, variant: Variant) -> set[int]:
 
 
 def _numbers_of_code(device: Device, variant: Variant) -> set[int]:
-    """Return the numbers of an order code: its parameters, their powers of two, and those of its measurement."""
+    """Return the numbers of an order code: its parameters, their powers of two, and the numbers of its measurement."""
     numbers = set(variant.parameters.values())
     # A parameter up to 64 can be a number of bits.
     numbers |= {1 << number for number in variant.parameters.values() if 0 <= number <= 64}

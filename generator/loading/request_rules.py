@@ -58,7 +58,7 @@ def check_requests(device: Device, report: DocumentReport) -> None:
 
 
 def _constants_differ(layout: Layout, other_layout: Layout) -> bool:
-    """Return whether two requests have a different constant in the same bit of a byte."""
+    """Return whether two requests have different constants in the same bit of a byte."""
     constant_bits, other_constant_bits = _constant_bits(layout), _constant_bits(other_layout)
     common_places = constant_bits.keys() & other_constant_bits.keys()
     return any(constant_bits[place] != other_constant_bits[place] for place in common_places)

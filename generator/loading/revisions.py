@@ -29,18 +29,18 @@ _MOST_BYTES = 16 * MAX_BYTES
 _MOST_LISTED = 16 * 2**20
 #: Longest time that git may take.
 _PATIENCE_S = 60
-#: Modes of regular files in a tree. Links and submodules have others.
+#: Modes of regular files in a tree. Links and submodules have other modes.
 _FILE, _EXECUTABLE = "100644", "100755"
 #: File of the manufacturer, in the folder of its specs.
 _BESIDE = "manufacturer.yaml"
 #: A part of a path that git does not check out, or that leads elsewhere on some systems.
 _BAD_PART = re.compile(r"|\.\.?|[A-Za-z]:.*|.*[\\\0].*", re.DOTALL)
-#: A path of Windows. A revision of one letter has no such path either: paths of revisions begin at the top.
+#: A path of Windows. Nor does a revision of one letter have such a path: paths of revisions begin at the top.
 _ON_A_DRIVE = re.compile(r"[A-Za-z]:[\\/]")
-#: A file name that is safe on every system. It is kept, since the family in a spec is named after its file.
+#: A file name that is safe on every system. The name is kept, since the family in a spec is named after its file.
 _PLAIN_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
-#: git fetches nothing, not even what a partial clone left on the server. A version that does not know
-#: GIT_NO_LAZY_FETCH is not allowed to use any protocol.
+#: git fetches nothing, not even what a partial clone left on the server. A version that does not know GIT_NO_LAZY_FETCH
+#: must not use any protocol.
 _QUIET = {
     "GIT_TERMINAL_PROMPT": "0",
     "GIT_OPTIONAL_LOCKS": "0",
@@ -92,7 +92,7 @@ def write_revision(revision_path: RevisionPath, folder: Path) -> RevisionFiles:
     Folders are renamed to numbers. Files keep names that are valid on every system.
 
     Raises:
-        RevisionError: The revision cannot be read, or has names or sizes that no specs have.
+        RevisionError: The revision cannot be read, or contains names or sizes that specs cannot have.
     """
     commit = _find_commit(revision_path.revision)
     path = _path_in_repository(revision_path)
@@ -108,7 +108,7 @@ def write_revision(revision_path: RevisionPath, folder: Path) -> RevisionFiles:
         # A file given by name is a spec, whatever its suffix.
         if name.endswith(SUFFIXES) or name == path:
             blobs_of_specs[name] = blob
-    _refuse_bad_names(revision_path.revision, blobs_of_specs)  # Also those of hidden files.
+    _refuse_bad_names(revision_path.revision, blobs_of_specs)  # Also the names of hidden files.
     if not is_single_file:
         for name in list(blobs_of_specs):
             if _is_hidden(name.removeprefix(path)):
@@ -146,7 +146,7 @@ def _is_hidden(file_name: str) -> bool:
 def _target_paths(names: Iterable[str], folder: Path) -> dict[str, Path]:
     """Return the path to write each file to, below ``folder``. Files of one folder stay together.
 
-    A file has another name if its own is not plain, or if an earlier path differs only in upper and lower case.
+    A file gets another name if its own name is not plain, or if an earlier path differs only in upper and lower case.
     """
     folders: dict[str, Path] = {}
     paths: dict[str, Path] = {}
@@ -165,7 +165,7 @@ def _find_commit(revision: str) -> str:
     """Return the hash of the commit that a revision names.
 
     Raises:
-        RevisionError: The text is not a revision, or there is no such revision.
+        RevisionError: The text does not name a revision, or the revision does not exist.
     """
     revision_text = visible(revision)
     if not revision or revision.startswith("-") or "\0" in revision:
@@ -206,7 +206,7 @@ def _path_in_repository(revision_path: RevisionPath) -> str:
 def _list_files(commit: str, path: str) -> dict[str, str]:
     """Return the regular files of a commit at or below a path, each with the hash of its content.
 
-    An empty path stands for all files. Links and submodules are left out.
+    An empty path represents all files. Links and submodules are left out.
     """
     limited_to_path = ["--", path] if path else []
     listing = _run_git(["ls-tree", "-r", "-z", "--full-tree", commit, *limited_to_path])
@@ -328,6 +328,6 @@ def _run_command(
 
 
 def _stop_command(running: subprocess.Popen[bytes], timed_out: Event) -> None:
-    """Stop a command that takes too long, and set ``timed_out`` to tell that from its own end."""
+    """Stop a command that takes too long, and set ``timed_out`` to distinguish this from a normal end."""
     timed_out.set()
     running.kill()

@@ -24,7 +24,7 @@ _NUMBER = re.compile(r"\d+")
 def check_stated_lengths(device: Device, report: DocumentReport) -> None:
     """Report a layout whose note, or an erratum about it, states a length that no frame has.
 
-    A list of lengths, such as ``21, 23 or 26``, must have those of all order codes.
+    A list of lengths, such as ``21, 23 or 26``, must contain the lengths of all order codes.
     """
     if report.document.family or report.document.other_files:
         return
@@ -44,7 +44,7 @@ def check_stated_lengths(device: Device, report: DocumentReport) -> None:
 
 
 def check_stated_bits(device: Device, report: DocumentReport) -> None:
-    """Report a parameter whose meaning ends with other numbers of bits than it has for the order codes."""
+    """Report a parameter whose meaning ends with numbers of bits that differ from the order codes."""
     if report.document.family or report.document.other_files:
         return
     for parameter in device.parameters:
@@ -86,7 +86,7 @@ def _numbers(match: re.Match[str]) -> tuple[int, ...]:
 
 
 def _fits(match: re.Match[str], lengths: Sequence[int]) -> bool:
-    """Return whether stated lengths are possible. A list such as ``21, 23 or 26`` must have all lengths."""
+    """Return whether stated lengths are possible. A list such as ``21, 23 or 26`` must contain all lengths."""
     numbers = _numbers(match)
     is_list = len(_NUMBER.findall(match["numbers"])) > 1
     return {*numbers} == {*lengths} if is_list else {*numbers} <= {*lengths}

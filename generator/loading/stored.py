@@ -103,7 +103,7 @@ def stored_device(cache: Cache, content: Sequence[bytes | str]) -> model.Device 
 
 
 def store_device(cache: Cache, content: Sequence[bytes | str], device: model.Device) -> None:
-    """Store a device whose spec has no problems. ``content`` is that of all files on which it depends.
+    """Store a device whose spec has no problems. ``content`` is the content of all files on which it depends.
 
     A device that cannot be stored is not an error. It is then built again each time.
     """
@@ -129,7 +129,7 @@ def as_data(device: model.Device) -> list[Any]:
     hex}``, and a map is ``{"m": [[key, value], …], "f": true if it cannot be changed}``.
 
     Raises:
-        NotStorable: A member has a type that models did not have so far.
+        NotStorable: A member has a type that models did not have before.
     """
     rows: list[Any] = []
     row_by_id: dict[int, int] = {}
@@ -190,7 +190,7 @@ def from_data(rows: Any) -> model.Device:
 def _rebuild_value(stored_value: Any, built: Sequence[Any]) -> Any:
     """Return the value of a member that ``as_data`` converted.
 
-    ``built`` has the objects of the rows before. The value may refer to them by index.
+    ``built`` contains the objects of the rows before. The value may refer to them by index.
     """
     if isinstance(stored_value, list):
         return tuple([_rebuild_value(member, built) for member in stored_value])

@@ -1,7 +1,7 @@
-"""Find the valid parts of a spec: those without errors that depend only on parts without errors.
+"""Find the valid parts of a spec: parts without errors that depend only on parts without errors.
 
-An example of a register with a misspelt field is wrong, but reporting it adds nothing. It is checked once the register
-is fixed.
+An example of a register with a misspelt field is wrong, but reporting it adds nothing. The example is checked once the
+register is fixed.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class ValidParts:
         """Return True if an example and all parts that it depends on are valid.
 
         A frame of bits depends on its layout, and one of bytes on all layouts, because any of them may have its bytes.
-        All examples except those of CRCs also depend on order codes and parameters.
+        All examples except CRC examples also depend on order codes and parameters.
         """
         if not self.is_sound("examples", example.name):
             return False
@@ -81,7 +81,7 @@ def valid_parts_so_far(report: DocumentReport) -> ValidParts:
 def valid_parts(spec: WrittenSpec, faults: Iterable[Path]) -> ValidParts:
     """Return the validity of the parts of a spec as read, given its faulty places.
 
-    A place is faulty if something in it is. An item is also faulty if it uses a faulty one, such as a layout with a
+    A place is faulty if something in it is. An item is also faulty if it uses a faulty item, such as a layout with a
     faulty field group.
     """
     # Each faulty place with its parents: registers, registers[2] and registers[2].address.
@@ -99,7 +99,7 @@ def valid_parts(spec: WrittenSpec, faults: Iterable[Path]) -> ValidParts:
 
 
 def _items_with_places(spec: WrittenSpec) -> Iterator[tuple[Item, Path]]:
-    """Yield the items without references to others, each with its place, and all registers."""
+    """Yield the items without references to other items, each with its place, and all registers."""
     for crc in spec.crcs:
         yield ("crcs", _name_or_mark(crc.part.name)), crc.path
     for example in spec.examples:

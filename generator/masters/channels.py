@@ -1,4 +1,4 @@
-"""Data channels of BiSS other than that of the position: those in the same frame, and those of their own."""
+"""Data channels of BiSS other than the position channel, in the same frame or in their own frames."""
 
 from __future__ import annotations
 

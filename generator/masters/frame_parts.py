@@ -1,4 +1,4 @@
-"""What the record for a master is made of: the parts of a frame by their role, and the clock for a cable."""
+"""The ingredients of the record for a master: the parts of a frame by their role, and the clock for a cable."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ from ..model import (
     Variant,
     assert_never,
 )
+from ..model.expressions import is_power_of_two
 from ..model.order_codes import facts_for_code
 from ..model.record import dataclass
 from ..say.text import hertz
@@ -52,7 +53,7 @@ _ROLES_AS_SENT = ("before", "position", "after", "status", "crc")
 
 
 def frame_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: Variant) -> Iterator[Part]:
-    """Yield the parts of the frame in the order sent. What the common frame does not have there is ``other``.
+    """Yield the parts of the frame in the order sent. Bits that the common frame does not have there are ``other``.
 
     Raises:
         NoRecord: Some bits have no field, the position is not in one piece, or no bits of it are the revolutions.
@@ -162,7 +163,7 @@ def _expected_role(field: PlacedField, stage: str) -> str:
 
 
 def _is_parity_of_frame(field: PlacedField, placed_layout: PlacedLayout) -> bool:
-    """Return whether a field is the last one, and a parity bit over all other bits that are not always 0."""
+    """Return whether a field is the last field, and a parity bit over all other bits that are not always 0."""
     kind = field.field.kind
     # ``over`` limits the parity to some bits of the fields. The last field has its lowest bit at 0.
     if not isinstance(kind, Parity) or kind.over or field.low:
@@ -179,7 +180,7 @@ def _is_always_zero(field: PlacedField) -> bool:
 
 
 def _position_fields(placed_layout: PlacedLayout, measurement: Measurement) -> list[PlacedField]:
-    """Return the fields of the position that the order code has, the most significant one first."""
+    """Return the fields of the position that exist for the order code, the most significant field first."""
     return placed_layout.find_fields(placed_layout.layout.names_in(measurement.of))
 
 
@@ -201,19 +202,19 @@ def turn_bits_of_fields(placed_layout: PlacedLayout, measurement: Measurement, v
 
 
 def _turn_bits(measurement: Measurement, position_bits: int, variant: Variant) -> int:
-    """Return the number of the highest bits of the position that count revolutions: those above one revolution.
+    """Return the number of the highest bits of the position that count revolutions.
 
-    There are none for a length, and without the counts per revolution.
+    There are none for a length, for a single revolution, without the counts per revolution, or if these are not a power
+    of two and the number of revolutions is not known.
 
     Raises:
-        NoRecord: There are several revolutions, but no bits of the position are the revolutions.
+        NoRecord: There are several revolutions, of counts that are not a power of two, so no bits are the revolutions.
     """
     turns = measurement.turns.value(variant.parameters) if measurement.turns is not None else None
     if measurement.counts_per_turn is None or turns == 1:
         return 0
     counts = measurement.counts_per_turn.value(variant.parameters)
-    is_power_of_two = counts & (counts - 1) == 0
-    if is_power_of_two:
+    if is_power_of_two(counts):
         singleturn_bits = (counts - 1).bit_length()
         return max(position_bits - singleturn_bits, 0)
     if turns is None:
@@ -272,8 +273,8 @@ def _bits_of_role(frame_parts: Sequence[Part], role: str) -> int:
 def bit_counts(frame_parts: Sequence[Part]) -> dict[str, int | None]:
     """Return the numbers of bits of a frame by the names of the items for rules: ``{"crc_bits": 6, ...}``.
 
-    ``left`` in a name means the bits sent before the position, and ``right`` those after it. ``frame_bits`` leaves out
-    the parity bit.
+    ``left`` in a name means bits sent before the position, and ``right`` means bits sent after it. ``frame_bits``
+    leaves out the parity bit.
     """
     roles = ("multiturn", "singleturn", "padding", "status", "crc", "other", "parity")
     bits = {role: _bits_of_role(frame_parts, role) for role in roles}
@@ -330,7 +331,10 @@ _BISS_CLOCKS = (
 
 @dataclass(frozen=True, slots=True)
 class CableRow:
-    """A row of a table. With ``is_below``, cable and clock must be below ``metres`` and ``hz``, else at most these."""
+    """A row of a table.
+
+    With ``is_below``, cable and clock must be below ``metres`` and ``hz``, else at most equal to them.
+    """
 
     metres: int
     hz: int
@@ -386,15 +390,15 @@ class CableTable:
 
 
 def _printed_rows(interface: Ssi, code: str) -> list[CableRow]:
-    """Return the rows of the table in the manual that apply to an order code, or all of them without one."""
+    """Return the rows of the table in the manual that apply to an order code, or all rows without an order code."""
     lengths = facts_for_code(interface.cable_lengths, code) if code else interface.cable_lengths
     return [CableRow(metres=length.shorter_than_m, hz=length.below_hz, is_below=True) for length in lengths]
 
 
 def cable_table(device: Device, interface: Ssi | Biss, code: str = "") -> CableTable:
-    """Return the table for an interface: a public one for BiSS, that of the manual for SSI, which may have no rows.
+    """Return the table for an interface: a public table for BiSS, the manual's table for SSI, which may have no rows.
 
-    The rows and errata of a manual's table are those that apply to the order code, or all of them without one.
+    The rows and errata of a manual's table are the rows and errata for the order code, or all without an order code.
     """
     match interface:
         case Ssi():

@@ -29,7 +29,7 @@ def clock_notes(numbers: Mapping[str, int | None], cables: CableTable, cable_m: 
 
 
 def _register_in_words(device: Device, name: str) -> str:
-    """Return a register in words. One that is only reached over another interface has no address here."""
+    """Return a register in words. A register that is only reached over another interface has no address here."""
     for register in device.registers:
         if register.name == name:
             return f"{register.printed_name or name} ({addresses(register)})"
@@ -64,7 +64,7 @@ def split_notes(
 ) -> Iterator[str]:
     """Yield a sentence about the revolutions in a position of several fields if no field ends with them.
 
-    There is another one if the spec does not say how many bits they have.
+    There is another sentence if the spec does not say how many bits they have.
     """
     position_fields = placed_layout.find_fields(placed_layout.layout.names_in(measurement.of))
     if len(position_fields) == 1:

@@ -71,7 +71,7 @@ class Place:
 
 
 def devices_of(master_data: Raw) -> tuple[MasterDevice, ...]:
-    """Return the devices of a description, or the master itself as the only one."""
+    """Return the devices of a description, or the master itself as the only device."""
     device_descriptions = master_data.get("devices", ({"name": master_data["title"]},))
     devices: list[MasterDevice] = []
     for description in device_descriptions:
@@ -87,14 +87,14 @@ def places_of(
     standing: str,
     fill_in: Callable[[str], str],
 ) -> tuple[Place, ...]:
-    """Return the places of a setting. Those that are the same for all records are computed once for each value."""
+    """Return the places of a setting. Places that are the same for all records are computed once for each value."""
     # A symbol with an item in braces is different for each record.
     depends_on_record = any("{" in str(rule.get("symbol", "")) for rule in setting["places"])
     if depends_on_record:
         return _compute_places(setting, value, devices, standing, fill_in)
     cache_key = (id(setting), value, standing)
     cached_setting, places = _SETTING_AND_PLACES.get(cache_key, (None, ()))
-    # A new object may have the id of one that is gone.
+    # A new object may get the id of a deleted object.
     if cached_setting is not setting:
         places = _compute_places(setting, value, devices, standing, fill_in)
         _SETTING_AND_PLACES[cache_key] = setting, places
@@ -222,7 +222,7 @@ class PlaceWords:
 def place_words(places: Sequence[Place], value: str, devices: Sequence[MasterDevice]) -> Iterator[PlaceWords]:
     """Yield the places of a value in words, once for all devices with the same words.
 
-    ``devices`` of the words is empty if these are all devices. A value in hexadecimal has its default in it too.
+    ``devices`` of the words is empty if these are all devices. If a value is in hexadecimal, its default is, too.
     """
     devices_by_words: dict[PlaceWords, list[str]] = {}
     # Adjacent places of a device are its channels.
@@ -353,7 +353,10 @@ def _known_names(rule: Raw, key: str, names: Collection[str]) -> tuple[str, ...]
 def _write_condition(
     rule: Raw, settings: tuple[str, ...], after: tuple[str, ...], devices: Sequence[MasterDevice], standing: str
 ) -> WriteCondition:
-    """Return a condition with its words. ``settings`` and ``after`` are those of its names that the sheet has."""
+    """Return a condition with its words.
+
+    ``settings`` and ``after`` are the names in the condition that the sheet has.
+    """
     needs = _writes_of_rule(rule, "needs", devices, standing)
     then = _writes_of_rule(rule, "then", devices, standing)
     effect = Effect(**rule["takes_effect"]) if "takes_effect" in rule else None
@@ -387,7 +390,7 @@ def _write_from_rule(rule: Raw, devices: Sequence[MasterDevice], standing: str) 
 
 
 def write_order(names: Sequence[str], rules: Iterable[WriteCondition]) -> tuple[str, ...]:
-    """Return the settings, each as early as every ``after`` allows, and otherwise in their own order."""
+    """Return the settings, each as early as every ``after`` allows, and otherwise in their original order."""
     orderings = tuple(_Ordering(settings=rule.of, after=rule.after) for rule in rules if rule.after)
     return _names_in_order(tuple(names), orderings)
 
@@ -424,7 +427,10 @@ def _condition_text(
     then: tuple[Write, ...],
     effect: Effect | None,
 ) -> str:
-    """Return a condition as one sentence. It has values before or after the settings, an order, or an effect."""
+    """Return a condition as one sentence.
+
+    The condition has values before or after the settings, an order, or an effect.
+    """
     if needs:
         values_text = listed(f"{write.title} must be {write.text}" for write in needs)
         return f"Before writing {listed(settings) or 'any setting'}, {values_text}."

@@ -1,4 +1,4 @@
-"""Clock for a cable length, from the table in the encoder's manual or, for BiSS, from a public one.
+"""The record of an order code: the facts about its position, frame, clocks and times that settings of masters need.
 
 The rules for masters in ``specs/masters`` refer to its items by name. An item that the manual does not give is None. A
 rule that needs it reports it as unknown.
@@ -28,7 +28,7 @@ from ..model import (
 )
 from ..model.order_codes import facts_for_code
 from ..order_codes.parameters import with_answers
-from ..say.evidence import Subject, document, mentions
+from ..say.evidence import Subject, document, reference_to_mention
 from ..say.text import hertz, timeout_words
 from .channels import NO_CHANNELS, FrameChannels, channel_notes, frame_channels
 from .frame_parts import (
@@ -49,7 +49,7 @@ _NO_ANSWERS: Mapping[str, str] = MappingProxyType({})
 
 
 class Undecided(NoRecord):
-    """The frame depends on a question that the manual leaves open, and there was no answer."""
+    """The frame depends on a question that the manual leaves open, and no answer was given."""
 
     def __init__(self, layout: Layout, names: Iterable[str]) -> None:
         super().__init__(f"'{layout.name}' depends on {' and '.join(names)}, which you must choose")
@@ -63,9 +63,9 @@ class Record:
     ``answers`` are the user's answers to questions that the manual leaves open, by the names of the alternatives.
     ``cable_m`` is the cable length for which the highest clock is chosen, and ``cable_row`` the row of the table for
     it. Both may be None. ``step`` is the exact length of a count in µm. ``numbers`` has it in each unit in which it is
-    whole. ``document`` is the word for what does not state a fact, and ``mentioned`` are the subjects of the
-    texts that it has. ``used_hz`` has the clocks in use, if the highest clock is not known. ``obstacle`` is the
-    reason why no master can take the position, and ``crc_obstacle`` the reason why none can check the CRC. Both are
+    whole. ``document`` is the word for what does not state a fact. ``mentioned`` has the place of a text about a
+    subject, or an empty string. ``used_hz`` has the clocks in use, if the highest clock is not known. ``obstacle`` is
+    the reason why no master can take the position, and ``crc_obstacle`` the reason why none can check the CRC. Both are
     sentences, or empty. ``channels`` are the other data channels in the frame ``layout``.
     """
 
@@ -78,11 +78,11 @@ class Record:
     cables: CableTable
     notes: tuple[str, ...]
     answers: Mapping[str, str]
+    mentioned: Mapping[Subject, str]
     cable_m: int | None = None
     cable_row: CableRow | None = None
     step: Fraction | None = None
     document: str = "manual"
-    mentioned: frozenset[Subject] = frozenset()
     used_hz: tuple[int, ...] = ()
     obstacle: str = ""
     crc_obstacle: str = ""
@@ -94,7 +94,7 @@ class Record:
         return {name: value for name, value in self.numbers.items() if value is not None}
 
 
-#: Position whose unit the spec does not give.
+#: Position whose unit the spec does not state.
 _WITHOUT_UNIT = Measurement(of="position")
 
 
@@ -175,7 +175,7 @@ def _position_frame(device: Device, variant: Variant, answers: Mapping[str, str]
 def _parts_and_obstacle(frame: _PositionFrame) -> tuple[tuple[Part, ...], str]:
     """Return the parts of the frame, and the reason why no master can take them, or an empty string if they can.
 
-    With a reason, the parts are only the rough ones.
+    With a reason, the parts are only rough.
     """
     layout = frame.placed_layout.layout
     try:
@@ -236,7 +236,7 @@ def _build_record(
         document=document(device),
         channels=frame_channels(interface, frame.placed_layout),
         layout=frame.placed_layout.name,
-        mentioned=frozenset(subject for subject in Subject if mentions(device, interface, subject)),
+        mentioned={subject: reference_to_mention(device, interface, subject) for subject in Subject},
         used_hz=clock.used_hz if numbers["clock_max_hz"] is None else (),
     )
 
@@ -285,10 +285,10 @@ def _status_active(frame_parts: Sequence[Part]) -> str:
 
 
 def _limit_to_cable(unlimited: Record, metres: int) -> Record:
-    """Return the record with the highest clock for this cable length: that of the table or, if lower, the encoder's.
+    """Return the record with the highest clock for this cable length: the table's clock or, if lower, the encoder's.
 
-    If the encoder's is not known, the record has the clocks in use that the table allows. ``cable_row`` is the row of
-    the table if it limits the clock, or None if the encoder does.
+    If the encoder's clock is not known, the record contains the clocks in use that the table allows. ``cable_row`` is
+    the row of the table that limits the clock, or None if the encoder limits it.
 
     Raises:
         NoRecord: The table has no such length, or its clock is lower than the encoder's lowest.
@@ -325,7 +325,11 @@ def _cable_row(unlimited: Record, metres: int) -> CableRow:
 
 
 def _frame_with_position(interface: Interface, measurement: Measurement, variant: Variant) -> PlacedLayout:
-    """Return the frame that carries the position of this order code. With several BiSS channels, this is the first."""
+    """Return the frame that carries the position of this order code. With several BiSS channels, this is the first.
+
+    Raises:
+        NoRecord: No frame carries the position.
+    """
     layouts = sorted(interface.layouts, key=lambda layout: layout.channel or 0)
     for layout in layouts:
         placed_layout = layout.place(variant.parameters)
@@ -336,7 +340,7 @@ def _frame_with_position(interface: Interface, measurement: Measurement, variant
 
 
 def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
-    """Return the numbers of the CRC, all 0 without one.
+    """Return the numbers of the CRC, or zeros without a CRC.
 
     The polynomial x^6 + x + 1 is 0x43, or 0x03 without its top bit, or 0x21 without its last 1.
     """
@@ -381,7 +385,7 @@ def _longest_timeout_us(timeout: Timeout, clock: Clock) -> int | None:
 
 
 def _divide_rounding_up(number: int, divisor: int) -> int:
-    # Division rounds down, so that of the negative number rounds its amount up.
+    # Division rounds down, so dividing the negative number rounds its absolute value up.
     return -(-number // divisor)
 
 

@@ -74,7 +74,7 @@ def is_within_limits(limit: Raw, record: Record) -> bool:
     number = record.numbers[name]
     if number is None:
         return True
-    # A limit that is not given has the number itself as default, so it always holds.
+    # A limit that is not given defaults to the number itself, so it always holds.
     is_in_range = limit.get("at_least", number) <= number <= limit.get("at_most", number)
     is_listed = number in limit.get("one_of", (number,))
     is_excluded = number in limit.get("none_of", ())
@@ -122,7 +122,7 @@ def value_of_setting(rule: Raw, record: Record) -> ValueOfSetting:
 
     Raises:
         UnknownValue: It depends on a number that the spec does not give.
-        UnsupportedFeature: The master has no value for it.
+        UnsupportedFeature: The master offers no value for it.
     """
     if "unknown" in rule:
         raise UnknownValue(rule["unknown"])
@@ -170,7 +170,12 @@ def _evaluate_expression(value: int | str, setting_name: str, record: Record, *,
 
 
 def _choose_value(rule: Raw, record: Record) -> int | str:
-    """Return the value ``set`` of the case whose ``is`` equals the deciding item of this encoder."""
+    """Return the value ``set`` of the case whose ``is`` equals the deciding item of this encoder.
+
+    Raises:
+        UnknownValue: The spec does not give the deciding item.
+        UnsupportedFeature: No case has its value.
+    """
     deciding_item = rule["choice"]["of"]
     encoder_value = record.words.get(deciding_item, record.numbers.get(deciding_item))
     if encoder_value is None:
@@ -212,6 +217,10 @@ def best_listed_clock(rule: Raw, record: Record) -> Raw:
     """Return the fastest of the master's clocks that the encoder supports: ``{"hz": 5000000, "set": 3}``.
 
     If the highest clock of the encoder is not known, return the fastest of those in use.
+
+    Raises:
+        UnknownValue: The highest clock is not known, and the master has none of those in use.
+        UnsupportedFeature: The master has no clock within the limits of the encoder.
     """
     used_clocks = [clock for clock in rule["clocks"] if clock["hz"] in record.used_hz]
     if used_clocks:
@@ -267,6 +276,10 @@ def best_selectable_clock(clock_rule: Raw, record: Record) -> int:
     """Return the fastest clock that the encoder and the master support, for a master with freely selectable clocks.
 
     If the highest clock of the encoder is not known, return the fastest in use that the master supports.
+
+    Raises:
+        UnknownValue: The highest clock is not known, and the master supports none of those in use.
+        UnsupportedFeature: No clock is within the limits of both.
     """
     lowest_of_master = clock_rule.get("at_least_hz", 0)
     highest_of_master = clock_rule.get("at_most_hz", math.inf)
@@ -288,7 +301,7 @@ def _filled_if_known(text: str, record: Record) -> str:
     """Return the text with the items in braces filled in.
 
     Raises:
-        UnknownValue: One of them has no value.
+        UnknownValue: One of them is unknown.
     """
     for name in NUMBERS:
         is_in_text = f"{{{name}}}" in text
@@ -299,7 +312,7 @@ def _filled_if_known(text: str, record: Record) -> str:
 
 
 def fill_template(text: str, record: Record) -> str:
-    """Return the text with the items in braces filled in, with ``unknown`` for those without a value."""
+    """Return the text with the items in braces filled in, and with ``unknown`` for items without a value."""
     if "{" not in text:
         return text
     if record.step is not None:
@@ -310,7 +323,7 @@ def fill_template(text: str, record: Record) -> str:
 
 
 def _field_texts(rule: Raw, setting_name: str, record: Record) -> Iterator[str]:
-    """Yield the text at the start, and then that of each part of the frame, from the rule for its kind.
+    """Yield the text at the start, and then the text of each part of the frame, from the rule for its kind.
 
     The kind of a part is its role, or for a status bit ``status_active_low`` or ``status_active_high``.
 
@@ -326,7 +339,7 @@ def _field_texts(rule: Raw, setting_name: str, record: Record) -> Iterator[str]:
     yield _filled_if_known(rule.get("start", ""), record)
     has_whole_position = "position" in template_by_kind
     parts = _with_whole_position(record) if has_whole_position else _with_two_parts_of_position(record)
-    # The record has the parts in the order sent.
+    # The record lists the parts in the order sent.
     if rule["first"] != "sent_first":
         parts = parts[::-1]
     for part in parts:
@@ -341,7 +354,7 @@ def _field_texts(rule: Raw, setting_name: str, record: Record) -> Iterator[str]:
 
 
 def _with_whole_position(record: Record) -> Sequence[Part]:
-    """Return the parts of the frame with those of the position merged into one."""
+    """Return the parts of the frame with all parts of the position merged into one."""
     roles = ["position" if part.role in ("multiturn", "singleturn") else part.role for part in record.parts]
     parts = [replace(part, role=role) for part, role in zip(record.parts, roles, strict=True)]
     return _with_neighbours_merged(parts, ("position",))
@@ -353,10 +366,10 @@ def _with_two_parts_of_position(record: Record) -> Sequence[Part]:
 
 
 def _with_neighbours_merged(frame_parts: Sequence[Part], roles: Collection[str]) -> Sequence[Part]:
-    """Return the parts, in which neighbours with the same one of these roles are one part.
+    """Return the parts, with adjacent parts of the same role merged if the role is in ``roles``.
 
-    Two neighbouring parts of 4 and 8 singleturn bits become the part ``singleturn`` of 12 bits. A part with one of the
-    roles is named after it, even if it has no such neighbour.
+    Two neighbouring parts of 4 and 8 singleturn bits become the part ``singleturn`` of 12 bits. Such a part is named
+    after its role, even if it has no such neighbour.
     """
     merged_parts: list[Part] = []
     for part in frame_parts:

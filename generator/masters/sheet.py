@@ -82,7 +82,7 @@ class Setting:
 
     @property
     def is_default(self) -> bool:
-        """True if the value is the factory default on every device."""
+        """True if the value is the factory default at each of its places."""
         return all(place.is_default for place in self.places)
 
 
@@ -115,7 +115,7 @@ class Sheet:
     gaps: tuple[Refusal, ...] = ()
 
     def devices_with(self, file: Raw) -> list[str]:
-        """Return the names of the usable devices to which a file of the master applies: those in ``on``, or all."""
+        """Return the names of the usable devices to which a file of the master applies: ``on``, or all."""
         names = [device.name for device in self.master.devices if device.name not in self.unusable_devices]
         return [name for name in names if name in file.get("on", names)]
 
@@ -130,7 +130,9 @@ class Sheet:
 
 
 def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Report]:
-    """Return the shipped masters and those at ``paths``, by title. One with the same name replaces a shipped one.
+    """Return the shipped masters and the masters at ``paths``, by title.
+
+    A master with the same name replaces a shipped one.
 
     Returns:
         The masters, valid only if the report is empty, and the report.
@@ -145,7 +147,7 @@ def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Report
             if description is not None and "master" not in description:
                 problem = "this is not a description of a master: the key 'master' is missing"
                 report.add("not-allowed", document, (), problem)
-            elif description is not None:  # None: the report has its problems.
+            elif description is not None:  # None: the report contains its problems.
                 name = description["master"]
                 if name in group_names:
                     report.add("duplicate-name", document, ("master",), f"there is another description of '{name}'")
@@ -244,7 +246,7 @@ def _settings_and_device_refusals(
 ) -> tuple[list[Setting], list[tuple[Refusal, set[str]]]]:
     """Return the settings, and the refusals of settings that some devices cannot express, with these devices.
 
-    ``uncovered`` names the parts of the frame that the description does not mention. If there are any, settings that
+    ``uncovered`` names the parts of the frame that the description does not mention. If it names any, settings that
     depend on the whole frame are unknown.
     """
     settings: list[Setting] = []
@@ -277,7 +279,7 @@ def _refusals_of_values(settings: Sequence[Setting]) -> Iterator[Refusal]:
 
 
 def _refusals_of_crc(master: Master, record: Record) -> Iterator[Refusal]:
-    """Yield a refusal if no master can check the CRC, and this one does, since its rules depend on the CRC.
+    """Yield a refusal if no master can check the CRC, and ``master`` does, since its rules depend on the CRC.
 
     ``crc_obstacle`` is the reason why none can, or an empty string.
     """
@@ -367,7 +369,7 @@ def _mentioned_items(rule: Any) -> set[str]:
 
 
 def _devices_with_setting(rule: Raw, master: Master) -> set[str]:
-    """Return the names of the devices that have a setting. A place without ``on`` is on all of them."""
+    """Return the names of the devices that have a setting. A place without ``on`` applies to all of them."""
     all_names = [device.name for device in master.devices]
     names_with_setting: set[str] = set()
     for place in rule["places"]:
@@ -390,7 +392,7 @@ def _setting_of_rule(rule: Raw, master: Master, record: Record, unknown_parts: s
     ``unknown_parts`` are names in a text, such as ``'parity' and 'reserved'``, which is empty if there are none.
 
     Raises:
-        UnsupportedFeature: The master has no value for it.
+        UnsupportedFeature: The master offers no value for it.
     """
     try:
         if unknown_parts:

@@ -95,10 +95,9 @@ def _clock_limits_text(record: Record) -> str:
 
 
 def _not_stated_text(record: Record, subject: Subject | None = None) -> str:
-    """Return the words for a fact without a value, or a reference to the texts of the manual that mention it."""
-    if subject in record.mentioned:
-        return f"see the times and characteristics in the {record.document}"
-    return f"the {record.document} does not say"
+    """Return the words for a fact without a value, or a reference to the text of the manual that mentions it."""
+    reference = record.mentioned[subject] if subject is not None else ""
+    return reference or f"the {record.document} does not say"
 
 
 def _cable_table_text(record: Record) -> str:
@@ -147,7 +146,7 @@ def _data_bits_text(record: Record) -> str:
 
 
 def _crc_text(record: Record) -> str:
-    """Return the CRC in words, with its polynomial in three notations, or ``none`` without one."""
+    """Return the CRC in words, with its polynomial in three notations, or ``none`` without a CRC."""
     numbers = record.known_numbers
     if not numbers["crc_bits"]:
         return "none"
@@ -204,7 +203,7 @@ def standing_mark(rule: Setting | Refusal | WriteCondition) -> str:
 
 @lru_cache(4096)
 def cited(source: str) -> str:
-    """Return the citations of a source, those without a place first: ``"X:p. 3; Y"`` becomes ``"Y, X:p. 3"``."""
+    """Return the citations of a source, citations without a place first: ``"X:p. 3; Y"`` becomes ``"Y, X:p. 3"``."""
     citations = re.split(r";\s*", source.strip())
     return ", ".join(sorted(citations, key=lambda citation: ":" in citation))
 

@@ -26,7 +26,7 @@ class ComparedField:
 
 @dataclass(frozen=True, slots=True)
 class ChannelFrame:
-    """A frame with several data channels. ``layouts`` are those of the channels, in the order in which they are sent.
+    """A frame with several data channels. ``layouts`` are the layouts of the channels, in the order sent.
 
     The highest ``compared_bits`` bits of the ``compared`` fields must not differ from those of the first of them by
     more than ``tolerance``. Their highest and lowest number are adjacent.
@@ -48,7 +48,7 @@ class ChannelFrame:
         return self.bits
 
     def bits_before(self, layout: Layout) -> Expression:
-        """Return the number of bits of the channels that are sent before this one."""
+        """Return the number of bits of the channels that are sent before ``layout``."""
         place = self.layouts.index(layout)
         return sum((earlier.bits for earlier in self.layouts[:place]), Expression(0))
 
@@ -67,7 +67,10 @@ class ChannelFrame:
 
 @dataclass(frozen=True, slots=True)
 class PlacedChannels:
-    """A frame with several data channels for one order code. ``compared`` has the compared field of each layout."""
+    """A frame with several data channels for one order code.
+
+    ``compared`` contains the compared field of each layout.
+    """
 
     channels: tuple[PlacedLayout, ...]
     compared: Mapping[str, str]
@@ -100,7 +103,7 @@ class PlacedChannels:
         return frame
 
     def compared_numbers(self, values: Sequence[Mapping[str, object]]) -> Iterator[int]:
-        """Yield the highest bits of each compared field. ``values`` has the values of each channel, by field."""
+        """Yield the highest bits of each compared field. ``values`` contains the values of each channel, by field."""
         for channel, values_of_channel in zip(self.channels, values, strict=True):
             name = self.compared.get(channel.name)
             if name is not None:
@@ -118,7 +121,7 @@ class PlacedChannels:
         return all(self._are_close(first_number, number) for number in other_numbers)
 
     def _are_close(self, position: int, other_position: int) -> bool:
-        """Return whether two numbers differ by no more than the tolerance, also across the end of their range."""
+        """Return whether two numbers differ by at most the tolerance, also across the end of their range."""
         modulus = 1 << self.compared_bits
         difference = (position - other_position) % modulus
         return min(difference, modulus - difference) <= self.tolerance

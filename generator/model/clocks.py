@@ -1,4 +1,4 @@
-"""Facts about the clock of an interface: its limits, those with long cables, and the time-out after a frame."""
+"""Facts about the clock of an interface: its limits, the limits with long cables, and the time-out after a frame."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from .part import ClocksInUse, Count, Phrase, key, only_key, part, source_key
 class Clock:
     """The master's clock: its limits, inclusive, each None if not known, and clocks with which encoders are read.
 
-    ``used_hz`` has the clocks of programs and masters in ascending order. They are not limits. A spec whose clock has
-    not been stated yet has neither.
+    ``used_hz`` contains the clocks of programs and masters in ascending order. They are not limits. A spec whose clock
+    has not been stated yet has neither limits nor clocks in use.
     """
 
     min_hz: int | None = key(

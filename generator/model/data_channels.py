@@ -15,7 +15,7 @@ from .part import NOTHING, Count, Name, key, part, source_key
     data="Data channels in one frame, one directly after the other.",
 )
 class DataChannels:
-    """Data channels of one frame. ``compared`` has the field of each layout whose highest bits must agree.
+    """Data channels of one frame. ``compared`` contains the field of each layout whose highest bits must agree.
 
     These are ``compared_bits`` bits of each field, which may differ by ``tolerance``. The lowest and the highest number
     of these bits are adjacent.

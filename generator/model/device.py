@@ -1,7 +1,7 @@
 """Range of the numbers that an encoder sends as its position.
 
 An offset can shift unsigned positions up to the ``highest`` of the measurement, so all of these are valid.
-Signed positions end at ``highest``, and begin as many numbers before it as the encoder has positions.
+Signed positions end at ``highest``, and their number is the number of positions.
 """
 
 from __future__ import annotations
@@ -148,7 +148,7 @@ class Variant:
 class TimesRead:
     """Number of facts in a spec by how they were read: twice and equal, twice and different with a reason, or once.
 
-    ``decided`` counts facts that no manual prints, and ``derived`` those that follow from others.
+    ``decided`` counts facts that no manual prints, and ``derived`` counts facts that follow from other facts.
     """
 
     twice: int
@@ -219,7 +219,7 @@ class Device:
     #: Overlays on the spec, and the original family if this one is a special model or another edition.
     overlays: tuple[Overlay, ...] = ()
     base: str = ""
-    #: Editions of the manual, oldest first, and the edition of this device if it differs from that of the spec.
+    #: Editions of the manual, oldest first, and the edition of this device if it differs from the spec's edition.
     editions: tuple[ManualEdition, ...] = ()
     edition: str = ""
     releases: tuple[Release, ...] = ()
@@ -253,7 +253,7 @@ class Device:
 
     @cached_property
     def definitions(self) -> Mapping[str, Expression]:
-        """Expressions of the parameters that follow from others, by name."""
+        """Expressions of the derived parameters, by name."""
         return {parameter.name: parameter.equals for parameter in self.parameters if parameter.equals is not None}
 
     def needed_parameters(self, names: Iterable[str]) -> frozenset[str]:
@@ -316,7 +316,7 @@ class Device:
 
     @cached_property
     def identity(self) -> tuple[tuple[Register, Field], ...]:
-        """Register fields that identify a device of this family: those with a documented value."""
+        """Register fields that identify a device of this family: fields with a documented value."""
         fields = ((register, field) for register in self.registers for field in register.layout.fields)
         return tuple((register, field) for register, field in fields if field.equals is not None)
 
@@ -339,8 +339,8 @@ class Device:
     def supply_of(self, variant: Variant) -> Supply | None:
         """Return the supply that an order code needs, or None if the manual does not give it.
 
-        If values of the order code determine the supply, it is that of the first one which has a supply, and None if
-        the order code has none of them, such as with an unlisted value. Otherwise it is that of the device.
+        If values of the order code determine the supply, it is the supply of the first value that has one, and None if
+        no value has one, such as an unlisted value. Otherwise it is the supply of the device.
         """
         has_supply_by_code = False
         for part in self.order_code.parts:
@@ -401,7 +401,7 @@ class Device:
         return self._ranges_by_layout[id(layout)]
 
     def _range_over(self, interface: str, layout: Layout) -> PositionRange | None:
-        """Return the range of valid positions in a frame over an interface, or None if its field holds no others."""
+        """Return the range of valid positions in a frame over an interface, or None if all values are valid."""
         measurement = self.measurement_in(interface, layout)
         if layout.sender != "encoder" or measurement is None:
             return None

@@ -48,7 +48,7 @@ def cite(sources: Sources) -> str:
 
 
 def own_first(sources: Sources) -> Sources:
-    """Return the sources with those in the manual itself first, so that they do not seem to be in a named document."""
+    """Return the sources with citations of the manual first, so that they do not seem to be in a named document."""
     return tuple(sorted(sources, key=lambda source: source.document != ""))
 
 
@@ -67,8 +67,8 @@ class Document:
 class Evidence:
     """Evidence for the facts of a family.
 
-    ``documents`` has the pages that were read, by document. The others name implementations that agree, examples from
-    real hardware, and facts that are left out. ``placeholders`` names values that are still the template's.
+    ``documents`` contains the pages that were read, by document. The others name implementations that agree, examples
+    from real hardware, and facts that are left out. ``placeholders`` names values that are still the template's.
     """
 
     grade: Literal["manual", "quoted", "corroborated", "corroborated, no hardware frame seen", "uncorroborated"] = key(

@@ -24,6 +24,11 @@ LARGEST_EXPONENT = 128
 _MOST_DIGITS = 100
 
 
+def is_power_of_two(number: int) -> bool:
+    """Return True for 1, 2, 4 and so on."""
+    return number > 0 and number & (number - 1) == 0
+
+
 class ExpressionError(ValueError):
     """The text is not an expression, or has no value. The message gives the reason."""
 
@@ -74,7 +79,7 @@ class Expression:
         """
         if isinstance(text, int):
             return cls(text)
-        # ``total`` is the sum so far, ``factors`` the product of the current term, and ``sign`` that of this term.
+        # ``total`` is the sum so far, ``factors`` the product of the current term, and ``sign`` the sign of this term.
         total = cls()
         factors = cls(1)
         position = 0
@@ -135,7 +140,7 @@ class Expression:
         return total
 
     def substitute(self, definitions: Mapping[str, Expression]) -> Expression:
-        """Return the expression with parameters replaced that are defined by others.
+        """Return the expression with derived parameters replaced by their definitions.
 
         Parameters in powers and products stay, since two to the power of a sum is not a sum. A parameter defined by a
         product also stays, since its name is more readable.
@@ -160,7 +165,7 @@ class Expression:
 
     def __mul__(self, other: Expression) -> Expression:
         products = [term * factor for term, factor in itertools.product(self._all_terms, other._all_terms)]
-        # The first product is that of the constants. A constant of 0 makes terms of multiple 0.
+        # The first product belongs to the constants. A constant of 0 leads to terms of multiple 0.
         return _simplify(products[0].multiple, tuple(term for term in products[1:] if term.multiple))
 
     @property

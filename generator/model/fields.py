@@ -172,7 +172,7 @@ class Field:
     def for_parameters(self, parameters: Mapping[str, int]) -> Field:
         """Return the field as it is for an order code with these parameters, and with the verdict that they decide.
 
-        Only flags differ. A flag that this order code does not have is unexplained.
+        Only flags differ. A flag that does not exist for this order code is unexplained.
         """
         if not isinstance(self.kind, Flag):
             return self
@@ -239,7 +239,7 @@ class Field:
 
     @property
     def fills_gap(self) -> bool:
-        """True if the field consists of zeros that the spec does not list, between two fields or next to one."""
+        """True if the field consists of zeros that the spec does not list, between two fields or next to a field."""
         return isinstance(self.kind, Constant) and self.kind.fills_gap
 
     @property
@@ -250,7 +250,7 @@ class Field:
 
 @dataclass(frozen=True, slots=True)
 class Join:
-    """A number made of several fields, most significant first."""
+    """A number formed by several fields, most significant first."""
 
     name: str
     fields: tuple[str, ...]

@@ -53,7 +53,7 @@ class Common:
     #: Number of register addresses, and the number in a bank if the interface has banks.
     highest_address: ClassVar[int | None] = None
     highest_in_bank: ClassVar[int | None] = None
-    #: True if a register has one address for each of its bytes, false if it has a single one.
+    #: True if a register has one address for each of its bytes, false if it has a single address.
     byte_addresses: ClassVar[bool] = True
     #: Flags defined by the interface itself, with the verdict on the position while each is active.
     flags: ClassVar[Mapping[str, str]] = MappingProxyType({})
@@ -107,8 +107,8 @@ class Exchange:
     """A request with the frame that answers it. ``reply`` is empty if the encoder does not answer.
 
     ``purpose`` is ``position``, ``read``, ``write`` or ``other``. Those that read or write access a register over SPI,
-    with their fields ``address`` and ``data``. Several that write are the words of one write, in order.
-    ``word_bits`` is the length of both words over SPI, or None if it is that of the interface.
+    with their fields ``address`` and ``data``. Several exchanges that write are the words of one write, in order.
+    ``word_bits`` is the length of both words over SPI, or None if the length of the interface applies.
     """
 
     request: str
@@ -151,7 +151,7 @@ class BankSelect:
 
 @dataclass(frozen=True, slots=True)
 class ControlField:
-    """A field of the control frame. The manual does not give the complete layout of that frame."""
+    """A field of the control frame. The manual does not describe the complete layout of that frame."""
 
     name: str
     printed_name: str
@@ -269,7 +269,7 @@ class MemoryAccess:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rs485(Common):
-    """Requests and replies. Those of the T-format have ``data_ids``, all others ``exchanges``."""
+    """Requests and replies. Exchanges of the T-format have ``data_ids``, all others ``exchanges``."""
 
     name: ClassVar[str] = "rs485"
     title: ClassVar[str] = "RS-485"

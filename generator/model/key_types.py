@@ -196,7 +196,7 @@ class KeyType(NamedTuple):
 
 
 def name_of_part(class_name: str) -> str:
-    """Return the name of a part by that of its class. ``WrittenField`` is a field as it is written in a spec."""
+    """Return the name of a part by the name of its class. ``WrittenField`` is a field as it is written in a spec."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", class_name.removeprefix("Written")).lower()
 
 
@@ -219,7 +219,7 @@ def key_type(text: str) -> KeyType:
 def data_notation(described: DescribedKey) -> str:
     """Return the notation of a key in the data, such as ``count?``, or ``boolean=false`` with a default.
 
-    It is empty for a key that the data do not have.
+    It is empty for a key that does not occur in the data.
     """
     if described.key.shape:
         return described.key.shape

@@ -4,8 +4,8 @@ Each kind also states the facts that modules of all layers need, so that these n
 
 - ``word`` names it in sentences about a change of the kind.
 - ``role`` is its part in a frame. Only data matter to users of a decoded frame.
-- ``is_joinable`` is true if a joined number can contain the bits, because the value of the field is that of its bits.
-- ``value_at_rest`` is a valid value of a field that has no other source: that of the bits 0 if possible.
+- ``is_joinable`` is true if a joined number can contain the bits, because its value is the number formed by its bits.
+- ``value_at_rest`` is a valid value of a field that has no other source: the value of the bits 0 if possible.
 - ``makes_position`` is the verdict on the position while a bit differs from its normal value, or None.
 
 mypy reports a kind that lacks one of them where a module reads it.
@@ -97,7 +97,7 @@ class Number:
 
     @property
     def is_joinable(self) -> bool:
-        """True if the number is that of its bits."""
+        """True if the value is the number formed by the bits."""
         return not self.signed and not self.zero_means
 
     @property
@@ -207,11 +207,11 @@ class CrcValue:
 
 @dataclass(frozen=True, slots=True)
 class Parity:
-    """A bit that makes the number of ones even or odd, counting this bit and those of the fields ``of``.
+    """A bit that makes the number of ones even or odd, counting this bit and the bits of the fields ``of``.
 
     ``over`` selects the bits of each field that count: ``odd_bits``, ``even_bits``, or all if it is empty. Bit 0 is the
-    least significant bit of the field. ``constants`` are covered as well. Their ones are already counted in ``odd``,
-    and ``turned`` is true if they are an odd number.
+    least significant bit of the field. ``constants`` are covered as well. Their 1 bits are already counted in ``odd``,
+    and ``turned`` is true if their number is odd.
     """
 
     word: ClassVar[str] = "parity"
@@ -237,13 +237,13 @@ class Parity:
 
     @property
     def is_odd(self) -> bool:
-        """True if the number of all ones is odd, those of constants included."""
+        """True if the number of all ones is odd, including the ones in constants."""
         return self.odd != self.turned
 
 
 @dataclass(frozen=True, slots=True)
 class Decimal:
-    """A number made of runs of decimal digits, most significant run first."""
+    """A number formed by runs of decimal digits, most significant run first."""
 
     word: ClassVar[str] = "decimal digits"
     role: ClassVar[Role] = "data"
@@ -259,7 +259,7 @@ class Decimal:
 
     @property
     def limit(self) -> int:
-        """Lowest number that has too many digits."""
+        """Lowest number with too many digits."""
         return self.runs[0].divisor * self.runs[0].modulus
 
 
@@ -341,7 +341,8 @@ class Scale:
     def places(self) -> int:
         """Number of decimals: as many as exact decimals need, otherwise enough for a tenth of a count."""
         reduced_denominator = self.denominator // gcd(self.numerator, self.offset, self.denominator)
-        # Only denominators of twos and fives have exact decimals, with fewer places than the denominator has bits.
+        # Only denominators with the factors two and five have exact decimals, with fewer places than the denominator
+        # has bits.
         for places in range(reduced_denominator.bit_length()):
             is_exact = 10**places % reduced_denominator == 0
             if is_exact:

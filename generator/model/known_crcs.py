@@ -22,8 +22,8 @@ class KnownCrc(NamedTuple):
         return self.polynomial.bit_length() - 1
 
 
-#: The polynomials of masters are those of the Microchip dsPIC33A by length, and 0x97, which Beckhoff names next to
-#: 0x43. The others are those of the encoders in ``specs/``, and that of the AS5047U, whose users publish frames.
+#: The polynomials of masters come from the Microchip dsPIC33A by length, and 0x97, which Beckhoff names next to 0x43.
+#: The others come from the encoders in ``specs/``, and from the AS5047U, whose users publish frames.
 KNOWN_CRCS: Sequence[KnownCrc] = (
     KnownCrc(0x190D9, "BiSS, 16 bits", in_masters=True),
     KnownCrc(0x12F, "BiSS, 8 bits", in_masters=True),

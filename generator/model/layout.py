@@ -30,8 +30,8 @@ class Layout:
     It is transmitted either ``in_bytes``, with the ``byte_order`` ``low_byte_first`` or ``high_byte_first``, or as
     bits, most significant first. ``fields`` are in transmission order for frames, and start at the most significant bit
     for registers. ``channel`` is the BiSS data channel if the encoder has several. ``position_range`` is the range of
-    its position, if it differs from that of the interface. ``gray_excess`` is the number that is sent in Gray code for
-    position 0, if it is not 0.
+    its position, if it differs from the range of the interface. ``gray_excess`` is the number that is sent in Gray code
+    for position 0, if it is not 0.
     """
 
     name: str
@@ -69,11 +69,11 @@ class Layout:
         return next((field for field in self.fields if field.name == name), None)
 
     def find_fields(self, names: Iterable[str]) -> list[Field]:
-        """Return the fields with these names that the layout has, in the same order."""
+        """Return the fields with these names that exist in the layout, in the same order."""
         return [field for field in map(self.find_field, names) if field is not None]
 
     def names_in(self, field_or_join: str) -> tuple[str, ...]:
-        """Return the names of the fields of a join, most significant first. For a field, return its own name."""
+        """Return the names of the fields of a join, most significant first. For a field, this is its own name."""
         return next((join.fields for join in self.joins if join.name == field_or_join), (field_or_join,))
 
     @cached_property
@@ -158,7 +158,7 @@ class Layout:
 
     @cached_property
     def judging_bits(self) -> Expression:
-        """Expression that is 0 for order codes whose frames have no judging field, and positive for all others.
+        """Expression that is 0 for order codes whose frames have no judging field, and positive for all other codes.
 
         A judging field decides whether the position is usable. Some order codes lack it, for which its width is 0. If
         a judging field has a constant width, all order codes have it, and the expression is 1. Otherwise it is the sum
@@ -191,7 +191,7 @@ class Layout:
 
     @cached_property
     def crc_fields(self) -> tuple[Field, ...]:
-        """CRCs at the end. With several of them, each order code has at most one."""
+        """CRCs at the end. If there are several, each order code has at most one."""
         return tuple(field for field in self.fields if isinstance(field.kind, CrcValue))
 
     @property
@@ -209,7 +209,7 @@ class Layout:
         return any(isinstance(field.kind, Parity) for field in self.fields)
 
     def is_sent(self, parameters: Mapping[str, int]) -> bool:
-        """Return whether a frame has bits. A layout without bits is absent for these parameters."""
+        """Return whether a frame has any bits. A layout without bits is absent for these parameters."""
         return self.bits.value(parameters) > 0
 
     def place(self, parameters: Mapping[str, int]) -> PlacedLayout:
@@ -252,7 +252,7 @@ def _packed_by_byte(fields: Sequence[Field]) -> tuple[tuple[Field, int], ...]:
 
 
 def _packed_by_bit(lowest_first: Iterable[Field]) -> tuple[tuple[Field, int], ...]:
-    """Return the fields, each with its lowest bit in a number where they are adjacent and have their widest form."""
+    """Return the fields, each with its lowest bit in a number that packs them in their widest form."""
     placed_fields = []
     low_bit = 0
     for unused_field in lowest_first:
@@ -297,7 +297,7 @@ class PlacedLayout:
         return None
 
     def find_fields(self, names: Iterable[str]) -> list[PlacedField]:
-        """Return the fields with these names that the order code has, in the same order."""
+        """Return the fields with these names that exist for the order code, in the same order."""
         return [field for field in map(self.find_field, names) if field is not None]
 
     @property
@@ -345,7 +345,7 @@ class PlacedLayout:
     def place_of(self, name: str) -> tuple[int, int]:
         """Return lowest bit and width of a field, or of a join of adjacent fields. An absent field has width 0.
 
-        The field listed last in a join has its lowest bit.
+        The field listed last in a join contains its lowest bit.
         """
         placed_fields = self.find_fields(self.layout.names_in(name))
         if not placed_fields:
@@ -407,7 +407,7 @@ def _sign_of_combination(layout: Layout, combination: Combination) -> Sign:
 def _flag_of_sign(
     sign_name: str, flag: Flag, printed_name: str, note: str = "", remedy: str = "", source: Sources = ()
 ) -> Field:
-    """Return the flag of a sign. It has no bits in the frame."""
+    """Return the flag of a sign. The flag has no bits in the frame."""
     nowhere = Expression(0)
     return Field(
         sign_name, flag, nowhere, nowhere, 0, printed_name=printed_name, note=note, remedy=remedy, source=source
@@ -427,7 +427,7 @@ def _parse_condition(layout: Layout, condition: str) -> tuple[str, int]:
 def have_lengths(layouts: Sequence[Layout], sender: str) -> bool:
     """Return True if frames of a sender on one channel have different lengths, so that bytes imply no leading zeros.
 
-    That is so if there are more pairs of channel and length than channels.
+    This is the case if there are more pairs of channel and length than channels.
     """
     frames = [layout for layout in layouts if layout.sender == sender]
     channels = {layout.channel for layout in frames}

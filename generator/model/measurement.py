@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     needs_a_key=True,
 )
 class LayoutRange:
-    """Range of the position in one layout, if it differs from that of the interface.
+    """Range of the position in one layout, if it differs from the range of the interface.
 
     A position that never ``wraps`` can be any number that fits its field.
     """
@@ -183,7 +183,7 @@ class Measurement:
     def within(self, layout_range: LayoutRange | None) -> Measurement:
         """Return the measurement with the range of one layout. The units are the same in all layouts.
 
-        A position that never wraps around has no range. If the layout gives only ``highest``, turns and modulus stay.
+        A position that never wraps around has no range. If the layout states only ``highest``, turns and modulus stay.
         """
         if layout_range is None:
             return self

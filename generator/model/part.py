@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 else:
 
     def dataclass_transform(**_: object) -> Callable[[Any], Any]:
-        """Mark a decorator for type checkers only, because Python 3.10 has no such function."""
+        """Mark a decorator for type checkers only, because Python 3.10 lacks this function."""
         return lambda decorator: decorator
 
 
 T = TypeVar("T")
 
-#: A name in the spec, such as that of a field.
+#: A name in the spec, such as the name of a field.
 Name = str
 #: Running text, of several sentences if needed. It is an element in XML.
 Prose = str
@@ -69,11 +69,11 @@ Joins = Mapping[str, tuple[str, ...]]
 CodePattern = str
 #: A write as the manual prints it.
 PrintedWrite = str
-#: A sentence in place of a name.
+#: A sentence instead of a name.
 Headline = str
 #: A path into the spec.
 FactPath = str
-#: A number that a parameter of an order code has.
+#: The value of an order code's parameter.
 ParameterValue = int
 #: A number, possibly negative.
 SignedNumber = int
@@ -179,9 +179,9 @@ def key(about: str, *, default: T, **options: Any) -> T: ...
 @overload
 def key(about: str, **options: Any) -> Any: ...
 def key(about: str, *, default: Any = MISSING, **options: Any) -> Any:
-    """Describe a key of the spec language. Without a ``default``, specs must have it.
+    """Describe a key of the spec language. Without a ``default``, specs must contain the key.
 
-    The options are those of ``Key`` and of ``Member``.
+    The options are the options of ``Key`` and of ``Member``.
     """
     own_options = {name: options.pop(name) for name in list(options) if name in Key._fields}
     metadata = {_KEY: Key(about, member=options, **own_options)}
@@ -195,7 +195,7 @@ def fact(about: str, *, default: T, **options: Any) -> T: ...
 @overload
 def fact(about: str, **options: Any) -> Any: ...
 def fact(about: str, *, default: Any = MISSING, **options: Any) -> Any:
-    """Describe a member that only the data have, because it follows from others."""
+    """Describe a member that only the data have, because it is derived from other members."""
     return key(about, default=default, is_written=False, **options)
 
 
@@ -212,7 +212,7 @@ def name_key(about: str, **options: Any) -> Any:
 
 
 def meaning_key(about: str, **options: Any) -> Any:
-    """Describe the key ``meaning``. Specs must have it, unless a default is given."""
+    """Describe the key ``meaning``. Specs must contain it, unless a default is given."""
     return key(about, data="Meaning or purpose.", rule="words", **options)
 
 
@@ -242,7 +242,7 @@ def only_key(
 
 
 def source_key(**options: Any) -> Any:
-    """Describe the key ``source``, whose type has the description. Specs must have it, unless a default is given."""
+    """Describe the key ``source``, whose type has the description. Specs must contain it, unless a default is given."""
     return key("", **options)
 
 
@@ -262,7 +262,7 @@ def source_key(**options: Any) -> Any:
     ),
 )
 def part(about: str, *, kw_only: bool = True, **options: Any) -> Callable[[type[T]], type[T]]:
-    """Return the decorator of a part of the language. The options are those of ``About`` and of data classes."""
+    """Return the decorator of a part of the language. The options are the options of ``About`` and of data classes."""
 
     def decorate(part_class: type[T]) -> type[T]:
         described: Any = dataclass(frozen=True, slots=True, kw_only=kw_only)(part_class)
@@ -293,7 +293,7 @@ class DescribedKey(NamedTuple):
 
     @property
     def is_required(self) -> bool:
-        """True if specs must have the key."""
+        """True if specs must contain the key."""
         return self.default is MISSING
 
 

@@ -66,7 +66,7 @@ def _refuse_change(self: Any, name: str, *_: object) -> NoReturn:
 
 
 def _late_init(part_class: Any) -> Callable[..., None]:
-    """Return an ``__init__`` that the first object replaces with the compiled one."""
+    """Return an ``__init__`` that the first object replaces with a compiled ``__init__``."""
 
     def init(self: Any, *values: Any, **keyword_values: Any) -> None:
         part_class.__init__ = _init_of(part_class)
@@ -76,7 +76,7 @@ def _late_init(part_class: Any) -> Callable[..., None]:
 
 
 def _init_of(part_class: type) -> Any:
-    """Return an ``__init__`` for a class, like the one that ``dataclasses`` would generate.
+    """Return an ``__init__`` for a class, as ``dataclasses`` would generate it.
 
     Its source is built as text. A default is in its namespace as ``_NAME``. For a default that a function makes,
     ``_NAME`` is MISSING, and the body calls the function, ``_of_NAME``, if it receives this.

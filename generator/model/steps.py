@@ -29,7 +29,10 @@ class WriteStep(_Step):
 
 @dataclass(frozen=True, slots=True)
 class ModifyStep(_Step):
-    """Write ``value`` to one field and keep the others as read. If it is None, write the argument ``value_name``."""
+    """Write ``value`` to one field and keep the other fields as read.
+
+    If it is None, write the argument ``value_name``.
+    """
 
     do: ClassVar[str] = "write"
     register: str
@@ -122,10 +125,10 @@ _FEWEST = 3
 
 
 def steps_of(characteristic_value: str) -> tuple[str, ...]:
-    """Return the text before the first step, then each step. Without steps numbered from one, return only the value."""
+    """Return the text before the first step, then each step. Without steps numbered from 1, return only the value."""
     numbers = list(_NUMBER.finditer(characteristic_value))
     counts_from_one = [int(match[1]) for match in numbers] == list(range(1, len(numbers) + 1))
-    # Numbers that do not count from 1 are not those of steps.
+    # Numbers that do not count from 1 are not numbers of steps.
     if not numbers or not counts_from_one:
         return (characteristic_value,)
     texts = [characteristic_value[: numbers[0].start()].strip()]

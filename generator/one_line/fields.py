@@ -40,7 +40,7 @@ def read_field(text: str, column: int, interface: str) -> LineField:
     """Return the field that a text describes, such as ``crc=6:0x43``, where 6 and 0x43 are its values.
 
     Raises:
-        FieldError: The text does not describe one.
+        FieldError: The text does not describe a field.
     """
     name, equals, value_text = text.partition("=")
     name = name.strip()
@@ -122,7 +122,7 @@ def _read_flag(name: str, values: Sequence[str], column: int) -> Flag:
 
 
 def _flag_of_interface(name: str, column: int, interface: str) -> Flag:
-    """Return a flag whose level the interface decides: it is low over BiSS, and not known over the others."""
+    """Return a flag with the level of the interface: active low over BiSS, and unknown over other interfaces."""
     if interface != "biss":
         raise FieldError(f"'{name}' has no active level; write {name}=low or {name}=high")
     return Flag(name, column, "low", VERDICTS[name])
@@ -172,7 +172,7 @@ def _read_crc(values: Sequence[str], column: int, interface: str) -> Crc:
 def _read_polynomial(polynomial_text: str, bits: int, offset: int) -> int:
     """Return a polynomial without its top bit, which may be written: ``0x43`` of 6 bits is 3.
 
-    Its lowest bit is always 1. ``offset`` is that of the text in the field, for the error.
+    Its lowest bit is always 1. ``offset`` is the offset of the text in the field, for the error.
     """
     polynomial = number_in(polynomial_text)
     top_bit = 1 << bits

@@ -39,7 +39,7 @@ class Number:
 
 @dataclass(frozen=True, slots=True)
 class Flag:
-    """A bit with an active level. ``verdict`` is that on the position while the flag is active."""
+    """A bit with an active level. ``verdict`` is the verdict on the position while the flag is active."""
 
     name: str
     column: int
@@ -116,7 +116,7 @@ class Line:
 
     @property
     def gaps(self) -> Iterator[str]:
-        """The facts that a spec needs, but the line does not state."""
+        """The facts that a spec needs, but that the line does not state."""
         options = self.options
         if self.interface != "rs485" and not options.clock_hz:
             yield "The clock."

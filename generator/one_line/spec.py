@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from .line import IN_TURN, POSITION, TURNS, Crc, Filler, Flag, Line, LineField, Number, Parity
 
-#: Source of the facts that the line states, and of those that it does not.
+#: Source of the facts that the line states, and of the remaining facts.
 _LINE, _NOT_STATED = '"line: fields"', "TODO not stated"
 _LAYOUTS = {"biss": "single_cycle_data", "ssi": "ssi_word", "spi": "position_word", "rs485": "reply"}
 _CRC_NAME = "line_crc"
@@ -24,7 +24,7 @@ _MEANINGS = {
     "usable_with_warning": "a warning is active",
     "usable": "the bit is active",
 }
-#: Text that stands for the schema of devices until the place of the spec is known.
+#: Text that is replaced by the schema of devices once the place of the spec is known.
 SCHEMA = "device.schema.json"
 
 
@@ -121,7 +121,7 @@ def _write_crc(line: Line) -> Iterator[str]:
 
 
 def _write_interface(line: Line) -> Iterator[str]:
-    """Yield the interface with its layouts. What the line does not state has a placeholder as its source."""
+    """Yield the interface with its layouts. A fact that the line does not state has a placeholder as its source."""
     options = line.options
     yield "interfaces:"
     yield f"  {line.interface}:"
@@ -157,7 +157,7 @@ def _write_clock(line: Line) -> Iterator[str]:
 
 
 def _write_serial_port(line: Line) -> Iterator[str]:
-    """Yield the serial port, and the exchange that has the reply."""
+    """Yield the serial port, and the exchange with the reply."""
     source = _LINE if line.options.baud else _NOT_STATED
     port = f"baud: {line.options.baud or _PLACEHOLDER_BAUD}, data_bits: 8, parity: none, stop_bits: 1"
     yield f"    source: {_LINE}"
@@ -243,7 +243,7 @@ def _byte_names(field: LineField, line: Line) -> list[str]:
 
 
 def _write_joins(line: Line) -> Iterator[str]:
-    """Yield the numbers that consist of several fields: split numbers, and the position made of the turns and the rest.
+    """Yield the numbers that consist of several fields: split numbers, and the position made of turns and the rest.
 
     Their fields are listed most significant first.
     """
@@ -259,7 +259,7 @@ def _write_joins(line: Line) -> Iterator[str]:
 
 
 def _write_erratum(line: Line) -> Iterator[str]:
-    """Yield an erratum for a frame that differs from those of BiSS, so that ``check`` accepts it."""
+    """Yield an erratum for a frame that differs from BiSS frames, so that ``check`` accepts it."""
     places = list(_places_unlike_biss(line)) if line.interface == "biss" else []
     if not places:
         return
@@ -277,7 +277,7 @@ def _write_erratum(line: Line) -> Iterator[str]:
 
 
 def _places_unlike_biss(line: Line) -> Iterator[str]:
-    """Yield the paths of what differs from BiSS in a frame with an error or warning bit: ``crcs.line_crc.xorout``.
+    """Yield the paths of the differences from BiSS in a frame with an error or warning bit: ``crcs.line_crc.xorout``.
 
     A usual frame has the position, the error and then the warning bit, both active low, and an inverted CRC.
     """
@@ -304,7 +304,7 @@ def _places_unlike_biss(line: Line) -> Iterator[str]:
 def _write_field(field: LineField, name: str, line: Line, parity_fields: Sequence[str]) -> Iterator[str]:
     """Yield the keys of a field in the spec, ``name: zero_bits, bits: 2, constant: 0``, or those of each split byte.
 
-    Effects on the position are left out of a frame without one.
+    Effects on the position are left out of a frame without a position.
     """
     byte_names = _byte_names(field, line)
     if byte_names:

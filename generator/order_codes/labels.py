@@ -40,7 +40,7 @@ def has_no_part(name: str) -> str:
 
 
 def family_instead_of_code(text: str, code: str) -> str:
-    """Return the message for the name of a family in place of an order code."""
+    """Return the message for the name of a family instead of an order code."""
     return f"'{text}' is a family; give an order code, such as {code}"
 
 
@@ -66,7 +66,7 @@ AFTER = r"(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?"
 class UnknownOrderCode(ValueError):
     """The order code does not exist. The message names the wrong part and its valid values.
 
-    ``close`` is true if this message is the one to show: either all but one part of the text matches the family, or the
+    ``close`` is true if this message should be shown: either all but one part of the text matches the family, or the
     text cannot belong to any family.
     """
 
@@ -144,7 +144,7 @@ def find_code(device: Device, text: str) -> Match:
         label_match = re.fullmatch(expression_of_code(device.order_code, spelling) + AFTER, label, re.IGNORECASE)
         if label_match is None:
             continue
-        # A spelling may have texts of its own for the values of a part. Others are as listed.
+        # A spelling may use different texts for the values of a part. Other values are as listed.
         value_by_spelling = {(value.part, value.text.upper()): value.value for value in spelling.values}
         value_by_part: dict[str, str] = {}
         for part in device.order_code.parts:
@@ -175,7 +175,7 @@ def values_by_spelling(part: CodePart, spelling: Spelling) -> Mapping[str, str]:
 def beginnings(code: OrderCode) -> tuple[str, ...]:
     """Return the possible prefixes of the family's labels, uppercase and without spaces. "" matches any label.
 
-    Prefixes that begin with another one are omitted.
+    Prefixes that begin with another prefix are omitted.
     """
     prefixes: set[str] = set()
     for spelling in (as_listed(code), *code.also_written):
@@ -192,7 +192,7 @@ def _first_texts(code: OrderCode, spelling: Spelling) -> list[str]:
 
     If the first part can have unlisted values, an empty text is among them, since a label can begin with anything.
     """
-    # The split gives texts and names of parts in turn, beginning with a text.
+    # The split yields texts and names of parts in turn, beginning with a text.
     text_before_parts, *names_and_texts = _BRACES.split(spelling.pattern)
     if text_before_parts.strip():
         return [text_before_parts]
@@ -214,7 +214,7 @@ def _variant_with_parts(
 ) -> tuple[Variant, tuple[str, ...]]:
     """Return the order code with these parts, and the names of parts with unlisted values.
 
-    An unlisted value remains in the code. Interface and parameters are those of the first listed code that fits.
+    An unlisted value remains in the code. Interface and parameters come from the first listed code that fits.
 
     Raises:
         UnknownOrderCode: The parts cannot be combined.
@@ -247,8 +247,8 @@ def _listed_value(part: CodePart, text: str) -> str | None:
 def _fitting_variant(device: Device, listed_values: Mapping[str, str | None]) -> Variant | None:
     """Return the first listed code with these parts, or None if there is none.
 
-    In ``listed_values``, None stands for an unlisted value, which any listed code fits. There is no such code if a part
-    is unlisted where only listed values are possible.
+    In ``listed_values``, None stands for an unlisted value, which matches any listed code. There is no such code if a
+    part is unlisted where only listed values are possible.
     """
     for part in device.order_code.parts:
         if listed_values[part.name] is None and not _can_be_open(part, listed_values):
@@ -260,9 +260,10 @@ def _fitting_variant(device: Device, listed_values: Mapping[str, str | None]) ->
 
 
 def _can_be_open(part: CodePart, listed_values: Mapping[str, str | None]) -> bool:
-    """Return whether a part can have an unlisted value next to these values of the other parts.
+    """Return whether a part can have an unlisted value in combination with these values of the other parts.
 
-    ``open_only_with`` lists, for some other parts, the values next to which it can. Unlisted ones are always allowed.
+    ``open_only_with`` lists, for some other parts, the values that allow an unlisted value. Unlisted values are always
+    allowed.
     """
     for name, allowed_values in part.open_only_with.items():
         if listed_values[name] is not None and listed_values[name] not in allowed_values:
@@ -298,7 +299,7 @@ def expression_of_code(order_code: OrderCode, spelling: Spelling, anything: str 
 
 
 def _value_pattern(part: CodePart) -> str:
-    """Return a regular expression for the listed values of a part, and for unlisted ones if it can have any.
+    """Return a regular expression for the listed values of a part, and for unlisted values if it can have any.
 
     ``part.open`` is the expression for unlisted values.
     """
@@ -333,9 +334,10 @@ def _fits_if_changed(device: Device, part: CodePart, listed_values: Mapping[str,
 
 
 class _WrongPart(NamedTuple):
-    """A part that may be the wrong one.
+    """A part that may be wrong.
 
-    The least one is the likeliest: it has the fewest unlisted other parts and, if several have as few, no text itself.
+    The smallest tuple is the likeliest: it has the fewest unlisted other parts and, if several are equal, no text
+    itself.
     """
 
     unlisted_others: int
@@ -390,7 +392,7 @@ def _has_more_than(label_match: re.Match[str], part: CodePart, label: str) -> bo
 def closest_reason(devices: Iterable[Device], text: str) -> str | None:
     """Return why ``text`` is not an order code: the first message of these families that is ``close``, or None.
 
-    The text must be an order code of none of them.
+    The text must not be an order code of any of them.
     """
     for device in devices:
         try:
@@ -435,7 +437,7 @@ def edition_before(device: Device, revision: str) -> str:
 
 
 def edition_by_label(device: Device, match: Match) -> str:
-    """Return the revision whose labels are written like this one, or an empty string if the label does not show it."""
+    """Return the revision whose labels are written like this label, or an empty string if none is certain."""
     spellings = device.order_code.also_written
     patterns = {spelling.pattern for spelling in spellings if spelling.where == match.written_as_in}
     for edition in device.editions:

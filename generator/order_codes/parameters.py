@@ -33,7 +33,7 @@ def parameters_of(device: Device, interface_name: str) -> tuple[Parameter, ...]:
         is_for_information = parameter.equals is None and parameter.name not in used_by_any
         if parameter.name in used_by_interface or is_for_information:
             selected_names.add(parameter.name)
-    # A formula may use the result of another one, so look until nothing is added. It ends when all are selected.
+    # A formula may use the result of another formula, so look until nothing is added. It ends when all are selected.
     while True:
         computable = {name for name, formula in formulas.items() if selected_names.issuperset(formula.parameters)}
         if computable <= selected_names:
@@ -146,7 +146,8 @@ def extreme_combinations(states_by_field: Sequence[Sequence[State]]) -> Iterator
     """Yield combined states of register fields, since a value may fit with one extreme but not with two.
 
     Each is a map such as ``{"singleturn_bits": 16, "multiturn_bits": 12}``. If there are more than ``_MOST_CORNERS``,
-    yield those of each pair with the others unchanged, and those with all at the lowest or at the highest state.
+    yield the combinations of each pair with the other fields unchanged, and the combinations with all fields at the
+    lowest or at the highest state.
 
     Args:
         states_by_field: The states of each field, from the one with the lowest values to the one with the highest.
@@ -205,7 +206,7 @@ def possible_states(parameters: Sequence[Parameter]) -> Sequence[Sequence[State]
 
 
 def _limits_of_parameter(parameter: Parameter) -> Iterable[int]:
-    """Return the minimum and the maximum of a parameter that it has, each once if they are equal."""
+    """Return the minimum and the maximum of a parameter, as far as they are known, each once if they are equal."""
     return dict.fromkeys(limit for limit in (parameter.min, parameter.max) if limit is not None)
 
 
@@ -264,7 +265,7 @@ def with_registers(device: Device, variant: Variant, register_bytes: Mapping[int
 
 
 def _unknown_address_message(device: Device, address: int) -> str:
-    """Return the message about a register without a parameter, with the addresses of those that have one."""
+    """Return the message about a register without a parameter, with the addresses of registers with a parameter."""
     registers = [device.register(parameter.register) for parameter in device.run_time_parameters]
     valid_addresses = ", ".join(sorted({f"0x{register.address:02X}" for register in registers})) or "none"
     return f"register 0x{address:02X} does not change how a frame is read; those that do: {valid_addresses}"

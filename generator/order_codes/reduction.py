@@ -1,4 +1,4 @@
-"""Reduce a device to some of its interfaces or order codes, or to one with numbers in place of quantities."""
+"""Reduce a device to some of its interfaces or order codes, or replace its quantities by numbers."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ from ..model.order_codes import fits
 from .parameters import parameters_of
 from .sent_layouts import with_sent_layouts
 
-#: Parts that hold for every order code. They make up most of a device, so the search leaves them out.
+#: Parts that apply to every order code. They make up most of a device, so the search leaves them out.
 _ALWAYS = (str, int, Source, Expression, Quantity)
 #: Parts of a device that have ``only``, or that refer to such parts.
 _PARTS = ("interfaces", "registers", "alarms", "timings", "connectors", "leds", "characteristics", "errata")
@@ -105,7 +105,7 @@ def _reduced_values(values: tuple[Any, ...], codes: Collection[str], manual_step
 
 
 def parts_of(part: Any) -> Iterator[tuple[str, Any]]:
-    """Yield name and value of the members of an object of the model that are such objects themselves, or tuples."""
+    """Yield name and value of members that are themselves objects of the model, or tuples."""
     for name in names_of_members(part.__class__):
         value = getattr(part, name)
         if isinstance(value, tuple) or names_of_members(value.__class__):
@@ -133,7 +133,7 @@ def for_codes(device: Device, codes: Collection[str]) -> Device:
     """
     variants = tuple(variant for variant in device.variants if variant.code in codes)
     interface_names = {variant.interface for variant in variants}
-    # The variants have the names of interfaces, such as "biss".
+    # The variants contain the names of interfaces, such as "biss".
     has_all_interfaces = interface_names == _names_of_parts(device.interfaces)
     with_interfaces = device if has_all_interfaces else for_interfaces(device, interface_names)
     reduced = reduced_to_codes(with_interfaces, [variant.code for variant in variants])
@@ -155,18 +155,18 @@ def _names_of_parameters(device: Device, kinds: Collection[str]) -> set[str]:
 
 
 def _with_used_values(part: CodePart, variants: Collection[Variant]) -> CodePart:
-    """Return the part of the order code with only those of its values that some of the variants have."""
+    """Return the part of the order code with only the values that some of the variants have."""
     used_texts = {variant.parts[part.name] for variant in variants}
     return replace(part, values=tuple(value for value in part.values if value.text in used_texts))
 
 
 def for_interface(device: Device, interface_name: str) -> Device:
-    """Return the device with only one of its interfaces, and without parts that belong to the others."""
+    """Return the device with only one of its interfaces, and without parts that belong to other interfaces."""
     return for_interfaces(device, {interface_name})
 
 
 def for_interfaces(device: Device, kinds: Collection[str]) -> Device:
-    """Return the device with only the interfaces named ``kinds``, and without parts that belong only to the others.
+    """Return the device with only the interfaces named ``kinds``, and without parts of other interfaces only.
 
     Examples and errata remain if they are about a remaining part.
     """
@@ -222,7 +222,7 @@ def sent_crcs(interfaces: Collection[Interface]) -> set[str]:
 def _with_used_parts(device: Device, all_sent_crcs: Collection[str]) -> Device:
     """Return the device with only the CRCs, groups, alarms and alternatives that its frames and registers use.
 
-    ``all_sent_crcs`` are those in frames of any interface of the family. Any other CRC, such as that of a memory,
+    ``all_sent_crcs`` are the CRCs in frames of any interface of the family. Any other CRC, such as a memory's CRC,
     belongs to all interfaces.
     """
     removed_crcs = set(all_sent_crcs) - sent_crcs(device.interfaces)
@@ -253,7 +253,7 @@ def _with_used_parts(device: Device, all_sent_crcs: Collection[str]) -> Device:
 def _with_registers(device_input: Input, registers: Collection[str]) -> Input:
     """Return the input without the effects of registers not in ``registers``, which belong to other interfaces."""
 
-    # ``inverts`` and ``needs`` are paths such as ``settings.direction``. An empty one has no effect.
+    # ``inverts`` and ``needs`` are paths such as ``settings.direction``. An empty list has no effect.
     def path_if_present(path: str) -> str:
         register, _, _ = path.partition(".")
         return path if register in registers else ""
@@ -295,7 +295,7 @@ def _concerns_interfaces(
 ) -> bool:
     """Return whether an example is about a remaining part, and its order code has one of these interfaces.
 
-    Examples of a CRC have no order code. An order code that is not listed does not matter.
+    Examples of a CRC have no order code. An order code that is not listed is ignored.
     """
     match example:
         case FrameExample():
@@ -400,7 +400,7 @@ def _with_fixed_code(layout: Layout, known_parameters: Mapping[str, int]) -> Lay
 def _without_empty_fields(layout: Layout) -> Layout:
     """Return the layout without zero-width fields, in the layout itself, in its joins and in its parity bits.
 
-    If no field is left that judges the position, reserved bits lead to UNKNOWN instead of a warning.
+    If no remaining field judges the position, reserved bits lead to UNKNOWN instead of a warning.
     """
     empty_names = {field.name for field in layout.fields if field.width == Expression(0)}
     if not empty_names:
@@ -422,7 +422,7 @@ def _without_empty_fields(layout: Layout) -> Layout:
 def _with_parity_of_others(field: Field, removed_names: set[str]) -> Field:
     """Return a parity bit without the removed fields, and any other field unchanged.
 
-    If it covers no others, it is a constant: 0 for even parity, 1 for odd.
+    If it covers no other field, it is a constant: 0 for even parity, 1 for odd.
     """
     parity = field.kind
     if not isinstance(parity, Parity) or removed_names.isdisjoint(parity.of):

@@ -145,7 +145,7 @@ def codec_of(device: Device, layout: Layout) -> Codec:
 
 
 def _yield_parts(layout: Layout) -> Iterator[Part]:
-    """Yield the fields with data, except a fixed selector. Those that a join or a parity bit also uses are shared."""
+    """Yield the fields with data, except a fixed selector. Parts that a join or a parity bit also uses are shared."""
     shared_names = {name for join in layout.joins for name in join.fields}
     for field in layout.fields:
         if isinstance(field.kind, Parity):
@@ -184,7 +184,7 @@ def bits_of(layout: Layout, field: Field) -> Bits:
 def _locate_bits(
     layout: Layout, low: Expression, width: Expression, widest: int, pieces: tuple[Piece, ...] = ()
 ) -> Bits:
-    """Return ``width`` bits, starting at ``low``. They are on top if a frame of bits has none above them."""
+    """Return ``width`` bits, starting at ``low``. The bits are on top if a frame of bits has none above them."""
     bits_above = layout.bits - low - width
     on_top = not layout.in_bytes and bits_above == Expression(0)
     return Bits(low, width, widest, on_top, pieces)
@@ -211,7 +211,7 @@ def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
             low=last_covered.low.constant,
             is_part=True,
             divides=False,
-            steps=(),  # Only a CRC of the whole frame has these.
+            steps=(),  # Only a CRC of the whole frame has steps.
         )
     is_of_whole_words = checks_whole_words(device, crc)
     return FrameCrc(
@@ -227,7 +227,7 @@ def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
 
 
 def _bits_at_end(layout: Layout, width: int) -> Bits:
-    """Return the last ``width`` bits, those of a CRC that only some order codes have, in bytes with their pieces."""
+    """Return the last ``width`` bits, in bytes with their pieces: a CRC that only some order codes have."""
     low_byte_first = layout.byte_order == "low_byte_first"
     low = layout.bits - Expression(width) if low_byte_first else Expression(0)
     byte_count = layout.widest // 8
@@ -242,7 +242,10 @@ def _bits_at_end(layout: Layout, width: int) -> Bits:
 
 
 def _find_gray(layout: Layout) -> Gray | None:
-    """Return the bits in Gray code: those of a field or of the adjacent fields of a join. Return None if none are."""
+    """Return the bits in Gray code: the bits of a field, or of the adjacent fields of a join.
+
+    Return None if none are.
+    """
     if not layout.gray_of:
         return None
     fields = [layout.field(name) for name in layout.names_in(layout.gray_of)]
@@ -252,7 +255,7 @@ def _find_gray(layout: Layout) -> Gray | None:
 
 
 def _yield_joined_numbers(layout: Layout, by_word: bool) -> Iterator[JoinedNumber]:
-    """Yield the numbers made of several fields. If one shift extracts adjacent fields from a word, set ``bits``."""
+    """Yield the numbers formed by several fields. If one shift extracts adjacent fields from a word, set ``bits``."""
     for join in layout.joins:
         fields = tuple(layout.field(name) for name in join.fields)  # most significant first
         total_width = sum((field.width for field in fields), Expression(0))
@@ -312,7 +315,7 @@ def _checks_of_values(layout: Layout) -> Iterator[Check]:
 
 
 def _checks_of_position(device: Device, layout: Layout) -> Iterator[Check]:
-    """Yield the check that the position is one that the encoder has, if its field could hold others."""
+    """Yield the check that the position is one that the encoder has, if its field could hold other numbers."""
     position = device.range_in(layout)
     if position is not None and position.field.number.signed:
         yield IsBetween(position.field, bits_of(layout, position.field), position.lowest, position.highest)
@@ -383,13 +386,13 @@ def _sent_parity(layout: Layout, parity_bit: Field, parity_kind: Parity) -> Fixe
 
 
 def _sent_number(layout: Layout, field: Field) -> Fixed | ValueOfField:
-    """Return the only value that a field can have, or the field itself if the caller gives its value."""
+    """Return the only value that a field can have, or the field itself if the caller supplies its value."""
     constant = only_value(layout, field)
     return ValueOfField(field) if constant is None else Fixed(constant)
 
 
 def characters(field: Field) -> tuple[tuple[int, int], ...]:
-    """Return each character of a text as its index in the text and that of its byte: ``((0, 2), (1, 3))``.
+    """Return each character of a text as the index of the character and the index of its byte: ``((0, 2), (1, 3))``.
 
     If the characters do not fill whole bytes, or the field is not a text, return an empty tuple.
     """
@@ -411,7 +414,7 @@ def is_plain_flag(part: Part) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class ShiftedBits:
-    """Unused bits with one shift: bit 0 of the member is bit ``shift`` of the ``byte``, or of the word if it is None.
+    """Unused bits with one shift: bit 0 of the member is bit ``shift`` of ``byte``, or of the word if that is None.
 
     ``mask`` and ``value``, the value in the manual, have the places of the member.
     """

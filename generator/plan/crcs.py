@@ -1,6 +1,7 @@
 """CRCs: the functions of a family and their form, tables, undetected errors, and public test vectors.
 
-They are part of the self-test of the C headers. Tests compare them with ``tests/vectors.json``, which has the sources.
+The self-test of the C headers contains the vectors. Tests compare them with ``tests/vectors.json``, which has the
+sources.
 """
 
 from __future__ import annotations
@@ -37,15 +38,15 @@ class Residual:
 def residual_of(crc: Crc, bits: int) -> Residual:
     """Return the errors that ``crc`` misses in a frame of ``bits`` bits, including the CRC itself.
 
-    Start value, final XOR and order of the bits do not matter, since they are the same in the frame that was sent and
-    in the one that was received.
+    Start value, final XOR and order of the bits do not matter, since they are the same in the sent and in the received
+    frame.
     """
     # The remainder of an error in each single bit, lowest bit first.
     remainders = []
     remainder = 1
     for _ in range(bits):
         remainders.append(remainder)
-        # The next bit has twice the remainder, reduced by the polynomial if it has too many bits.
+        # The next bit's remainder is twice this remainder, reduced by the polynomial if it has too many bits.
         remainder <<= 1
         if remainder >> crc.width:
             remainder ^= crc.poly_with_top_bit
@@ -83,7 +84,7 @@ def reflect(value: int, width: int) -> int:
 def byte_table(width: int, poly: int, reflected: bool = False) -> tuple[int, ...]:
     """Return the remainder of each byte from 0 to 255, shifted left by the width of the CRC.
 
-    With ``reflected``, the CRC register has its bits in reverse order, as needed for reflected input.
+    With ``reflected``, the bits of the CRC register are in reverse order, as needed for reflected input.
     """
     poly_with_top_bit = poly | (1 << width)
     if not reflected:
@@ -113,17 +114,17 @@ def fold_plan(width: int, poly: int, bits: int) -> tuple[FoldStep, ...]:
 
     Squaring the polynomial k times gives x^(n*2^k) = x^(m*2^k) + 1, so the part of the word from bit n*2^k up can be
     added to the lower part twice, once shifted to bit 0 and once to bit m*2^k. For x^n + 1, it is added only once. The
-    largest power is not always the best, since a smaller one may leave a word that needs fewer further steps. Among
-    plans with the same number of steps, the function chooses the one that reaches 32 bits soonest, and then the one
+    largest power is not always the best, since a smaller power may leave a word that needs fewer further steps. Among
+    plans with the same number of steps, the function chooses the plan that reaches 32 bits soonest, and then the plan
     with the smallest powers, since a short mask is a cheaper constant.
     """
-    # The m of x^m, or 0 for x^n + 1. ``poly`` has the terms below x^n.
+    # The m of x^m, or 0 for x^n + 1. ``poly`` contains the terms below x^n.
     terms_above_one = poly & ~1
     middle_exponent = terms_above_one.bit_length() - 1 if terms_above_one else 0
 
     @cache
     def cheapest_plan(bits_left: int) -> tuple[int, int, int, tuple[int, ...]]:
-        """Return the number of steps, of those with results above 32 bits, the sum of the k, and the k of each step.
+        """Return the number of steps, of steps with results above 32 bits, the sum of the k, and the k of each step.
 
         The smallest of such tuples is the cheapest plan.
         """
@@ -157,7 +158,7 @@ class Form(Enum):
     """Method by which code computes a CRC.
 
     FOLD is for x^n + x^m + 1 and x^n + 1 with start value 0, most significant bit first. XOR is for x^8 + 1 over whole
-    bytes, where the CRC is the XOR of the bytes. TABLE is for all others.
+    bytes, where the CRC is the XOR of the bytes. TABLE is for all other CRCs.
     """
 
     FOLD = "fold"

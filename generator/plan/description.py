@@ -39,7 +39,7 @@ from .values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, Z
 
 
 class Name(str):
-    """Name of a field, of a run of digits, or of a number made of several fields. Outputs may have to change it."""
+    """Name of a field, of a run of digits, or of a number formed by several fields. Outputs may need to change it."""
 
     __slots__ = ()
 
@@ -53,7 +53,7 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class BitField:
-    """The bits of a field, whether it has a value or not."""
+    """The bits of a field, with or without a value."""
 
     name: str
     low: Expression
@@ -64,7 +64,7 @@ class BitField:
 class Column:
     """A field, and the operation that converts its bits. ``runs`` lists name, divisor and modulus of runs of digits.
 
-    ``scale`` gives the quantity that its number stands for. Codecs do not compute it.
+    ``scale`` converts its number to a quantity. Codecs do not compute it.
     """
 
     name: Name
@@ -79,7 +79,7 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Join:
-    """Number made of several fields, lowest first, each with the position of its lowest bit in the number."""
+    """Number formed by several fields, lowest first, each with the position of its lowest bit in the number."""
 
     name: Name
     fields: tuple[tuple[Name, Expression], ...]
@@ -87,7 +87,7 @@ class Join:
 
 @dataclass(frozen=True, slots=True)
 class Unused:
-    """Reserved bits. Those that differ from ``value`` are 1 in one number, starting at bit ``place``."""
+    """Reserved bits. Bits that differ from ``value`` are 1 in one number, starting at bit ``place``."""
 
     low: Expression
     width: Expression
@@ -188,7 +188,7 @@ def _describe_unused(reserved: Reserved) -> Unused:
 def describe(codec: Codec, reporting: reports.Reporting | None = None) -> Description:
     """Return the description of a frame or register. ``reporting`` contains the reports and the verdict of a frame.
 
-    Without it, there are no causes. In a frame without the position, there are only causes of reports.
+    Without a judgement, there are no causes. In a frame without the position, there are only causes of reports.
     """
     layout = codec.layout
     power_of_two_names = powers_of_two(codec)
@@ -226,7 +226,7 @@ def describe(codec: Codec, reporting: reports.Reporting | None = None) -> Descri
 
 
 def _byte_order(codec: Codec) -> str:
-    """Return the byte order by the name that Python gives it, or an empty string if the layout is not sent as bytes."""
+    """Return Python's name of the byte order, or an empty string if the layout is not sent as bytes."""
     if not codec.in_bytes:
         return ""
     return "little" if codec.layout.byte_order == "low_byte_first" else "big"
@@ -240,7 +240,7 @@ def _computed_parities(codec: Codec) -> Iterator[Check]:
 
 
 def _constant_ones(codec: Codec) -> Iterator[tuple[Place, int]]:
-    """Yield the constants that are not all 0. An encoder of frames starts from 0, so it need not set the others."""
+    """Yield the constants that are not all 0. An encoder of frames starts from 0, so it need not set constants of 0."""
     for term in codec.terms:
         if isinstance(term.value, Fixed) and term.value.number:
             yield Place(term.field.low, term.field.width), term.value.number
@@ -296,7 +296,7 @@ def _describe_check(check: PlannedCheck) -> Check:
 
 
 def _describe_join(joined_number: JoinedNumber) -> Join:
-    """Return a number made of several fields as data: ``(("angle", 0), ("turns", 12))`` are its fields."""
+    """Return a number formed by several fields as data: ``(("angle", 0), ("turns", 12))`` are its fields."""
     # ``low`` is the position of the field's lowest bit in the number.
     fields_from_low = tuple((Name(field.name), low) for field, low in joined_number.from_low)
     return Join(name=Name(joined_number.join.name), fields=fields_from_low)
@@ -319,7 +319,7 @@ def _list_places(fields: tuple[Field, ...]) -> tuple[Place, ...]:
 
 
 def _describe_verdict_causes(judgement: verdicts.Judgement) -> Iterator[DescribedVerdictCause]:
-    """Yield the causes of the verdict as data, those of the worst verdict first."""
+    """Yield the causes of the verdict as data, with the causes of the worst verdict first."""
     for verdict, verdict_causes in judgement.worst_first:
         for verdict_cause in verdict_causes:
             cause = verdict_cause.by
@@ -357,7 +357,7 @@ def _verdict_by_answer(field: Field) -> Answered | None:
 
 
 def _find_reserved_mask(cause: verdicts.Cause) -> int:
-    """Return the mask of reserved bits in ``unused``, the number made of all of them, or 0 for any other cause."""
+    """Return the mask of reserved bits in ``unused``, the number formed by all of them, or 0 for any other cause."""
     return cause.mask if isinstance(cause, Reserved) else 0
 
 

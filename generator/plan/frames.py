@@ -57,7 +57,7 @@ class Dispatch:
 def dispatches(layouts: Sequence[Layout]) -> Iterator[Dispatch]:
     """Yield a dispatch for each sender on an interface whose frames are distinguished by a selector.
 
-    The first frame of a sender decides. If it has no selector, every frame of the sender is decoded as that one, and
+    The first frame of a sender decides. If it has no selector, every frame of the sender is decoded as the first, and
     there is nothing to distinguish.
     """
     layouts_by_sender: dict[str, list[Layout]] = {}
@@ -80,7 +80,7 @@ def _dispatch_of(sender: str, layouts: Sequence[Layout]) -> Dispatch:
             fallback = layout
             break
         branches.append(Branch(layout, layout.selects))
-    # The selector has the same position in all frames, so that of the first one applies.
+    # The selector has the same position in all frames, so the position in the first frame applies.
     selector = layouts[0].field(layouts[0].selector)
     last_byte = max((piece.byte for piece in selector.pieces), default=0)
     return Dispatch(
@@ -95,7 +95,7 @@ def _dispatch_of(sender: str, layouts: Sequence[Layout]) -> Dispatch:
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """A reply. ``length`` is in bytes. ``is_xor`` is true if its last byte is the XOR of all others."""
+    """A reply. ``length`` is in bytes. ``is_xor`` is true if its last byte is the XOR of all other bytes."""
 
     length: int
     is_xor: bool
@@ -104,8 +104,8 @@ class Reply:
 def reply_to(device: Device, interface: str, data_id: str) -> Reply | None:
     """Return the length and check of the encoder's reply to a request with a data ID.
 
-    Return None if the interface has no data IDs, the spec has no frame for the reply, or its length is not the same for
-    all order codes.
+    Return None if the interface has no data IDs, the spec has no frame for the reply, or its length depends on the
+    order code.
     """
     rs485 = device.interface(interface)
     if not isinstance(rs485, Rs485):
@@ -164,7 +164,7 @@ def exchanges(interface: Interface) -> tuple[Exchanged, ...]:
 def _exchange_with_frames(exchange: Exchange, request: Layout, reply: Layout | None) -> Exchanged:
     """Return the exchange with its frames.
 
-    The reply repeats the first byte of the request if the same constants and fields have the same bits in both. An
+    The reply repeats the first byte of the request if the same constants and fields occupy the same bits in both. An
     example is a byte with a constant command in its upper half and the address in its lower half.
     """
     first_byte_of_request = _contents_of_first_byte(request)
@@ -175,11 +175,14 @@ def _exchange_with_frames(exchange: Exchange, request: Layout, reply: Layout | N
 
 @dataclass(frozen=True, slots=True)
 class _ContentOfBits:
-    """Bits of a byte from ``lowest_bit`` on, which are bits of a constant or of the field with this name."""
+    """Bits of a byte from ``lowest_bit`` on, as many as the ones in ``mask``.
+
+    They are those of ``content``, a constant or the field with this name, from its bit ``low_in_number`` on.
+    """
 
     lowest_bit: int
     mask: int
-    bits_above: int
+    low_in_number: int
     content: int | str
 
 
@@ -199,7 +202,7 @@ def _contents_of_first_byte(layout: Layout) -> frozenset[_ContentOfBits]:
         for piece in field.pieces:
             if piece.byte == 0:
                 content_of_bits = _ContentOfBits(
-                    lowest_bit=piece.low_in_byte, mask=piece.mask, bits_above=piece.low_in_number, content=content
+                    lowest_bit=piece.low_in_byte, mask=piece.mask, low_in_number=piece.low_in_number, content=content
                 )
                 contents.append(content_of_bits)
     known_bits = sum(content_of_bits.mask.bit_count() for content_of_bits in contents)
@@ -221,7 +224,7 @@ class FrameSize:
     """Size of a frame for one order code: its length in bits, and the bytes of a buffer for it and the bits around it.
 
     ``answers`` are the user's decisions on which the length depends. ``depends_on_registers`` is true if registers
-    change the length at run time. The number of bits is then that of the factory default, and the buffer is large
+    change the length at run time. The number of bits then applies to the factory default, and the buffer is large
     enough for any register value.
     """
 
@@ -274,7 +277,7 @@ def received_sizes(device: Device, interface: Interface) -> Iterator[FrameSize]:
 
 
 def _bits_around(interface: Interface) -> int | None:
-    """Return the number of bits around a frame, or None if a peripheral receives bytes or words by itself."""
+    """Return the number of bits around a frame, or None if a peripheral receives bytes or words."""
     match interface:
         case Ssi():
             return SSI_AROUND
@@ -288,7 +291,7 @@ def _bits_around(interface: Interface) -> int | None:
 
 @dataclass(frozen=True, slots=True)
 class IdentityRegister:
-    """A register, and those of its fields that have a documented value."""
+    """A register, and its fields with a documented value."""
 
     register: Register
     fields: tuple[Field, ...]
@@ -357,7 +360,8 @@ def held_parameters(device: Device) -> Iterator[HoldingRegister]:
 def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
     """Return a parameter with the bits of the register that hold it, and its limits.
 
-    A limit is None if no value of the bits can exceed it, or if the bits are one of the parameter's codes.
+    A limit is None if the parameter has none, if no value of the bits can exceed it, or if the bits are one of the
+    parameter's codes.
     """
     field = register.layout.field(parameter.field)
     bits = bits_of(register.layout, field)
@@ -374,7 +378,7 @@ def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
     meaning = _unsigned_meaning(field)
     lowest_of_bits = 0
     highest_of_bits = (1 << field.widest) - 1
-    # Bits that are 0 then stand for another number, so no value is below 1.
+    # Bits that are 0 then represent another number, so no value is below 1.
     if isinstance(meaning, ZeroMeans):
         lowest_of_bits = 1
         highest_of_bits = max(highest_of_bits, meaning.number)
@@ -397,7 +401,7 @@ def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
 def _unsigned_meaning(field: Field) -> Raw | ZeroMeans:
     """Return the conversion of bits to a parameter, which is never negative.
 
-    Apart from zero that stands for a number, the bits are the number itself.
+    Apart from a zero that represents another number, the bits are the number itself.
     """
     meaning = meaning_of(field)
     return meaning if isinstance(meaning, ZeroMeans) else Raw()

@@ -20,8 +20,8 @@ class Limits:
 
     ``member`` is the limited field or join, or empty if the limits apply to the whole register. ``low`` and ``high``
     are None if the manual gives no limit. ``binds_low`` and ``binds_high`` are true if a value of ``width`` bits,
-    signed or unsigned, can be outside the limit. ``stands_for`` is the meaning of 0 if that is a number above the
-    limits.
+    signed or unsigned, can be outside the limit. ``stands_for`` is the number that the value 0 encodes, if that is too
+    large for the bits of every order code, such as 256 in 8 bits. Otherwise it is 0.
     """
 
     member: str
@@ -134,7 +134,7 @@ def limited_member(register: Register) -> str:
 
 @dataclass(frozen=True, slots=True)
 class NotOneOf:
-    """The value is not one of these."""
+    """The value is not listed."""
 
     field: Field
     values: tuple[int, ...]
@@ -296,7 +296,7 @@ def _field_refusals(layout: Layout, field: Field) -> Iterator[Refusal]:
     """Yield the checks of a field's value before it is encoded, without the range of a position."""
     valid_values = allowed_values(layout, field)
     match field.kind:
-        # A list of valid values, whatever the kind. A choice without one can have any value that fits.
+        # A list of valid values, whatever the kind. A choice without such a list can have any value that fits.
         case _ if valid_values:
             yield NotOneOf(field, valid_values)
         case Number() as number:

@@ -46,9 +46,9 @@ class AlwaysIs:
 
 @dataclass(frozen=True, slots=True)
 class ZerosAbove:
-    """The field fills its container up to ``width`` bits. The constant ``padding`` is above it.
+    """The constant ``padding``, all bits of the container above the field, is 0.
 
-    ``bits`` are the bits of the container that the field can occupy. ``beyond`` are the bytes that it never occupies.
+    ``bits`` are those of the field, in the bytes that it can occupy. ``beyond`` are the bytes that it never occupies.
     """
 
     field: Field
@@ -71,7 +71,7 @@ class ParityIs:
     """The bit is the parity of the fields ``of``: 1 for an odd number of ones or, with ``odd``, for an even number.
 
     ``mask`` is the mask of the bits of each field that count, or 0 if all of them count. ``known_parity`` is the only
-    valid value of the bit in this frame if each field in ``of`` has a single value.
+    valid value of the bit in this frame if ``of`` is a single field with a single value, or else None.
     """
 
     field: Field
@@ -102,7 +102,7 @@ class IsOneOf:
 
 @dataclass(frozen=True, slots=True)
 class AtMost:
-    """The field, as a decimal number, has at most as many digits as all ``runs`` together."""
+    """The field is a decimal number with at most as many digits as all ``runs`` together."""
 
     field: Field
     bits: Bits
@@ -141,7 +141,7 @@ Check = AlwaysIs | ZerosAbove | ParityIs | IsOneOf | AtMost | NotAbove | IsBetwe
 
 
 def checks_of_meaning(field: Field, bits: Bits) -> Iterator[Check]:
-    """Yield the checks without which some bits of a field would have no value. A list of values is checked before."""
+    """Yield the checks without which some bits of a field would be undefined. A list of values is checked before."""
     match meaning_of(field):
         case DigitRuns(runs):
             # The runs split the decimal number, most significant first: number // divisor % modulus.
@@ -174,7 +174,7 @@ class FrameCrc:
 
     @property
     def is_optional(self) -> bool:
-        """True if only some order codes have it: those for which the width of the field is not 0."""
+        """True if only some order codes have the CRC: codes for which the width of the field is not 0."""
         return not self.field.width.is_constant
 
     @property
@@ -269,8 +269,8 @@ class JoinedNumber:
 class Reserved:
     """Reserved bits. A decoder reports unexpected values but does not reject them.
 
-    A decoded frame has one number for all reserved bits, ``unused``. Its bits starting at ``place`` are 1 where this
-    field differs from ``value``.
+    A decoded frame contains one number for all reserved bits, ``unused``. Its bits starting at ``place`` are 1 where
+    this field differs from ``value``.
     """
 
     field: Field

@@ -112,7 +112,7 @@ def _position_range(measurement: Measurement, layout: Layout) -> PositionRange:
 def _range_key(position_range: PositionRange) -> Hashable:
     """Return a key that is equal for layouts with the same range, whatever its sources.
 
-    If no highest position is known, the width of a signed field decides the range, and so is part of the key.
+    If no highest position is known, the width of a signed field decides the range, and is therefore part of the key.
     """
     measurement = position_range.measurement
     signed_field = position_range.signed_field
@@ -124,7 +124,7 @@ def _range_key(position_range: PositionRange) -> Hashable:
 
 
 def parameters_in_measurement(device: Device) -> frozenset[str]:
-    """Return the derived parameters that equal a quantity of the measurement for all order codes.
+    """Return the names of the derived parameters that equal a quantity of the measurement for all order codes.
 
     These quantities are the counts per revolution and the number of counts after which a position wraps around.
     """
@@ -135,7 +135,7 @@ def parameters_in_measurement(device: Device) -> frozenset[str]:
 def _equals_quantity(device: Device, parameter: Parameter) -> bool:
     """Return whether a parameter equals the counts per revolution or the number of counts for every order code.
 
-    It must equal the same of these two for all of them. Order codes without the parameter, or without a number of
+    The same one of these two must apply to all order codes. Order codes without the parameter, or without a number of
     counts, are ignored.
     """
     # Quantities that equal the parameter for all order codes so far. None before the first of them.
@@ -198,7 +198,7 @@ class TwosComplement:
 class ZeroMeans:
     """An unsigned number, except that the value is ``number`` if all bits are 0.
 
-    The inverse writes 0 for ``number`` if that does not fit, and rejects 0.
+    The inverse writes 0 for a ``number`` that does not fit, and rejects 0.
     """
 
     number: int
@@ -258,7 +258,7 @@ def is_named(meaning: Meaning) -> bool:
 def meaning_of(field: Field) -> Meaning:
     """Return the meaning of the bits of a field.
 
-    Constants, unused bits, CRCs and parity bits have no value of their own. Their bits are a number.
+    Constants, unused bits, CRCs and parity bits have no value to convert. Their bits are a number.
     """
     match field.kind:
         case Number(signed=True):

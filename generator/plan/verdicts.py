@@ -21,14 +21,18 @@ from .operations import Part, Reserved
 
 @dataclass(frozen=True, slots=True)
 class Only:
-    """Order codes selected by a parameter: those with a value other than 0 if ``holds`` is true, else those with 0.
+    """Order codes selected by a parameter: its value is not 0 if ``holds`` is true, otherwise it is 0.
 
-    ``codes`` is the text in the spec for those with a value other than 0.
+    ``codes`` is the text in the spec for the codes with a value other than 0.
     """
 
     parameter: str
     holds: bool
     codes: str = dataclass_field(default="", compare=False)
+
+    def contains(self, parameters: Mapping[str, int]) -> bool:
+        """Return whether an order code with these parameters is one of them."""
+        return (parameters.get(self.parameter, 0) != 0) is self.holds
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,10 +72,11 @@ class VerdictCause:
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """Verdict on the position of a frame: that of the worst active cause, or ``otherwise`` if none is active.
+    """Verdict on the position of a frame: the verdict of the worst active cause, or ``otherwise`` if none is active.
 
     If ``otherwise`` is UNKNOWN, warnings have no effect, since UNKNOWN is worse than a warning. ``judging_bits`` is the
-    number of bits that say whether the position is usable. For order codes where it is 0, UNKNOWN is also a verdict.
+    number of bits that say whether the position is usable. For order codes for which this number is 0, UNKNOWN is also
+    a verdict.
     """
 
     not_usable: tuple[VerdictCause, ...]
@@ -81,13 +86,14 @@ class Judgement:
 
     @property
     def may_be_unknown(self) -> bool:
-        """True if the frames of some order codes have no bits that judge the position, and those of others have."""
+        """True if only the frames of some order codes have bits that judge the position."""
         return not self.judging_bits.is_constant
 
     def for_parameters(self, parameters: Mapping[str, int]) -> Judgement:
         """Return the verdict for an order code with these parameters, without causes that its frames do not have.
 
-        If no bit of its frames judges the position, the verdict is UNKNOWN, which is worse than a warning.
+        If no bit of its frames judges the position, ``otherwise`` is UNKNOWN. The causes of warnings are then omitted,
+        since UNKNOWN is worse.
         """
         not_usable = tuple(cause for cause in self.not_usable if _has_bits(cause.by, parameters))
         if self.judging_bits.value(parameters) == 0:
@@ -101,7 +107,7 @@ class Judgement:
 
     @property
     def worst_first(self) -> tuple[tuple[Verdict, tuple[VerdictCause, ...]], ...]:
-        """Verdicts that have causes, worst first, each with its causes."""
+        """Verdicts with causes, worst first, each with its causes."""
         verdicts_with_causes = []
         if self.not_usable:
             verdicts_with_causes.append((Verdict.NOT_USABLE, self.not_usable))
@@ -111,9 +117,9 @@ class Judgement:
 
 
 def _has_bits(cause: Cause, parameters: Mapping[str, int]) -> bool:
-    """Return whether the frames of an order code with these parameters have all bits of a cause.
+    """Return whether the frames of an order code with these parameters contain all bits of a cause.
 
-    The order code lacks a field whose width is 0.
+    The order code lacks a field if its width is 0.
     """
     if isinstance(cause, Match):
         bits_of_cause = [part.bits for part, _ in cause.conditions]
@@ -154,7 +160,8 @@ def judgement_of(codec: Codec) -> Judgement:
 def _verdicts_of_flag(cause: Cause, parts: Mapping[str, Part]) -> Iterator[tuple[Verdict, VerdictCause]]:
     """Yield the verdicts to which a flag leads, each with its conditions on the order code and the user's answer.
 
-    A flag that combines others does not count while one of these is active (``unless``), since that one decides.
+    A flag that combines others does not count while one of these is active (``unless``), because the active flag
+    decides.
     """
     for flag, only in _flag_by_order_code(cause.field):
         summed_parts = [parts[name] for name in flag.sums_up if name in parts]
@@ -184,7 +191,7 @@ def _flag_by_order_code(field: Field) -> Iterator[tuple[Flag, Only | None]]:
 def _verdict_by_answer(flag: Flag) -> Iterator[tuple[Verdict, Only | None]]:
     """Yield the verdicts of a flag, each with the condition on the user's answer, or with None if it always applies.
 
-    A flag in a frame without the position has none.
+    A flag in a frame without the position has no verdict.
     """
     if flag.makes_position is None:
         return
@@ -214,7 +221,7 @@ def _always_leads_to(part: Part, verdict: Verdict, parts: Mapping[str, Part]) ->
 def verdict_of(field: Field) -> Verdict | None:
     """Return the verdict on the position while a flag is active or unused bits differ from the manual.
 
-    Return None for all other fields, and for those in a frame without the position.
+    Return None for all other fields, and for fields in a frame without the position.
     """
     return field.kind.makes_position
 
@@ -234,8 +241,8 @@ def verdict_causes(codec: Codec) -> Iterator[Cause]:
 def by_order_code(field: Field) -> Iterator[tuple[Field, Only | None]]:
     """Yield the field with the order codes for which it applies, or with None for all of them.
 
-    If the manual explains a flag only for some order codes, yield it with these, and then the unexplained flag with the
-    others: ``overheat`` and ``overheat_unexplained``.
+    If the manual explains a flag only for some order codes, yield it with these codes, and then the unexplained flag
+    with the other codes: ``overheat`` and ``overheat_unexplained``.
     """
     match field.kind:
         case Flag(only_while=parameter, only=codes) if parameter:
@@ -254,7 +261,7 @@ def unexplained_flag(field: Field) -> Field:
 class Report:
     """One report of a family. ``number`` is its bit in the set of all reports.
 
-    ``field`` is the flag, the reserved bits or the flag of a sign, from the first frame that has them.
+    ``field`` is the flag, the reserved bits or the flag of a sign, from the first frame that contains them.
     """
 
     name: str
@@ -303,15 +310,16 @@ class Reporting:
 def reports_of(device: Device) -> tuple[Report, ...]:
     """Return all reports in the frames of a family, in the same order as in the spec.
 
-    Fields with the same name are one report if they also have the same kind, group and meaning. Otherwise the interface
+    Fields with the same name share a report if they also have the same kind, group and meaning. Otherwise the interface
     or the frame precedes the name.
     """
     return tuple(dict.fromkeys(_index_reports(device).values()))
 
 
-def reportings(device: Device) -> Iterator[Reporting]:
-    """Yield the reports and the verdict of each frame of the encoder that has any."""
+def reportings(device: Device) -> dict[str, Reporting]:
+    """Return the reports and the verdict of each frame of the encoder that has any, by the name of the frame."""
     reports = _index_reports(device)
+    reporting_by_frame: dict[str, Reporting] = {}
     for interface, layout in _sent_layouts(device):
         codec = codec_of(device, layout)
         causes: list[ReportCause] = []
@@ -321,7 +329,19 @@ def reportings(device: Device) -> Iterator[Reporting]:
                     causes.append(ReportCause(reports[layout.name, field.name], by=cause, only=only))
         judgement = judgement_of(codec) if device.has_verdict(interface.name, layout) else None
         if causes or judgement is not None:
-            yield Reporting(interface=interface, codec=codec, causes=tuple(causes), judgement=judgement)
+            reporting_by_frame[layout.name] = Reporting(
+                interface=interface, codec=codec, causes=tuple(causes), judgement=judgement
+            )
+    return reporting_by_frame
+
+
+def judgement_in_family(device: Device, layout: Layout) -> Judgement | None:
+    """Return how the verdict on a frame follows from its bits, or None for a frame without a position.
+
+    ``device`` is the family with all its order codes.
+    """
+    reporting = reportings(device).get(layout.name)
+    return reporting.judgement if reporting is not None else None
 
 
 def _sent_layouts(device: Device) -> Iterator[tuple[Interface, Layout]]:
@@ -330,7 +350,7 @@ def _sent_layouts(device: Device) -> Iterator[tuple[Interface, Layout]]:
 
 
 def codes_with_explanation(field: Field) -> Only | None:
-    """Return the order codes for which the manual explains a flag, or None if it does so for all."""
+    """Return the order codes for which the manual explains a flag, or None if it explains the flag for all."""
     # The first of them is the field as the manual explains it.
     _, explained_codes = next(by_order_code(field))
     return explained_codes
@@ -344,7 +364,7 @@ def combined_flag_names(field: Field) -> tuple[str, ...]:
 def _is_reported(field: Field) -> bool:
     """Return whether the field reports a problem: a flag or reserved bits, unless they leave the position usable.
 
-    Those in a frame without the position have no verdict, and are reported.
+    Fields in a frame without the position have no verdict, and are reported.
     """
     return isinstance(field.kind, (Flag, Unused)) and field.kind.makes_position is not Verdict.USABLE
 
@@ -358,7 +378,7 @@ def _fields_by_code(layout: Layout) -> Iterator[tuple[Field, Only | None]]:
 
 
 class _ReportedField(NamedTuple):
-    """A field that reports a problem, with the names of the interface and frame that have it."""
+    """A field that reports a problem, with the names of its interface and frame."""
 
     interface: str
     frame: str
@@ -392,7 +412,7 @@ def _index_reports(device: Device) -> Mapping[tuple[str, str], Report]:
     it, or if that is still ambiguous, the name of the frame.
     """
     reported_fields = _reported_fields(device)
-    # By both candidates for a report name: that of the field, and that with the interface.
+    # By both candidates for a report name: the name of the field, and the name with the interface.
     meanings_by_name: dict[str, set[object]] = {}
     for reported in reported_fields:
         for candidate_name in (reported.field.name, reported.name_with_interface):
@@ -411,7 +431,7 @@ def _index_reports(device: Device) -> Mapping[tuple[str, str], Report]:
 def _report_name(reported: _ReportedField, meanings_by_name: Mapping[str, set[object]]) -> str:
     """Return the first of these names with a single meaning: ``overheat``, ``biss_overheat``, ``status_overheat``.
 
-    They are the name of the field alone, with that of the interface, and with that of the frame.
+    The names are: the name of the field alone, with the interface's name, and with the frame's name.
     """
     for candidate_name in (reported.field.name, reported.name_with_interface):
         if len(meanings_by_name[candidate_name]) == 1:

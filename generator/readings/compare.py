@@ -1,4 +1,4 @@
-"""Compare two readings fact by fact, also the numbers and sources of their texts.
+"""Compare two readings fact by fact, including the numbers and sources of their texts.
 
 Texts are compared by their places in the file, because two readers use different words for them.
 """
@@ -14,9 +14,8 @@ from ..language.document import Path
 from .compare_facts import CHOSEN_BY_READER, compare_facts, compare_names, missing_in_spec, value_text
 from .compare_words import compare_word
 from .comparison import Comparison, Disagreement, Read
-from .connector_order import with_order_of
+from .pairing import with_order_of, with_rows_of
 from .reading import NOTHING, Fact, Facts, Key, Sort, use_same_names
-from .table_order import with_rows_of
 from .texts import NUMBERS, dotted_path
 
 #: Classes of facts in texts, which a second reading can also give by their paths.
@@ -24,10 +23,10 @@ _TEXT_SORTS = frozenset((Sort.TEXT, Sort.SECTION))
 
 
 def compare(spec: Facts, second: Facts) -> Comparison:
-    """Return the comparison of the facts of a spec with those of its second reading.
+    """Return the comparison of the facts in a spec and in its second reading.
 
     Facts are compared by their keys, and frames and registers bit by bit. Facts that the second reading gives only by a
-    path or that no manual prints are counted as such at the end.
+    path, or that no manual prints, are counted separately at the end.
     """
     spec = with_rows_of(with_order_of(spec, second), second)
     comparison = Comparison(has_names_of_spec=use_same_names(spec, second))
@@ -60,9 +59,9 @@ def _has_two_byte_orders(word_key: Key, spec: Facts, second: Facts) -> bool:
 def _nearest_place(comparison: Comparison, spec: Facts, second: Facts, second_fact: Fact) -> Path | None:
     """Return the place where the spec would state a fact of the second reading, or None if the spec may lack it.
 
-    For a fact that depends on another one, such as the register of a default, this is the place of that one, or None if
-    the spec lacks it, since only that is then reported. Otherwise it is the only item of the same kind that the second
-    reading lacks, or else the list or map of such items.
+    For a fact that depends on another fact, such as the register of a default, this is the place of the other fact, or
+    None if the spec lacks it, since only the other fact is then reported. Otherwise it is the only item of the same
+    kind that the second reading lacks, or else the list or map of such items.
     """
     if second_fact.key[0] == "code":
         return None  # Missing order codes are reported together.
@@ -86,7 +85,7 @@ def _nearest_container(fact_place: Path) -> Path:
     """Return the nearest list or map around a place that exists in any spec.
 
     This is its first step, such as ``("registers",)``. In interfaces and the manual, it has three steps, such as
-    ``("interfaces", "ssi", "layouts")``, or two if there is no third one or that is an index.
+    ``("interfaces", "ssi", "layouts")``, or two if there is no third step or the third is an index.
     """
     if fact_place[0] not in ("interfaces", "manual"):
         return fact_place[:1]
@@ -97,7 +96,7 @@ def _nearest_container(fact_place: Path) -> Path:
 def _facts_by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, Fact]]:
     """Yield the facts that the second reading gives by paths, as copies of the spec's facts with its values and places.
 
-    These are numbers in texts, and sections of sources. A path that the spec lacks gives a fact of its own.
+    These are numbers in texts, and sections of sources. A path that the spec lacks leads to a separate fact.
     """
     text_facts = [fact for fact in spec.facts.values() if fact.sort in _TEXT_SORTS]
     spec_fact_by_path = {dotted_path(fact.place): fact for fact in text_facts}
@@ -126,7 +125,7 @@ def _sections_at(fact_place: Path, second: Facts) -> Sequence[str]:
 def _count_undecided(comparison: Comparison, spec: Facts, second: Facts) -> None:
     """Count facts that no manual prints as decided, and texts of which little was compared as read once.
 
-    Only facts that count as read twice so far change. Little was compared of a text or source by path, and of a
+    Only facts that count as read twice so far change. Little is compared for a text or source by path, and for a
     characteristic without numbers, of which only the name is known.
     """
     for (sort, place), read in comparison.read_by_place.items():
@@ -152,9 +151,9 @@ def _is_decided(sort: Sort, path: str, decided: Sequence[str]) -> bool:
 
 
 def _compare_order_codes(spec: Facts, second: Facts) -> Iterator[Disagreement]:
-    """Yield one disagreement for all order codes that only the spec has, and one for those that it lacks.
+    """Yield one disagreement for all order codes that only the spec has, and one for order codes that it lacks.
 
-    Each has the text of the first code and counts the others. If a reading has no order code at all, nothing is
+    Each has the text of the first code and the number of other codes. If a reading has no order code at all, nothing is
     yielded.
     """
     spec_codes, second_codes = _order_codes_of(spec), _order_codes_of(second)

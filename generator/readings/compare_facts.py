@@ -35,7 +35,7 @@ def compare_facts(
 ) -> Iterator[Disagreement]:
     """Yield the disagreements on facts, which are identified by their keys, and count the facts of the spec.
 
-    A fact that only the spec has counts as read once, and one that only the second reading has is a disagreement. A
+    A fact that only the spec has counts as read once, and a fact that only the second reading has is a disagreement. A
     fact that the spec only implies counts as missing from it. ``place_in_spec`` returns the place of a fact that the
     spec lacks, or None if the spec may lack it.
     """
@@ -55,7 +55,7 @@ def compare_facts(
 def missing_in_spec(second_fact: Fact, nearest_place: Path) -> Disagreement:
     """Return the disagreement on a fact that only the second reading has.
 
-    ``nearest_place`` is where the spec would state it, since it has no place there.
+    ``nearest_place`` is the place where the spec would state the fact.
     """
     return Disagreement(
         sort=second_fact.sort,
@@ -71,13 +71,13 @@ def missing_in_spec(second_fact: Fact, nearest_place: Path) -> Disagreement:
 def _compare_values(comparison: Comparison, spec_fact: Fact, second_fact: Fact) -> Iterator[Disagreement]:
     """Compare the values of a fact: one value, or one for each case. Of several differences, yield the first.
 
-    If all cases of both readings have one value each, only these two are compared. Printed names are the same if the
+    If all cases of both readings have one value each, only these two are compared. Printed names count as equal if the
     readings have an alternative in common.
     """
     spec_value, second_value = _common_value(spec_fact.value), _common_value(second_fact.value)
     has_one_common_value = isinstance(spec_value, str) is not isinstance(second_value, str)
     if has_one_common_value:
-        # Only one reading has the same value in all cases. Its cases are compared with those of the other one.
+        # Only one reading has the same value in all cases. Its cases are compared with the cases of the other reading.
         spec_value, second_value = spec_fact.value, second_fact.value
     if not isinstance(spec_value, str) and not isinstance(second_value, str):
         yield from _compare_cases(comparison, spec_fact, spec_value, second_fact, second_value)
@@ -91,7 +91,7 @@ def _compare_values(comparison: Comparison, spec_fact: Fact, second_fact: Fact) 
 
 
 def _common_value(value_or_cases: Value) -> Value:
-    """Return the common value if all cases have the same one, or else the values of all cases."""
+    """Return the value if all cases have the same value, or else the values of all cases."""
     if isinstance(value_or_cases, str):
         return value_or_cases
     distinct_values = set(value_or_cases.values())
@@ -100,7 +100,7 @@ def _common_value(value_or_cases: Value) -> Value:
 
 
 def value_text(value_or_cases: Value) -> str:
-    """Return a value, or that of the first case if there are several."""
+    """Return a value, or the value of the first case if there are several."""
     if isinstance(value_or_cases, str):
         return value_or_cases
     return next(iter(value_or_cases.values()), NOTHING)
@@ -140,7 +140,7 @@ def _is_as_by_default(values: Mapping[Case, str], case: Case) -> bool:
 def _different_values(spec_fact: Fact, spec_text: str, second_fact: Fact, second_text: str) -> Disagreement:
     """Return the disagreement on two values of a fact.
 
-    For the length of a frame, ``resized_frame`` has the words for the frame, and it is empty for any other fact.
+    For the length of a frame, ``resized_frame`` contains the words for the frame, and it is empty for any other fact.
     """
     is_length = spec_fact.key[-1] == "length"
     return Disagreement(
@@ -158,21 +158,21 @@ def _different_values(spec_fact: Fact, spec_text: str, second_fact: Fact, second
 def _frame_text(frame_key: Key) -> str:
     """Return the words for a frame in descriptions of its bits: ``of the encoder's frame with 0x1A``.
 
-    ``frame_key`` is that of the frame's length. For a register, the text is empty.
+    ``frame_key`` is the key of the frame's length. For a register, the text is empty.
     """
     if frame_key[0] != "frame":
         return ""
     # ("frame", interface, sender, channel, selector value or other identity, "length")
     _, _, sender, _, selector_value, _ = frame_key
     frame_text = f"of the {sender}'s frame"
-    # A frame without a selector has a text or a negative number here.
+    # A frame without a selector is represented by a text or a negative number here.
     if isinstance(selector_value, int) and selector_value >= 0:
         return f"{frame_text} with {in_hex(selector_value)}"
     return frame_text
 
 
 def cases_text(cases: list[Case]) -> str:
-    """Return the order codes of cases and the state of the first one: ``, for X-24 and 2 more while 0x49 = 3``."""
+    """Return the order codes of cases and the state of the first case: ``, for X-24 and 2 more while 0x49 = 3``."""
     order_codes = list(dict.fromkeys(case.code for case in cases))
     text = f", for {first_of(order_codes, 1)}"
     state = cases[0].state
@@ -184,7 +184,7 @@ def compare_names(
 ) -> Iterator[Disagreement]:
     """Yield the different names of one item if one of them must be a mistake.
 
-    See ``mistaken_pairs`` for the rule. All names must be equal if the second reading uses those of the spec.
+    See ``mistaken_pairs`` for the rule. All names must be equal if the second reading uses the names of the spec.
     """
     for kind, spec_names in spec_names_by_kind.items():
         second_names = second_names_by_kind.get(kind, {})

@@ -14,7 +14,8 @@ from .comparison import Comparison, Disagreement, Read
 from .frame_bits import continues_item, describe_bits
 from .reading import FACTORY_DEFAULTS, Bit, Case, Fact, Sort, Word, WordCase
 
-#: Identity of a disagreement in all cases: its places, its class, and its number among those of a case with these.
+#: Identity of a disagreement in all cases: its places, its class, and its number among the disagreements of a case with
+#: the same places and class.
 _DisagreementKey = tuple[Path, Path, Sort, int]
 
 
@@ -51,7 +52,7 @@ def _second_cases(spec_word: Word, second_word: Word | None) -> Mapping[Case, Wo
 
 
 def _count_as_read_once(comparison: Comparison, spec_case: WordCase) -> None:
-    """Count all facts of a word in a case that only the spec has."""
+    """Count all facts of a word whose case occurs only in the spec."""
     for bit in spec_case.bits:
         comparison.count_fact(Sort.POSITION, bit.place, Read.ONCE)
     for properties in spec_case.fields.values():
@@ -62,7 +63,7 @@ def _count_as_read_once(comparison: Comparison, spec_case: WordCase) -> None:
 def _disagreements_with_cases(
     comparison: Comparison, spec_word: Word, second_cases: Mapping[Case, WordCase]
 ) -> Iterable[tuple[Disagreement, list[Case]]]:
-    """Return each disagreement as it is in the first case that shows it, with all cases that do.
+    """Return each disagreement as in the first case that shows it, with all cases that do.
 
     Disagreements in two cases are one if their keys are equal: places, class and number (see ``_with_keys``).
     """
@@ -105,7 +106,7 @@ def _compare_in_case(
         return
     yield from _compare_bits(comparison, spec_word, spec_case.bits, second_case.bits)
     for low_and_width, spec_properties in spec_case.fields.items():
-        # All properties of a field have places in or near it. The first one stands for the field.
+        # All properties of a field have places in or near it. The first property represents the field.
         property_places = [fact.place for fact in spec_properties.values()]
         field_place = property_places[0] if property_places else spec_word.place
         second_properties = second_case.fields.get(low_and_width, {})

@@ -25,7 +25,7 @@ class Disagreement:
 
     A place is empty if a reading lacks the fact. ``nearest_place`` is then the place in the spec where it would be.
     ``is_name`` is set if the values are names of the same thing, and ``resized_frame`` contains the words for a frame
-    with another length. ``order_codes`` contains those with different values, or none if the values hold for all.
+    with another length. ``order_codes`` contains the codes with different values, or none if the values apply to all.
     """
 
     sort: Sort
@@ -41,7 +41,7 @@ class Disagreement:
 
     @property
     def spec_place_or_nearest(self) -> Path:
-        """The place in the spec, or the one where the spec would state the fact."""
+        """The place in the spec, or the place where the spec would state the fact."""
         return self.spec_place or self.nearest_place
 
 

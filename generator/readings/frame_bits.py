@@ -62,9 +62,10 @@ def add_names(subject: Subject, placed_field: PlacedField, owner: str | int, fac
 def properties(
     subject: Subject, placed_field: PlacedField, parameters: Parameters, register: Register | None
 ) -> Iterator[Fact]:
-    """Yield the facts of a field other than its bits: those of its kind, a fixed value, a default, stated members.
+    """Yield the facts of a field other than its bits: the facts of its kind, a fixed value, a default, stated members.
 
-    ``parameters`` are those of an order code. ``register`` is the one that contains the field, or None in a frame.
+    ``parameters`` are the parameters of an order code. ``register`` is the register that contains the field, or None in
+    a frame.
     """
     field = placed_field.field
     yield from _facts_of_kind(subject, field)
@@ -113,8 +114,8 @@ def _facts_of_kind(subject: Subject, field: Field) -> Iterator[Fact]:
 def _default_and_is_implied(placed_field: PlacedField, register: Register) -> tuple[int | None, bool]:
     """Return the default of a field, and whether it is implied: ``(3, True)`` for bits of the register's default.
 
-    A default is implied if the spec states or implies only that of the register. There is none if the field is the
-    whole register, whose default is a fact of the register, or if it carries no data.
+    A default is implied if the spec states or implies only the default of the register. There is none if the field is
+    the whole register, whose default is a fact of the register, or if it carries no data.
     """
     stated_default = placed_field.field.default
     register_default = as_delivered(register)
@@ -220,7 +221,7 @@ def _owner_text(kind: Kind, placed_field: PlacedField, placed_layout: PlacedLayo
 
 
 def _parity_text(parity: Parity, placed_layout: PlacedLayout) -> str:
-    """Return text such as ``odd parity of bits 7:0``, or of their ``one bits`` if the parity is over those."""
+    """Return text such as ``odd parity of bits 7:0``, or of their ``one bits`` if the parity is over the one bits."""
     polarity = "odd" if parity.odd else "even"
     covered_bits = listed([_text_of_bits(placed_layout, name) for name in parity.of])
     if not parity.over:

@@ -57,7 +57,7 @@ def add_interfaces(reading: Reading, facts: Facts) -> None:
         for layout in interface.layouts:
             identity = constants_by_frame.get(layout.name, _NOT_EXCHANGED)
             _add_frames(reading, interface, layout, identity, facts)
-            # The bits of a joined number follow from those of its fields.
+            # The bits of a joined number follow from its fields.
             facts.derived[Sort.POSITION] += len(layout.joins)
         facts.add(_interface_facts(reading, interface))
         facts.add(timings(interface.timings, interface.name, ("interfaces", interface.name, "timings")))
@@ -81,7 +81,7 @@ def _exchange_constants(interface: Interface) -> dict[str, str]:
                 constant_texts.append(f"{in_hex(field.kind.value)} from bit {field.low.render()}")
         constants_text = ", ".join(constant_texts)
         constants_by_frame[exchange.request] = constants_text
-        # A reply to several requests is identified by the first one. An exchange without a reply adds the name "".
+        # A reply to several requests is identified by the first request. An exchange without a reply adds the name "".
         constants_by_frame.setdefault(exchange.reply, constants_text)
     return constants_by_frame
 
@@ -171,7 +171,7 @@ def _condition_text(field: PlacedField, needed_value: int) -> str:
 
 
 def _interface_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
-    """Yield the facts about an interface other than its frames: its members, its parts, and those of its kind."""
+    """Yield the facts about an interface other than its frames: its members, its parts, and the facts of its kind."""
     place: Path = ("interfaces", interface.name)
     interface_subject = Subject(
         reading,
@@ -185,7 +185,7 @@ def _interface_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
     yield from interface_subject.stated_facts(interface)
     for name, joint in _JOINT_BY_PART.items():
         subject = replace(interface_subject, key=(name, interface.name), place=(*place, name), joint=joint)
-        # No kind of interface has all of these parts. A part may differ by order code, as ``clocks_by_code`` has it.
+        # No kind of interface has all of these parts. A part may differ by order code, as in ``clocks_by_code``.
         part = getattr(interface, name, None)
         parts_by_code = getattr(interface, f"{name}s_by_code", ())
         if part:
@@ -208,7 +208,7 @@ def _interface_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
 def _cable_clocks(reading: Reading, interface: Ssi) -> Iterator[Fact]:
     """Yield a fact for each length of the cable: its highest clock, such as ``below 400000 Hz``.
 
-    If that depends on the order code, the value is a map with the text for each one.
+    If that depends on the order code, the value is a map with the text for each code.
     """
     # The fact is placed at the first row for its length.
     first_index_by_length: dict[int, int] = {}
@@ -227,7 +227,7 @@ def _cable_clocks(reading: Reading, interface: Ssi) -> Iterator[Fact]:
 
 
 def _value_by_code(reading: Reading, interface: str, rows_with_texts: Sequence[tuple[Restricted, str]]) -> Value:
-    """Return the text of the only row, or a map with the text for each order code if rows are for different ones."""
+    """Return the text of the only row, or a map with the text for each order code if rows are for different codes."""
     first_row, first_text = rows_with_texts[0]
     if len(rows_with_texts) == 1 and not first_row.only:
         return first_text
@@ -337,7 +337,7 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
             microseconds = getattr(timing, bound)
             if microseconds is not None:
                 time_by_bound[bound] = f"{microseconds} µs"
-        # Times for different order codes may have the same name, which then leads to the first one.
+        # Times for different order codes may have the same name, which then leads to the first time.
         name = "" if timing.name in shared_names else timing.name
         place = (*owner, name or index)
         if not timing.symbol:

@@ -1,4 +1,4 @@
-"""Facts about order codes: the existing ones and their properties."""
+"""Facts about order codes: which codes exist, and their properties."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .stated import Subject
 def add_codes(reading: Reading, facts: Facts) -> None:
     """Add the facts about order codes: notations, supplies, parameters, alternatives, measurements and the movement.
 
-    Parameters with a formula follow from the others, so they only count as derived.
+    Parameters with a formula follow from other parameters, so they only count as derived.
     """
     facts.add(_order_code_facts(reading))
     facts.add(_spelling_facts(reading))
@@ -47,8 +47,8 @@ def add_codes(reading: Reading, facts: Facts) -> None:
 def _order_code_facts(reading: Reading) -> Iterator[Fact]:
     """Yield each order code with its interface, and each part whose values the manual leaves open.
 
-    Such a part is identified by the values that the manual prints. If these combine only with certain values of other
-    parts, the text lists those.
+    Such a part is identified by the values that the manual prints. If these values combine only with certain values of
+    other parts, the text lists the certain values.
     """
     place: Path = ("order_code", "parts")
     for variant in reading.device.variants:
@@ -189,7 +189,7 @@ def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[Fa
 def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
     """Yield the facts about the position over an interface, and its bits in each frame that contains it.
 
-    The measurement is that of the interface, or else that of the device.
+    The measurement belongs to the interface, or else to the device.
     """
     measurement = reading.device.measurement_of(interface.name)
     if measurement is None:
@@ -229,7 +229,7 @@ def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]
 
 
 def _range_facts(measured: Subject, interface: Interface, layout: Layout) -> Iterator[Fact]:
-    """Yield the facts about the range of the position that a layout states for itself, which most do not."""
+    """Yield the facts about the range of the position in a layout, if the layout states its own."""
     if layout.position_range is None:
         return
     place: Path = ("interfaces", interface.name, "layouts", layout.name, "position_range")

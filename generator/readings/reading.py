@@ -17,7 +17,7 @@ from ..model.record import dataclass
 from ..order_codes.parameters import with_changed
 from ..say.names_and_places import bits
 
-#: Value shown for a fact that a reading does not have.
+#: Value shown for a fact that a reading lacks.
 NOTHING = "nothing"
 
 
@@ -80,7 +80,7 @@ class Case(NamedTuple):
         return Case(self.code, FACTORY_DEFAULTS)
 
 
-#: A value as shown in messages: one, or one for each case.
+#: A value as shown in messages: a single value, or a value for each case.
 Value = str | Mapping[Case, str]
 
 
@@ -88,9 +88,9 @@ Value = str | Mapping[Case, str]
 class Fact:
     """A fact. ``description`` is its name in messages, ``place`` its place in the spec.
 
-    ``depends_on`` is the key of the fact that this one depends on, such as the register of a default. A fact that
+    ``depends_on`` is the key of the fact on which this fact depends, such as the register of a default. A fact that
     ``may_be_missing`` from the other reading is, for example, a printed name in another language. ``name`` is the
-    reader's name of the item whose first fact this is. A fact that ``is_implied`` follows from another one. If one
+    reader's name of the item whose first fact this is. A fact that ``is_implied`` follows from another fact. If one
     reader still states it, the other must, too.
     """
 
@@ -141,7 +141,7 @@ class Word:
 
     @property
     def everywhere(self) -> WordCase | None:
-        """The word if all cases share one ``WordCase``, so that it can be compared without order codes, or None."""
+        """The word if all cases share one ``WordCase``, for comparison without order codes, or else None."""
         distinct_words = {id(word_case): word_case for word_case in self.cases.values()}
         if len(distinct_words) > 1:
             return None
@@ -150,10 +150,10 @@ class Word:
 
 @dataclasses.dataclass(slots=True)
 class Facts:
-    """All facts of a reading. ``derived`` counts the facts that follow from others.
+    """All facts of a reading. ``derived`` counts the facts that follow from other facts.
 
-    ``names`` contains the names of items of one kind, by interface if they belong to one. A second reading can give
-    the numbers of a text in ``printed_numbers`` by its path, and the sections of everything under a path in
+    ``names`` contains the names of items of one kind, by interface if they belong to an interface. A second reading can
+    list the numbers of a text in ``printed_numbers`` by its path, and the sections of everything under a path in
     ``sections``. ``decided`` contains the paths and classes of facts that no manual prints.
     """
 
@@ -242,7 +242,7 @@ def mistaken_pairs(spec_names: Names, second_names: Names, *, must_be_equal: boo
 
 
 def _differ_in_one_letter(name: str, other_name: str) -> bool:
-    """Return whether two different names differ by one extra, missing or wrong letter, or two swapped ones."""
+    """Return whether two different names differ by one extra, missing or wrong letter, or two swapped letters."""
     shorter, longer = sorted((name, other_name), key=len)
     if len(shorter) < len(longer):
         return any(longer[:index] + longer[index + 1 :] == shorter for index in range(len(longer)))
@@ -323,7 +323,7 @@ class Reading:
         return f"{self.bits_at(path)} is {number_text}"
 
     def _field_at(self, path: str) -> tuple[Register | None, Field | None]:
-        """Return the register and the field of ``register.field``, each None if there is no such one."""
+        """Return the register and the field of ``register.field``, each None if it does not exist."""
         register_name, _, field_name = path.partition(".")
         register = self.register(register_name)
         if register is None:
@@ -416,7 +416,7 @@ def count_text(value: int) -> str:
 
 
 def as_delivered(register: Register) -> int | None:
-    """Return the factory default as stated, or from the fixed values of all fields, or None if one is not known."""
+    """Return the factory default as stated, or from the fixed values of all fields, or None if a value is not known."""
     if register.default is not None:
         return register.default
     default = 0
@@ -429,7 +429,7 @@ def as_delivered(register: Register) -> int | None:
 
 
 def _documented_number(field: Field) -> int | None:
-    """Return the value that a field always has as a number, or None if it has none or the order code decides it."""
+    """Return the constant value of a field as a number, or None if it has none or the order code decides it."""
     documented_value = field.equals
     if isinstance(documented_value, str):
         return int.from_bytes(documented_value.encode("ascii"), "big")

@@ -34,7 +34,7 @@ def add_registers(reading: Reading, facts: Facts) -> None:
         )
         facts.add(_register_facts(subject, register))
         _add_names(subject, register, facts)
-        # The bits of a joined number follow from those of its fields.
+        # The bits of a joined number follow from its fields.
         facts.derived[Sort.POSITION] += len(register.layout.joins)
         facts.words[key] = word(subject, register.layout, register)
 
@@ -42,7 +42,8 @@ def add_registers(reading: Reading, facts: Facts) -> None:
 def _add_names(subject: Subject, register: Register, facts: Facts) -> None:
     """Add the names that a register refers to: the field with limits, and the field that opens it.
 
-    The name of the first is empty if the limits name no field, that of the second is "nothing".
+    The first name is empty if the limits name no field, and the second name is "nothing" if no field opens the
+    register.
     """
     name_of_limited_field = Fact(
         sort=Sort.LIMIT,
@@ -102,7 +103,7 @@ def _opener_text(reading: Reading, register: Register) -> str:
 def _limit_facts(subject: Subject, register: Register) -> Iterator[Fact]:
     """Yield the bits that limits of the register or its meanings apply to, and the facts of each meaning.
 
-    A meaning is how the register is read while another one has a given value.
+    A meaning is how the register is read while another register has a given value.
     """
     reading = subject.reading
     limited_parts: list[Register | RegisterMeaning] = [register, *register.meanings]

@@ -51,7 +51,7 @@ def group_by_cause(disagreements: Sequence[Disagreement]) -> list[Related]:
     """Return the disagreements in groups with the same cause. Names come first in a group.
 
     A known cause is looked up first, then the disagreement's own cause (``_own_cause``) is used. One without a cause is
-    alone. In a frame with another length, all bits after the difference are others, so only its length is reported.
+    alone. In a frame with another length, all bits after the difference differ, so only the length is reported.
     """
     resized_frames = [disagreement.resized_frame for disagreement in disagreements if disagreement.resized_frame]
     reported_disagreements = [
@@ -67,7 +67,7 @@ def group_by_cause(disagreements: Sequence[Disagreement]) -> list[Related]:
             or _known_change_of_time(disagreement, known_causes)
             or _changed_parameters(disagreement, reported_disagreements)
             or _own_cause(disagreement)
-            # A number of its own, so that the disagreement is alone.
+            # A unique number, so that the disagreement is not grouped.
             or index
         )
         disagreements_by_cause.setdefault(cause, []).append(disagreement)
@@ -78,8 +78,8 @@ def group_by_cause(disagreements: Sequence[Disagreement]) -> list[Related]:
 def _sort_key(disagreement: Disagreement) -> tuple[bool, bool, bool, bool]:
     """Return a key that puts names first, since other disagreements are recognised by their causes.
 
-    Disagreements that depend on others are last: numbers in texts, open values of order codes, and times that the spec
-    lacks.
+    Disagreements that depend on others are last: numbers in texts, open values of order codes, and times missing in the
+    spec.
     """
     is_open_value = disagreement.second_place[-1:] == ("open",)
     is_time_without_spec = disagreement.sort is Sort.TIME and disagreement.spec_value == NOTHING
@@ -96,7 +96,7 @@ def _is_in_frame(disagreement: Disagreement, frames: Sequence[str]) -> bool:
     any_frame = re.compile(rf"(?:{'|'.join(map(re.escape, frames))})(?![\w.])")
     if any_frame.search(disagreement.description):
         return True
-    # The values may be lists, such as those of the bits of an alarm in several frames.
+    # The values may be lists, such as the bits of an alarm in several frames.
     spec_items, second_items = disagreement.spec_value.split(", "), disagreement.second_value.split(", ")
     spec_items_elsewhere = [bits_text for bits_text in spec_items if not any_frame.search(bits_text)]
     second_items_elsewhere = [bits_text for bits_text in second_items if not any_frame.search(bits_text)]
@@ -120,7 +120,7 @@ def _own_cause(disagreement: Disagreement) -> object:
     if disagreement.sort is Sort.HISTORY:
         edition = _EDITION.search(disagreement.description)
         return edition[0] if edition is not None else None
-    # The place of a whole table is ("tables", name), and that of a row is longer.
+    # The place of a whole table is ("tables", name), and the place of a row is longer.
     is_whole_table = len(disagreement.spec_place) == 2
     if disagreement.sort is Sort.TABLE and (is_whole_table or disagreement.spec_value == NOTHING):
         _, table_name, *_ = disagreement.second_place
@@ -131,8 +131,8 @@ def _own_cause(disagreement: Disagreement) -> object:
 def _changed_values(disagreement: Disagreement) -> object:
     """Return the numbers in which the values differ, in any unit, or the two signals of a contact, or None.
 
-    ``("numbers", {"3"}, {"5"})`` stands for 30 ms in the spec and 50 ms in the second reading, and also for times of
-    30,000 and 50,000 µs. Numbers of positions, addresses and the like mean nothing elsewhere.
+    ``("numbers", {"3"}, {"5"})`` means 30 ms in the spec and 50 ms in the second reading, and also times of 30,000 and
+    50,000 µs. Numbers of positions, addresses and the like mean nothing elsewhere.
     """
     spec_digits = _digits_of_numbers(disagreement.spec_value)
     second_digits = _digits_of_numbers(disagreement.second_value)
@@ -167,7 +167,7 @@ def _digits_of_numbers(text: str) -> Set[str]:
 def _known_renaming_of_entry(disagreement: Disagreement, known_causes: Iterable[object]) -> object:
     """Return a known renaming that explains an entry of the contents, or None.
 
-    Only the second reading has the entry, under the second name.
+    Only the second reading contains the entry, under the second name.
     """
     if disagreement.sort is not Sort.CONTENTS or disagreement.spec_value != NOTHING:
         return None

@@ -25,7 +25,7 @@ from .related import Related, group_by_cause
 
 
 def facts_of(reading: Reading) -> Facts:
-    """Return all facts of a reading that can be compared with those of another reader.
+    """Return all facts of a reading that can be compared with another reading.
 
     ``decided`` lists facts that no manual prints, and is only in a second reading.
     """
@@ -123,7 +123,7 @@ class SecondReading:
     facts: Facts | None
 
 
-#: Function that reads the second reading of a family, if there is one, and adds its problems to the report.
+#: Function that reads the second reading of a family, if it has one, and adds its problems to the report.
 Reader = Callable[[Family, Report], SecondReading | None]
 
 
@@ -163,9 +163,9 @@ def compare_readings(
 ) -> list[Coverage]:
     """Compare each family with its second reading, report the differences, and return the coverage.
 
-    ``sound`` are the files of specs without problems. Left out are derived families, families without a second reading,
-    and those in which one of the two files has problems. A second reading is checked even if its spec has some.
-    ``read`` returns the second reading of a family.
+    ``sound`` are the files of specs without problems. Derived families are left out, and so are families without a
+    second reading and families with problems in one of the two files. A second reading is checked even if its spec has
+    problems. ``read`` returns the second reading of a family.
     """
     coverages = []
     for loaded_family in families:
@@ -183,7 +183,7 @@ def compare_readings(
 
 
 def explain(spec: Document, second: Document, outcome: Comparison, report: Report) -> None:
-    """Count the disagreements explained by errata of the spec, and report the others, each once.
+    """Count the disagreements explained by errata of the spec, and report the remaining disagreements, each once.
 
     An erratum explains a disagreement with exactly its two values at a place that it affects. An erratum that explains
     nothing is also reported.
@@ -208,7 +208,10 @@ def explain(spec: Document, second: Document, outcome: Comparison, report: Repor
 
 @dataclass(frozen=True)
 class _Explanation:
-    """Two values of a fact that an erratum explains. ``place`` is that of the pair, ``printed`` the erratum's text."""
+    """Two values of a fact that an erratum explains.
+
+    ``place`` is the place of the pair, ``printed`` the erratum's text.
+    """
 
     place: Path
     printed: str
@@ -217,7 +220,7 @@ class _Explanation:
     spec_value: str
 
     def explains(self, disagreement: Disagreement) -> bool:
-        """Return whether a disagreement has exactly these two values, at an affected place or near it."""
+        """Return whether a disagreement consists of exactly these two values, at an affected place or near it."""
         if (self.second_value, self.spec_value) != (disagreement.second_value, disagreement.spec_value):
             return False
         return any(touches(path, disagreement.spec_place_or_nearest) for path in self.affected_paths)
@@ -240,7 +243,7 @@ def _explained_differences(spec: Document) -> Iterator[_Explanation]:
 
 
 def _report_disagreements(disagreements: Related, spec: Document, second: Document, report: Report) -> None:
-    """Report disagreements with one cause once: the first one, with the lines of the others.
+    """Report disagreements with one cause once: the first one, with the lines of the other ones.
 
     The report is about the spec, or about the second reading if only that has the fact.
     """
@@ -299,7 +302,7 @@ def _others_text(disagreements: Related, spec: Document, second: Document) -> st
 def _check_explanation(explanation: _Explanation, spec: Document, report: Report, *, is_used: bool) -> None:
     """Report an erratum that explains no disagreement, or whose printed text has other values.
 
-    In the second case, the printed text has values with the same unit, but not the number of the second reading.
+    In the second case, the printed text contains values with the same unit, but not the number of the second reading.
     """
     second_value = explanation.second_value
     if not is_used:
@@ -313,7 +316,7 @@ def _check_explanation(explanation: _Explanation, spec: Document, report: Report
 
 
 def _lacks_number(printed_text: str, value_with_unit: str) -> bool:
-    """Return whether a text lacks the number of a value such as ``5 ms``, but has another value with its unit.
+    """Return whether a text lacks the number of a value such as ``5 ms``, but contains another value with its unit.
 
     A value without a unit is not checked.
     """
@@ -328,7 +331,7 @@ def _lacks_number(printed_text: str, value_with_unit: str) -> bool:
 
 
 def _parse_number(number_text: str) -> Decimal:
-    """Return the number that a text such as ``1,000.5`` stands for."""
+    """Return the number that a text such as ``1,000.5`` represents."""
     return Decimal(number_text.replace(",", ""))
 
 
@@ -339,7 +342,7 @@ _KEYS_LEFT_OUT_OF_PATHS = frozenset(
 
 
 def touches(affected_path: str, place: Path) -> bool:
-    """Return whether an erratum that affects a path touches a place: the same one, a parent or a child.
+    """Return whether an erratum that affects a path touches a place: the same place, a parent or a child.
 
     ``registers.mode`` touches ``("registers", "mode", "fields", "speed")``. Indices and some keys are not in paths.
     """

@@ -220,7 +220,7 @@ class Subject:
     """Something that facts are about: its key without names, its place in the file, and its name in messages.
 
     ``interface`` determines the order codes for which its expressions have values. ``depends_on`` is the key of the
-    fact that others about it depend on, by default its own. ``joint`` precedes its name.
+    fact that its other facts depend on, by default its own. ``joint`` precedes its name.
     """
 
     reading: Reading
@@ -234,7 +234,7 @@ class Subject:
     def inside(self, key: Key, place: Path, description: str) -> Subject:
         """Return a part of the subject, whose facts depend on the fact that the subject exists.
 
-        Key and place are within those of the subject.
+        Key and place are within the key and place of the subject.
         """
         return Subject(
             self.reading,
@@ -289,7 +289,7 @@ class Subject:
     def stated_facts(self, model_part: Any, without: Collection[str] = ()) -> Iterator[Fact]:
         """Yield a fact for each member that the spec states, and for each printed name of the part.
 
-        The table of members gives the class of a fact in ``read``. Members without a class, and those in ``without``,
+        The table of members states the class of a fact in ``read``. Members without a class and members in ``without``
         have no fact.
         """
         attributes = {member_field.name for member_field in fields(model_part)}

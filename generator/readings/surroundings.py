@@ -79,7 +79,7 @@ def _contact_facts(reading: Reading, connector: Connector, interface: str, conne
 def _alarm_bits_texts(reading: Reading, alarm: Alarm) -> Iterator[str]:
     """Yield the places of an alarm: ``register 0x49 bit 3``, a whole register, and its bit in each frame.
 
-    A bit in a frame is that of the alarm's field in a field group, with the interface: ``bit 3 of … over SSI``.
+    A bit in a frame is the bit of the alarm's field in a field group, with the interface: ``bit 3 of … over SSI``.
     """
     register = reading.register(alarm.register) if alarm.register else None
     if register is not None and alarm.field:
@@ -127,7 +127,7 @@ def _characteristic_facts(reading: Reading) -> Iterator[Fact]:
 
 
 def _table_facts(reading: Reading) -> Iterator[Fact]:
-    """Yield every table, identified by its name, and the numbers of each cell that has some, by row and column."""
+    """Yield every table, identified by its name, and the numbers of each cell with numbers, by row and column."""
     for table in reading.device.tables:
         subject = Subject(
             reading, key=("table", table.name), place=("tables", table.name), description=f"the table '{table.name}'"

@@ -1,6 +1,6 @@
 """Numbers and cited sections of the texts in a spec, and the pages of the table of contents, as facts.
 
-Two readers use different words, so that only these are compared.
+Two readers use different words, so only numbers and cited sections are compared.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ def is_source(key: str | int) -> bool:
 
 
 def _compared_text(key: str | int, text: str) -> str:
-    """Return what is compared of a text: its numbers, or the sections of the manual itself that a source cites."""
+    """Return the compared part of a text: its numbers, or the sections of the manual itself that a source cites."""
     if not is_source(key):
         return numbers_in(text)
     # A source without a document cites the manual itself.
@@ -115,7 +115,8 @@ def sections_by_path(reading: Reading) -> dict[str, list[str]]:
 def prose_texts(place: Path, node: Any) -> Iterator[tuple[Path, str]]:
     """Yield every text and source in part of a spec, with its place.
 
-    In a place, items of lists have their names, or else their indices. Call it with ``()`` and the whole spec.
+    In a place, items of lists are given by their names, or else by their indices. Call it with ``()`` and the whole
+    spec.
     """
     if isinstance(node, dict):
         for key, member in node.items():

@@ -14,7 +14,8 @@ from .findings import Findings, findings
 class ChannelFindings:
     """Findings in a frame with several data channels.
 
-    ``agree`` is None if no fields are compared or if a channel has an error. ``verdict`` is None if one has an error.
+    ``agree`` is None if no fields are compared or if a channel has an error. ``verdict`` is None if a channel has an
+    error.
     """
 
     channels: tuple[Findings, ...]
@@ -23,7 +24,7 @@ class ChannelFindings:
 
 
 def decode_channels(device: Device, frame: PlacedChannels, number: int) -> tuple[codec.Decoded, ...]:
-    """Return the channels of a frame, each decoded by itself. ``number`` has no more bits than the frame."""
+    """Return the channels of a frame, each decoded by itself. ``number`` has at most as many bits as the frame."""
     decoded_channels = []
     for placed, bits in zip(frame.channels, frame.split(number), strict=True):
         decoded_channels.append(codec.decode(device, placed, bits))

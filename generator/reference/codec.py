@@ -39,7 +39,7 @@ UNUSED = "unused"
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """An error in a frame, with the field that has it."""
+    """An error in a frame, with the field in error."""
 
     fault: Fault
     field: str
@@ -50,7 +50,7 @@ class DecodedField(NamedTuple):
     """A field of a decoded frame.
 
     ``raw`` is the number on the wire. ``value`` is its meaning: a number, a Boolean, the name of a value, or a string.
-    ``scale`` gives the quantity that a number stands for.
+    ``scale`` converts a number to a quantity.
     """
 
     name: str
@@ -106,7 +106,7 @@ def select_layout(
         valid_selector_values.extend(layout.selects)
         if _selector_value(placed, data) in layout.selects:
             return placed, ()
-    first_layout = layouts[0]  # The message has the value at its place of the selector.
+    first_layout = layouts[0]  # The message contains the value at the selector's place.
     selector_value = _selector_value(first_layout.place(variant.parameters), data)
     if selector_value is None:
         message = report.too_few_bytes(counted(len(data), "byte"))
@@ -211,14 +211,15 @@ def _problems_with_other_fields(
     if isinstance(kind, Parity):
         correct_bit = parity_bit(placed, kind, frame)
         if sent_value != correct_bit:
-            message = report.parity(name, f"{sent_value}", ", ".join(kind.of), f"{correct_bit}")
+            covered_names = ", ".join(field.name for field in placed.find_fields(kind.of))
+            message = report.parity(name, f"{sent_value}", covered_names, f"{correct_bit}")
             yield Problem(Fault.CONSTANT, name, message)
     elif name == placed.layout.selector and sent_value not in placed.layout.selects:
         yield Problem(Fault.RANGE, name, report.of_other_frame(name, f"{sent_value:X}"))
 
 
 def _problems_of_position(device: Device, placed: PlacedLayout, binary_number: int) -> Iterator[Problem]:
-    """Yield the problem if the frame has a position that this encoder does not have.
+    """Yield the problem if the frame contains a position that this encoder does not have.
 
     ``binary_number`` is the frame with its Gray code converted to binary.
     """
@@ -273,7 +274,7 @@ def _decode_join(placed: PlacedLayout, join: Join, frame: int, binary_frame: int
 
 
 def _computed_field(name: str, raw: int, value: int, meaning: str) -> DecodedField:
-    """Return a field that is computed from several others.
+    """Return a field that is computed from several other fields.
 
     It has no bit positions of its own, so ``high`` and ``low`` are -1.
     """
@@ -362,7 +363,7 @@ def _encode_fields(device: Device, placed: PlacedLayout, values: Values) -> int:
 
 
 def _check_names(placed: PlacedLayout, values: Values) -> None:
-    """Check that each value belongs to a field, and that the fields that this order code lacks have none but 0.
+    """Check that each value belongs to a field, and that fields that this order code lacks are 0 if given.
 
     Raises:
         EncodeError: A name is unknown, or this order code has no such field.
@@ -375,7 +376,7 @@ def _check_names(placed: PlacedLayout, values: Values) -> None:
         if name not in known_names:
             raise EncodeError(f"there is no field '{name}' in {placed.name}")
     for field in placed.layout.fields:
-        # The layout is that of all order codes. ``placed`` has the fields of this one.
+        # The layout applies to all order codes. ``placed`` contains the fields of this order code.
         if values.get(field.name) and placed.find_field(field.name) is None:
             raise EncodeError(f"{field.name} {values[field.name]} does not fit: this order code has no such field")
 
@@ -391,7 +392,8 @@ def _encode_unused(placed: PlacedLayout, inverted_bits: int) -> int:
     """
     frame_bits = 0
     bits_of_no_field = inverted_bits
-    # ``low_in_unused`` is the field's lowest bit in ``inverted_bits``, and ``placed_field.low`` that in the frame.
+    # ``low_in_unused`` is the field's lowest bit in ``inverted_bits``, and ``placed_field.low`` its lowest bit in the
+    # frame.
     for placed_field, low_in_unused in placed.unused:
         inverted_in_field = (inverted_bits >> low_in_unused) & placed_field.mask
         frame_bits |= (documented_bits(placed_field) ^ inverted_in_field) << placed_field.low
@@ -407,7 +409,7 @@ def _split_join(placed: PlacedLayout, join: Join, joined_value: int, values: Val
     Fields that this order code lacks are 0.
 
     Raises:
-        EncodeError: The value does not fit in the fields, or differs from theirs.
+        EncodeError: The value does not fit in the fields, or differs from the values of the fields.
     """
     value_by_field: dict[str, int] = {}
     remaining_bits = joined_value
@@ -426,9 +428,9 @@ def _split_join(placed: PlacedLayout, join: Join, joined_value: int, values: Val
 
 
 def _encode_field(placed: PlacedLayout, placed_field: PlacedField, values: Values) -> int:
-    """Return the bits of one field, shifted down to bit 0. A selector with a single value needs none from the caller.
+    """Return the bits of one field, shifted down to bit 0, or raise an EncodeError if its value is missing or wrong.
 
-    Return 0 for CRC and parity, which are computed later from the others, and for unused bits, which are added later.
+    A selector with a single value needs none. CRC, parity and unused bits are 0 here, and are added later.
     """
     name = placed_field.name
     kind = placed_field.field.kind

@@ -68,11 +68,12 @@ class Findings:
 def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
     """Return the findings in ``decoded``, a frame of the encoder or a register.
 
-    An invalid frame has no findings, since none of its bits can be trusted. A frame of the master has none either.
+    An invalid frame has no findings, since none of its bits can be trusted. A frame of the master has no findings
+    either.
     """
     if decoded.problems or decoded.layout is None or decoded.layout.layout.sender == "master":
         return Findings()
-    # A layout without a sender is that of a register.
+    # A layout without a sender belongs to a register.
     layout = decoded.layout.layout
     decoded_fields = {field.name: field for field in decoded.fields}
     active_fields = _active_fields(decoded.layout, decoded_fields)
@@ -90,7 +91,7 @@ def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
 def _active_fields(placed: PlacedLayout, decoded_fields: Mapping[str, DecodedField]) -> list[Field]:
     """Return the active flags, the unused bits that differ from the manual, and the flags of active signs.
 
-    A sign is a combination of values with a verdict, like that of a flag. Registers have none.
+    A sign is a combination of values with a verdict, like the verdict of a flag. Registers have none.
     """
     active_fields: list[Field] = []
     for placed_field in placed.fields:
@@ -103,7 +104,7 @@ def _active_fields(placed: PlacedLayout, decoded_fields: Mapping[str, DecodedFie
 
 
 def _reports_of_frame(device: Device, variant: Variant, active_fields: Sequence[Field]) -> Iterator[Report]:
-    """Yield a report for each active field, except those with which the position stays usable without a warning."""
+    """Yield a report for each active field, except fields with which the position stays usable without a warning."""
     for field in active_fields:
         if field.kind.makes_position is not Verdict.USABLE:
             yield _build_report(field, _alarm_for(device, variant, field, register=""))
@@ -120,7 +121,7 @@ def _reports_of_register(
 
 
 def _alarm_for(device: Device, variant: Variant, field: Field, register: str) -> Alarm | None:
-    """Return the alarm of a flag, or None if the manual has none for this order code.
+    """Return the alarm of a flag, or None if the manual describes none for this order code.
 
     In a frame, ``register`` is empty.
     """
@@ -143,7 +144,7 @@ def _is_active_field(placed_field: PlacedField, decoded_field: DecodedField) -> 
 
 
 def _is_active_sign(sign: Sign, layout: Layout, decoded_fields: Mapping[str, DecodedField]) -> bool:
-    """Return whether all fields of a sign have the values that its conditions name."""
+    """Return whether all fields of a sign have the values in its conditions."""
     for name, number in sign.conditions:
         required_value = _decoded_value(layout.field(name), number)
         if name not in decoded_fields or decoded_fields[name].value != required_value:
@@ -159,7 +160,7 @@ def _decoded_value(field: Field, number: int) -> str | bool:
 
 
 def _build_report(field: Field, alarm: Alarm | None) -> Report:
-    """Return the report of an active field, with the texts of its alarm if the manual has one."""
+    """Return the report of an active field, with the texts of its alarm, if any."""
     return Report(
         field=field.name,
         printed_name=field.printed_name,
@@ -178,7 +179,7 @@ def _find_worst_verdict(placed: PlacedLayout, active_fields: Sequence[Field]) ->
     active_names = {field.name for field in active_fields}
     verdicts = [Verdict.USABLE if placed.judges_position else Verdict.UNKNOWN]
     for field in active_fields:
-        # A flag that sums up others, ``sums_up``, adds no information if one of them is active.
+        # A flag that sums up other flags, ``sums_up``, adds no information if one of them is active.
         is_redundant = isinstance(field.kind, Flag) and not active_names.isdisjoint(field.kind.sums_up)
         verdict = field.kind.makes_position
         if verdict is not None and not is_redundant:
@@ -190,9 +191,9 @@ def _find_worst_verdict(placed: PlacedLayout, active_fields: Sequence[Field]) ->
 def _yield_differences(
     variant: Variant, decoded: Decoded, decoded_fields: Mapping[str, DecodedField], is_register: bool
 ) -> Iterator[Difference]:
-    """Yield the fields whose documented value for this order code is not the actual one.
+    """Yield the fields whose documented value for this order code differs from the actual value.
 
-    ``is_register`` is true if they are those of a register, for which the message has other words.
+    ``is_register`` is true for the fields of a register, for which the message has other words.
     """
     assert decoded.layout is not None
     for placed_field in decoded.layout.fields:
@@ -200,7 +201,7 @@ def _yield_differences(
         if documented is None:
             continue
         decoded_field = decoded_fields[placed_field.name]
-        # A documented string is a text or the name of a value. A number is that of the bits.
+        # A documented string is a text or the name of a value. A number equals the number formed by the bits.
         actual = decoded_field.value if isinstance(documented, str) else decoded_field.raw
         if actual != documented:
             yield Difference(
@@ -228,7 +229,7 @@ def _quoted_or_hex(field_value: int | str) -> str:
 
 
 def _identity_registers(device: Device, variant: Variant) -> Iterator[Register]:
-    """Yield the registers that identify this order code, except those in banks, whose addresses are not unique."""
+    """Yield the registers that identify this order code, except registers in banks, whose addresses are not unique."""
     names = {register.name for register, _ in device.identity if register.bank is None}
     return (register for register in device.registers_over(variant.interface) if register.name in names)
 
@@ -246,7 +247,7 @@ def _list_addresses(register: Register) -> range:
 
 
 def compare_held(device: Device, variant: Variant, bytes_by_address: Mapping[int, int]) -> tuple[Difference, ...]:
-    """Return the registers whose contents contradict this order code.
+    """Return the fields of identifying registers whose contents contradict this order code.
 
     Bytes at addresses that ``bytes_by_address`` does not contain are unknown, and contradict nothing.
     """
@@ -259,7 +260,7 @@ def compare_held(device: Device, variant: Variant, bytes_by_address: Mapping[int
 def _compare_register(
     variant: Variant, register: Register, bytes_by_address: Mapping[int, int]
 ) -> Iterator[Difference]:
-    """Yield the fields of a register whose known bytes are not those of the order code.
+    """Yield the fields of a register whose known bytes differ from the order code's bytes.
 
     The message shows the whole field in hexadecimal, or dots for digits that are unknown.
     """
@@ -296,7 +297,7 @@ def _known_digits(field_bits: int, known_bits: int, width: int) -> str:
     In ``known_bits``, the known bits of the field are 1. A digit is known if all of its bits are.
     """
     digits = ""
-    highest_digit_shift = (width - 1) // 4 * 4  # A digit is 4 bits. The highest one may have fewer.
+    highest_digit_shift = (width - 1) // 4 * 4  # A digit is 4 bits. The highest digit may have fewer.
     for shift in range(highest_digit_shift, -1, -4):
         bits_of_digit = (((1 << width) - 1) >> shift) & 0xF
         is_known = (known_bits >> shift) & bits_of_digit == bits_of_digit
@@ -305,11 +306,11 @@ def _known_digits(field_bits: int, known_bits: int, width: int) -> str:
 
 
 def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
-    """Yield register values that are impossible in this edition, so that an older edition must apply to the encoder.
+    """Yield register values that are impossible in this edition and therefore show that an older edition applies.
 
     A value is impossible if it fails the test of an edition: the field ``run`` is not from ``min`` to ``max``.
     """
-    # Only the layout of a register has no sender.
+    # Only the layout of a register is without a sender.
     if decoded.layout is None or decoded.layout.layout.sender:
         return
     register = decoded.layout.name
@@ -326,7 +327,8 @@ def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
 def edition_by_registers(device: Device, match: Match, bytes_by_address: Mapping[int, int]) -> str:
     """Return the revision of the latest edition with which the registers of an encoder are compatible.
 
-    It is the one before the first edition with a test that the registers fail, or that of the spec if they fail none.
+    This is the revision before the first edition with a test that the registers fail, or the spec's revision if they
+    fail none.
 
     Raises:
         ValueError: ``bytes_by_address`` has no complete register that identifies the edition.
@@ -350,7 +352,7 @@ def edition_by_registers(device: Device, match: Match, bytes_by_address: Mapping
 
 
 def without_tests(device: Device, bytes_by_address: Mapping[int, int]) -> dict[int, int]:
-    """Return the register bytes by address, except those of registers that identify the edition."""
+    """Return the register bytes by address, without the registers that identify the edition."""
     edition_addresses: set[int] = set()
     for name in _names_of_edition_registers(device):
         edition_addresses.update(_list_addresses(device.register(name)))
@@ -358,7 +360,7 @@ def without_tests(device: Device, bytes_by_address: Mapping[int, int]) -> dict[i
 
 
 def _names_of_edition_registers(device: Device) -> list[str]:
-    """Return the registers that identify the edition, each once."""
+    """Return the names of the registers that identify the edition, each once."""
     names = (test.register for edition in device.editions for test in edition.tests)
     return list(dict.fromkeys(names))
 

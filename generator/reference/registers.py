@@ -30,10 +30,10 @@ from . import codec
 
 
 def decode_register(device: Device, variant: Variant, name: str, data: bytes) -> codec.Decoded:
-    """Return the value of a register from its bytes in ascending order of address.
+    """Decode a register from its bytes in ascending order of address. Capitals in ``name`` do not matter.
 
     Raises:
-        RegisterError: This interface has no such register, or the register has a different length.
+        RegisterError: This interface does not have the register, or the register has a different length.
     """
     registers = {register.name: register for register in device.registers_over(variant.interface)}
     if name.lower() not in registers:
@@ -77,10 +77,10 @@ def register_writes(
     """Return every byte that the procedure writes, in order, or the number if a register is written at once.
 
     The limits of later steps take the written values into account. A step that writes one field keeps the others as
-    the procedure has written them, or at their defaults.
+    the procedure has written them, or as in the default of the register, or else 0.
 
     Raises:
-        EncodeError: An argument is missing or does not fit its register.
+        EncodeError: An argument is missing, does not fit its register or field, or is not a valid content.
     """
     writes: list[Write] = []
     meaning_by_argument = {argument.name: argument.meant_as for argument in procedure.arguments}
@@ -131,7 +131,11 @@ def _writes_of_register(register: Register, content: int) -> list[Write]:
 
 
 def _with_field_changed(placed: PlacedLayout, field_name: str, field_value: int, old_content: int) -> int:
-    """Return the content of a register with ``field_value`` in one of its fields, and the other bits as they were."""
+    """Return the content of a register with ``field_value`` in one of its fields, and the other bits as they were.
+
+    Raises:
+        EncodeError: The value does not fit, or this order code has no such field.
+    """
     placed_field = placed.find_field(field_name)
     # Bits outside the mask mean that the value is too wide for the field.
     if placed_field is None or field_value & ~placed_field.mask:
@@ -162,7 +166,7 @@ def _check_argument(register: Register, field_name: str, argument: int, placed: 
     """Check that an argument is a value of the field ``field_name``, and within the limits if they apply to this field.
 
     Raises:
-        EncodeError: It is not.
+        EncodeError: The argument is not valid.
     """
     fields = (field for field in register.layout.fields if field.name == field_name)
     allowed_values = [choice.value for field in fields for choice in field.values]

@@ -17,7 +17,7 @@ _MOST_PAIRS_WITHOUT_PHRASE = 400_000
 
 
 class Ranges(NamedTuple):
-    """A range of words of the old edition, and the one that replaces it in the new edition."""
+    """A range of words of the old edition, and the range that replaces it in the new edition."""
 
     low: int
     high: int
@@ -32,8 +32,8 @@ class Ranges(NamedTuple):
 def differing_ranges(old: Sequence[str], new: Sequence[str]) -> Iterator[Ranges]:
     """Yield the ranges of words that differ, in order.
 
-    Ranges with few pairs of equal words are compared word by word. Others are first divided at common phrases, with
-    shorter and shorter ones. Ranges that are still too large count as one difference.
+    Ranges with few pairs of equal words are compared word by word. Other ranges are first divided at common phrases,
+    with shorter and shorter phrases. Ranges that are still too large count as one difference.
     """
     whole_texts = Ranges(low=0, high=len(old), new_low=0, new_high=len(new))
     # The ranges to compare, last first, with the index of the length of the phrases that divide them next.
@@ -68,7 +68,7 @@ def _without_equal_ends(old: Sequence[str], new: Sequence[str], ranges: Ranges) 
 def _has_few_equal_pairs(old: Sequence[str], new: Sequence[str], ranges: Ranges, most_pairs: int) -> bool:
     """Return whether two ranges have at most ``most_pairs`` pairs of equal words.
 
-    A word that occurs 3 times in one range and twice in the other gives 6 pairs.
+    A word that occurs 3 times in one range and twice in the other leads to 6 pairs.
     """
     old_counts = Counter(old[ranges.low : ranges.high])
     new_counts = Counter(new[ranges.new_low : ranges.new_high])
@@ -88,7 +88,7 @@ def _differences_within(old: Sequence[str], new: Sequence[str], ranges: Ranges) 
 def _divide_at_phrases(old: Sequence[str], new: Sequence[str], ranges: Ranges, phrase_length: int) -> list[Ranges]:
     """Return the ranges between phrases of this length that occur once in each range and in the same order.
 
-    Phrases that overlap the one before are skipped. Without any phrase, the whole ranges are returned.
+    Phrases that overlap the previous phrase are skipped. Without any phrase, the whole ranges are returned.
     """
     old_places = _places_of_phrases(old, ranges.low, ranges.high, phrase_length)
     new_places = _places_of_phrases(new, ranges.new_low, ranges.new_high, phrase_length)

@@ -107,9 +107,9 @@ class Citing:
         return frozenset(_words_of_name(self.names[-1]))
 
     def is_at(self, sections: Collection[str], passage: Passage) -> bool:
-        """Return whether it cites one of the sections, or is an option of the order code that the passage names.
+        """Return whether the fact cites one of the sections, or is an option of the order code that the passage names.
 
-        Manuals print order codes in many sections, and in headings, of which a spec cites few. A fact of the edition is
+        Manuals print order codes in many sections and headings, few of which a spec cites. A fact of the edition is
         instead at a passage that changes it on the cover, has a date, or adds a row to the history below its own row.
         """
         if self.is_of_edition:
@@ -119,7 +119,7 @@ class Citing:
         return not self.sections.isdisjoint(sections) or self._is_option_named_in(passage)
 
     def _is_above_new_row_of_history(self, passage: Passage) -> bool:
-        """Return whether a passage adds a row with another revision below the row of this one."""
+        """Return whether a passage adds a row with another revision below the row of this fact."""
         begins_with_revision = bool(passage.new) and _REVISION.fullmatch(passage.new[0]) is not None
         is_new_row = not passage.old and begins_with_revision
         return is_new_row and self.path != "manual.date" and not self.words.isdisjoint(passage.close)
@@ -128,13 +128,13 @@ class Citing:
         """Return whether the fact is about an option of the order code whose label is in the passage.
 
         The label is one of the old words, or is the last two digits of an order code among them. For a passage that
-        adds an order code, the words around it count instead of the old ones.
+        adds an order code, the words around it count instead of the old words.
         """
         option_match = _OPTION.fullmatch(self.path)
         if option_match is None:
             return False
         label = option_match[1].casefold()
-        # A row with a new order code is next to rows of others.
+        # A row with a new order code is next to rows of other order codes.
         adds_order_code = not passage.old and bool(_last_digits(word.casefold() for word in passage.new))
         words_of_passage = passage.close if adds_order_code else passage.old
         folded_words = {word.casefold() for word in words_of_passage}
@@ -158,7 +158,8 @@ def spaced(text: str) -> str:
 def _is_order_code_label(words_text: str) -> bool:
     """Return whether a text can only be a label of an order code.
 
-    That is a number of 4 or more digits, or another text of 3 or more characters or with a digit. A or TO can be words.
+    Such a text is a number of 4 or more digits, or another text of 3 or more characters or with a digit. A or TO can be
+    words.
     """
     if words_text.isdigit():
         return len(words_text) >= 4
@@ -186,8 +187,8 @@ def _relative_path(file: str) -> str:
 def _printed_words(value: object) -> Iterator[str]:
     """Yield the words of a value in lower case. A truth value has none.
 
-    A number can be printed in hexadecimal, with separators, or in a larger unit. For example, 4000 gives ``4,000``,
-    ``4.000``, ``4``, ``400.0`` and ``fa0h``.
+    A number can be printed in hexadecimal, with separators, or in a larger unit. For example, 4000 is printed as
+    ``4,000``, ``4.000``, ``4``, ``400.0`` or ``fa0h``.
     """
     if isinstance(value, bool) or value is None:
         return
@@ -210,7 +211,7 @@ def _printed_words(value: object) -> Iterator[str]:
 def _with_top_bit(polynomial: object) -> frozenset[str]:
     """Return a polynomial as manuals print it with its top bit, in hexadecimal or binary.
 
-    The spec leaves out the top bit, whose place is the width of the CRC. Each width up to 32 is tried.
+    The spec leaves out the top bit, whose position is the width of the CRC. Each width up to 32 is tried.
     """
     if not isinstance(polynomial, int):
         return frozenset()
@@ -239,7 +240,7 @@ class _Surroundings:
 
 
 def facts_with_citations(document: Document) -> list[Citing]:
-    """Return the facts of a spec with what they cite. A fact without a source has that of the item around it."""
+    """Return the facts of a spec with what they cite. A fact without a source has the source of the item around it."""
     return list(_facts_in(document, document.data, path=(), around=_Surroundings()))
 
 
@@ -275,7 +276,7 @@ def _facts_in(document: Document, node: Any, path: Path, around: _Surroundings) 
 
 
 def _source_of_member(item: Mapping[str, Any], path: Path, member_name: str, in_map: _Surroundings) -> Sources:
-    """Return what a member of a map cites: its own source, ``<key>_source``, or else that of the map.
+    """Return the citations of a map's member: its own source, ``<key>_source``, or else the source of the map.
 
     Contents without a source cite their section, which is the step after ``manual.contents`` in the path of the member.
     """
@@ -288,7 +289,7 @@ def _source_of_member(item: Mapping[str, Any], path: Path, member_name: str, in_
 
 
 def _surroundings_in(item: Mapping[str, Any], path: Path, around: _Surroundings) -> _Surroundings:
-    """Return what the facts in a map have from it and from the items around it.
+    """Return the context of the facts in a map: from the map and from the items around it.
 
     An item is a map in a list, with a source, or in a map of items. Other maps belong to the item around them.
     """
@@ -296,7 +297,7 @@ def _surroundings_in(item: Mapping[str, Any], path: Path, around: _Surroundings)
     is_item = bool(path) and (isinstance(path[-1], int) or "source" in item or is_in_map_of_items)
     own_source = item.get("source")
     references = frozenset(_references_in(item))
-    # An item with its own references has only these.
+    # An item with its own references has only its own.
     if not is_item or not references:
         references |= around.refers_to
     return _Surroundings(

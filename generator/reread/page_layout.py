@@ -18,7 +18,7 @@ _PAGE_EDGE = 2
 _SPREAD = 0.5
 #: Least number of lines from one page to the next, and largest factor by which a page is longer or shorter than usual.
 _SHORT_PAGE, _FACTOR = 12, 2
-#: Largest step between two page numbers that are found. The first page of a chapter often has none.
+#: Largest step between two page numbers that are found. The first page of a chapter often has no page number.
 _PAGE_STEP = 3
 
 
@@ -30,7 +30,7 @@ def without_digits(line: str) -> str:
 def find_page_numbers(lines: Sequence[str]) -> set[int]:
     """Return the indices of lines that contain only a page number, or an empty set if there are fewer than 4.
 
-    They are the longest series of numbers that increase by 1 to 3.
+    The page numbers are the longest series of numbers that increase by 1 to 3.
     """
     #: The lines of the longest series that ends with each page.
     series_by_last_page: dict[int, list[int]] = {}
@@ -78,7 +78,7 @@ def find_running_heads(lines: Sequence[str], headings: set[int]) -> set[int]:
 def _spread_heads(indices_by_head: Mapping[str, list[int]], line_count: int) -> dict[str, list[int]]:
     """Return the lines that are printed at least 4 times, with the first and the last at least half the text apart.
 
-    ``indices_by_head`` has the indices of each line, without its numbers, in ascending order.
+    ``indices_by_head`` contains the indices of each line, without its numbers, in ascending order.
     """
     spread_heads: dict[str, list[int]] = {}
     for head, indices in indices_by_head.items():

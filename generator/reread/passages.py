@@ -15,7 +15,7 @@ _TOGETHER = 6
 _BEFORE, _AFTER = 60, 20
 #: Words before and after a difference that are close to it, such as the rest of a row.
 _CLOSE = 8
-#: Words before and after an insertion that are next to it, such as the cells on both sides of a new one.
+#: Words directly before and after an insertion, such as the cells on both sides of a new cell.
 _NEXT = 1
 #: Words shown before and after a difference.
 _SHOWN = 5
@@ -27,8 +27,8 @@ _SAME_LANGUAGE = 0.5
 class Passage:
     """A difference: its ``section`` in the old edition, or in the new one if it is new.
 
-    ``old`` and ``new`` contain the words that differ. ``close`` has these and 8 words on both sides in both editions,
-    about a row of a table, and ``around`` has those of about a paragraph. ``shown`` is the old and the new text for
+    ``old`` and ``new`` contain the words that differ. ``close`` has these words and 8 words on both sides in both
+    editions, about a row of a table, and ``around`` has about a paragraph. ``shown`` is the old and the new text for
     display. ``next_to`` contains the words next to an insertion, and is empty if there are old words.
     """
 
@@ -94,7 +94,7 @@ def _passages_of_section(
 ) -> Iterator[Passage]:
     """Yield the passages that differ between the words ``old`` and ``new`` of a section.
 
-    ``heads`` has the letters of running heads, which are skipped if only one edition has them here.
+    ``heads`` contains the letters of running heads, which are skipped if only one edition has them here.
     """
     if old == new:
         return
@@ -110,7 +110,7 @@ def _passages_of_section(
         new_row = _with_words_around(new, new_low, new_high, count_before=_CLOSE, count_after=_CLOSE)
         old_paragraph = _with_words_around(old, low, high, count_before=_BEFORE, count_after=_AFTER)
         new_paragraph = _with_words_around(new, new_low, new_high, count_before=_BEFORE, count_after=_AFTER)
-        # Only an insertion has words next to it. It has no old words that facts could be found by.
+        # Only an insertion has words next to it. It contains no old words for finding facts.
         words_next_to = _with_words_around(old, low, high, count_before=_NEXT, count_after=_NEXT)
         is_insertion = not old_words
         yield Passage(
@@ -127,14 +127,14 @@ def _passages_of_section(
 def _with_words_around(
     words: Sequence[str], low: int, high: int, *, count_before: int, count_after: int
 ) -> Sequence[str]:
-    """Return the words from ``low`` up to ``high``, without that at ``high``, with some words before and after them."""
+    """Return the words from ``low`` to before ``high``, with some words before and after them."""
     return words[max(low - count_before, 0) : high + count_after]
 
 
 def _differences_with_near_joined(old: Sequence[str], new: Sequence[str]) -> Iterator[Ranges]:
     """Yield the ranges of words that differ in the old and the new text.
 
-    If at most 6 equal words of the old text are between two of them, they are joined, with these words, into one.
+    If at most 6 equal words of the old text are between two passages, they are joined into one, with these words.
     """
     joined_ranges: Ranges | None = None
     for ranges in differing_ranges(old, new):
@@ -159,7 +159,8 @@ def _shown_text(words: Sequence[str], low: int, high: int) -> str:
 def numbers_changed(old: Manual, new: Manual) -> Iterator[Passage]:
     """Yield a passage for each section in which other numbers occur, for editions in two languages.
 
-    Only the numbers are compared, without their order, so ``old`` and ``new`` contain those that only one edition has.
+    Only the numbers are compared, without their order, so ``old`` and ``new`` contain the numbers that only one edition
+    has.
     """
     for old_section, new_section in pair_sections(old, new):
         if old_section is None or new_section is None:

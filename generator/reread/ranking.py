@@ -17,11 +17,11 @@ _DIFFERS, _CLOSE_TO_CHANGE = 6.0, 2.0
 _INSERTED = 1.0
 #: Weight of the words next to an insertion.
 _NEXT_TO = 4.0
-#: Facts listed of the most likely items, of each other one, and of those that refer to the first one.
+#: Facts listed of the most likely items, of each other item, and of items that refer to the first item.
 _MOST_OF_FIRST_ITEMS, _MOST_OF_OTHER_ITEM, _MOST_REFERRING = (6, 4), 2, 3
-#: Items of which a value or name that differs is listed before everything else.
+#: Items with a differing value or name, which are listed before everything else.
 _MOST_DIFFERING_VALUES = 4
-#: A number in hexadecimal, which the bytes of an example have without the letter.
+#: A number in hexadecimal, which the bytes of an example contain without the letter.
 _HEXADECIMAL = re.compile(r"[0-9a-f]{2,}h")
 #: A label of an order code, in capital letters.
 _LABEL = re.compile(r"[A-Z][A-Z0-9]+")
@@ -36,7 +36,7 @@ _WITH_UNIT = re.compile(r"(\d[\d.]*)[kmµn]?(?:hz|vdc|v|a|s|m)")
 
 
 class _PassageWords(NamedTuple):
-    """Words of a passage as they are compared: those that differ, and those in the row, paragraph and section of it.
+    """Words of a passage as they are compared: the differing words, and the words of their row, paragraph and section.
 
     ``weight`` is the weight of a word that differs.
     """
@@ -50,7 +50,7 @@ class _PassageWords(NamedTuple):
 
 
 class SectionFacts:
-    """The facts that cite a section, with the number of those that have each word."""
+    """The facts that cite a section, with the number of facts that contain each word."""
 
     def __init__(self, facts: Sequence[Citing], section_words: Iterable[str]) -> None:
         self.facts = facts
@@ -60,11 +60,11 @@ class SectionFacts:
     def likely_facts(self, passage: Passage) -> list[tuple[float, Citing]]:
         """Return the facts whose value or name occurs in a passage with their scores, the highest first.
 
-        A word counts more if fewer of the facts have it, and more in the old words than in those near them (see
+        A word counts more if fewer of the facts contain it, and more in the old words than near them (see
         ``_score_of_fact``). Facts with the same score are in the order of the spec.
         """
         passage_words = _PassageWords(
-            # An insertion has no old words.
+            # An insertion contains no old words.
             differing=_comparable_words(passage.old or passage.new),
             next_to=_comparable_words(passage.next_to),
             row=_comparable_words(passage.close),
@@ -109,7 +109,7 @@ class TouchedFacts:
         """Return the facts that a passage touches, the most likely first, and how many facts it may concern in all.
 
         ``sections`` are the numbers of the sections that the passage may belong to. The facts citing one of them count,
-        and so do facts from elsewhere: those of the edition itself, and of an order code that the passage names.
+        and so do facts from elsewhere: facts of the edition itself, and of an order code that the passage names.
         """
         section_facts = self._facts_citing(sections, passage)
         facts_from_elsewhere: list[Citing] = []
@@ -120,7 +120,7 @@ class TouchedFacts:
         if facts_from_elsewhere:
             section_facts = SectionFacts([*section_facts.facts, *facts_from_elsewhere], passage.section.words)
         likely_facts = [fact for _, fact in section_facts.likely_facts(passage)]
-        # Facts of the edition come first, the last one of the spec before the others.
+        # Facts of the edition come first, the last fact in the spec before the others.
         if facts_from_elsewhere and facts_from_elsewhere[0].is_of_edition:
             likely_facts = [*reversed(facts_from_elsewhere), *likely_facts]
         all_facts = list(dict.fromkeys((*likely_facts, *section_facts.facts)))
@@ -140,9 +140,9 @@ class TouchedFacts:
     ) -> list[Citing]:
         """Return facts in the order of display, each path once.
 
-        First facts that are or have the changed text, and differing values. Then for each likely item its first facts:
-        6 of the first item, 4 of the second, 2 of each other one. Facts that refer to the first item follow it. All
-        other likely facts are last.
+        First facts that contain or equal the changed text, and differing values. Then for each likely item its first
+        facts: 6 of the first item, 4 of the second, and 2 of each other item. Facts that refer to the first item follow
+        it. All other likely facts are last.
         """
         likely_by_item: dict[str, list[Citing]] = {}
         for fact in likely_facts:
@@ -183,9 +183,9 @@ class TouchedFacts:
         return inserted_facts + equal_facts + containing_facts[:most_containing]
 
     def _facts_of_referring_items(self, item: str, passage: Passage) -> list[Citing]:
-        """Return a fact of each item that refers to this one, by path or name, for at most 3 items.
+        """Return a fact of each item that refers to ``item``, by path or name, for at most 3 items.
 
-        The fact of an item is the one with the most words of the passage, and for an erratum, the value used instead.
+        The fact of an item is the fact with the most words of the passage, and for an erratum, the value used instead.
         Items with more such words come first. Of the items without any, only errata are returned.
         """
         _, _, item_name = item.rpartition(".")
@@ -232,7 +232,7 @@ class _Change:
         self._old_context = spaced(shown_old_text) if is_replaced else ""
         self._adds_row = not passage.old
         self._inserted_text = "" if passage.old else spaced(" ".join(passage.new))
-        # The shown text has the changed words in brackets: ``at most [ 10 ] MHz``.
+        # The shown text marks the changed words by brackets: ``at most [ 10 ] MHz``.
         words_before_change = shown_old_text.partition("[")[0]
         self._before = spaced(words_before_change) if passage.new else ""
         self._labels = {word for word in changed_words if _LABEL.fullmatch(word)}
@@ -260,7 +260,7 @@ class _Change:
         return " " in name.strip() and name in self._inserted_text
 
     def _is_changed_name(self, text: str) -> bool:
-        """Return whether a text is the changed one, or one of both is a part of the other.
+        """Return whether a text is the changed text, or one of them is a part of the other.
 
         A part of the change must have several words. A longer text must occur in the old text of the passage.
         """
@@ -284,15 +284,15 @@ class _Change:
         return is_number_in_text or is_text_in_text or has_label or self._is_named_before(fact)
 
     def _is_named_before(self, fact: Citing) -> bool:
-        """Return whether the words right before the change are the name of a fact, if that has several words."""
+        """Return whether the words right before the change are the name of a fact, if the name has several words."""
         name = fact.own_name_text
         return " " in name.strip() and self._before.endswith(name)
 
 
 def _differing_values(likely_by_item: Mapping[str, Sequence[Citing]], passage: Passage) -> list[Citing]:
-    """Return the likeliest fact of each item that has an old word in its value, or its whole name in the old words.
+    """Return the likeliest fact of each item whose value contains an old word, or whose whole name is in the old words.
 
-    At most 4 facts are returned. ``likely_by_item`` has the facts of each item, the most likely first.
+    At most 4 facts are returned. ``likely_by_item`` contains the facts of each item, the most likely first.
     """
     old_words = _comparable_words(passage.old)
     differing_facts: list[Citing] = []
@@ -306,8 +306,8 @@ def _differing_values(likely_by_item: Mapping[str, Sequence[Citing]], passage: P
 def _score_of_fact(fact: Citing, passage: _PassageWords, fact_counts: Mapping[str, int]) -> float:
     """Return how much of a fact occurs in a passage. It is 0 if the passage is not about the fact.
 
-    Words that differ count most, then those in the same row, then those in the same paragraph. ``fact_counts`` has the
-    number of facts of the section with each word, by which rare words count more.
+    Words that differ count most, then words in the same row, then words in the same paragraph. ``fact_counts`` contains
+    the number of facts of the section with each word, by which rare words count more.
     """
     difference_score = _weight_by_rarity(fact.words & passage.differing, fact_counts)
     difference_score += _weight_by_rarity(fact.named & passage.differing, fact_counts) / 2
@@ -331,10 +331,10 @@ def _score_of_fact(fact: Citing, passage: _PassageWords, fact_counts: Mapping[st
 def _comparable_words(words: Iterable[str]) -> set[str]:
     """Return all spellings of printed words under which they are compared, in lower case.
 
-    ``10MHz`` gives ``10mhz`` and ``10``, ``2,5`` gives ``2,5`` and ``2.5``, ``1Ah`` gives ``1ah`` and ``1a``, and an
-    order code ``XY24`` gives ``xy24`` and ``24``.
+    ``10MHz`` becomes ``10mhz`` and ``10``, ``2,5`` becomes ``2,5`` and ``2.5``, ``1Ah`` becomes ``1ah`` and ``1a``, and
+    an order code ``XY24`` becomes ``xy24`` and ``24``.
     """
-    # Each step adds the spellings that follow from those before it.
+    # Each step adds the spellings that follow from the spellings before it.
     comparable_words = {word.casefold() for word in words}
     comparable_words |= {word.replace(",", ".") for word in comparable_words}
     comparable_words |= {word.removesuffix("h") for word in comparable_words if _HEXADECIMAL.fullmatch(word)}
@@ -348,7 +348,7 @@ def _comparable_words(words: Iterable[str]) -> set[str]:
 
 
 def _weight_by_rarity(words: Set[str], fact_counts: Mapping[str, int]) -> float:
-    """Return the sum of the weights of words. The weight is 1 divided by the number of facts that have the word."""
+    """Return the sum of the weights of words. The weight is 1 divided by the number of facts that contain the word."""
     return sum(1 / fact_counts[word] for word in words)
 
 
@@ -357,7 +357,7 @@ def _share_near_passage(
 ) -> float:
     """Return the share of a fact's words that are near a passage, weighted by rarity, from 0 to 1.
 
-    Only words that its section prints count, so that a word that the manual does not use does not lower the share.
+    Only words printed in its section count, so that a word that the manual does not use does not lower the share.
     """
     words_in_section = words & section
     rarity_in_section = _weight_by_rarity(words_in_section, fact_counts)

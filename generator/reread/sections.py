@@ -31,7 +31,7 @@ _LINK = re.compile(r"\[(?P<shown>[^]\f]{0,200})\]\([^)\f]{0,300}\)")
 _HEADING = re.compile(r"(?P<number>\d{1,2}(?:\.\d{1,2}){0,3})\.?\s*(?:-\s*)?(?P<title>[^\W\d].*|\"\S.*|\d\w+.*)")
 _NUMBER = re.compile(r"\d+(?:\.\d+)*")
 _IN_CONTENTS = re.compile(r"(?<!\.)\.{3,}\s*\d+$|(?<!\.)\.{5,}$|\t\s*\d+$")
-#: A word of a manual or a spec, or a sign that changes the meaning of one.
+#: A word of a manual or a spec, or a sign that changes the meaning of a word.
 WORD = re.compile(r"(?<![\w.])-\d+(?:[.,:]\d+)*|\w+(?:[.,:]\d+)*|[±+<>≤≥%°]")
 #: References to pages and sections. Their numbers change with the layout of a manual.
 _PAGE_REFERENCE = re.compile(
@@ -44,7 +44,7 @@ _SECTION_REFERENCE = re.compile(
 )
 #: Number of lines with a page from which contents are taken to be complete.
 _LEAST_COMPLETE_CONTENTS = 12
-#: Key of a number after those of all sections.
+#: Key of a number after the numbers of all sections.
 _AFTER_ALL_SECTIONS = (999,)
 _DASHES = str.maketrans(dict.fromkeys("‐‑‒–—−", "-") | {"\u00ad": "", "\u200b": "", "’": "'", "“": '"', "”": '"'})
 
@@ -84,9 +84,10 @@ class Manual:
         return Counter(word for section in self.sections for word in section.words)
 
     def without_heading_after(self, number: str) -> set[str]:
-        """Return the sections whose heading is missing, and whose text therefore counts as part of this one.
+        """Return the sections whose heading is missing, and whose text therefore counts as part of ``number``.
 
-        Their numbers are between this one and the next one that the text has. A section without a number has none.
+        Their numbers are between ``number`` and the next number in the text. A section without a number has no such
+        sections.
         """
         section_numbers = [section.number for section in self.sections if _NUMBER.fullmatch(section.number)]
         if number not in section_numbers:
@@ -134,7 +135,7 @@ def _text_of_pdf(path: Path) -> str:
         raise NoText(f"{path} is a PDF, which needs the package pypdf: pip install 'codewheel[pdf]'") from None
     try:
         return "\f".join(page.extract_text() for page in pypdf.PdfReader(path).pages)
-    except Exception as error:  # A damaged PDF raises whatever its damage leads to.
+    except Exception as error:  # A damaged PDF can raise any exception.
         raise NoText(f"cannot read {path}: {error}") from None
 
 
@@ -160,7 +161,7 @@ def divide_into_sections(text: str) -> Manual:
         if heading is not None:
             numbered_lines[index] = heading
     contents_lines = _contents_lines(lines, numbered_lines)
-    # Later pairs replace earlier ones, so with the last line first, the first of two entries with one number counts.
+    # Later pairs replace earlier pairs, so with the last line first, the first of two entries with one number counts.
     title_by_number = dict(numbered_lines[index] for index in sorted(contents_lines, reverse=True))
     headings, page_by_title = _find_headings(lines, numbered_lines, contents_lines, title_by_number)
     running_heads: set[int] = set()
@@ -261,7 +262,7 @@ def _join_entry_lines(lines: Sequence[str]) -> list[str]:
 def _continues_entry(line_before: str, first_line: str, second_line: str) -> bool:
     """Return whether two lines are one entry of the contents.
 
-    The line before them is an entry with a page. The first line has a number but no page, the second one a page only.
+    The line before them is an entry with a page. The first line has a number but no page, the second line only a page.
     """
     is_after_entry = bool(_IN_CONTENTS.search(line_before))
     begins_entry = _numbered_heading(first_line) is not None and not _IN_CONTENTS.search(first_line)
@@ -288,7 +289,7 @@ def _words_without_numbers(lines: Iterable[str], title_by_number: Mapping[str, s
 
 
 def joined_letters(words: Iterable[str]) -> str:
-    """Return the letters of words as one text, such as those of a running head without its page."""
+    """Return the letters of words as one text, such as the letters of a running head without its page."""
     return re.sub(r"[\W\d_]+", "", "".join(words))
 
 
@@ -298,7 +299,7 @@ def _find_headings(
     contents_lines: set[int],
     title_by_number: Mapping[str, str],
 ) -> tuple[dict[int, _Heading], dict[str, int]]:
-    """Return number and title of the headings by line, and the pages of those without a number by their titles.
+    """Return number and title of the headings by line, and the pages of headings without a number by title.
 
     A numbered line is a heading if its number increases, and the contents list it with the same first words or skip it.
     A line without a number, such as a preface, is a heading if the contents before it have an entry with its text.
@@ -318,7 +319,7 @@ def _find_headings(
             last_number_key = number_key
     first_numbered_heading = min(headings, default=len(lines))
     lines_before = lines[:first_numbered_heading]
-    # Index of the line of each entry. Headings without a number are only looked for before the numbered ones.
+    # Index of the line of each entry. Headings without a number are only looked for before the numbered headings.
     entry_index_by_title = {
         _entry_title(line): index for index, line in enumerate(lines_before) if _IN_CONTENTS.search(line)
     }
@@ -349,8 +350,8 @@ def _is_skipped_in_contents(
 def _contents_lines(lines: Sequence[str], numbered_lines: Mapping[int, _Heading]) -> set[int]:
     """Return the numbered lines of the contents.
 
-    With 12 or more lines that have a page, these are all. Otherwise they are all lines from the first one up to the
-    first lower chapter, since there the text begins again with chapter 1.
+    If 12 or more lines have a page, these are all lines of the contents. Otherwise they are all lines from the first
+    line up to the first lower chapter, since there the text begins again with chapter 1.
     """
     lines_with_page = {index for index in numbered_lines if _IN_CONTENTS.search(lines[index])}
     if len(lines_with_page) >= _LEAST_COMPLETE_CONTENTS:
@@ -409,7 +410,7 @@ def _have_same_start(listed_title: str, title: str) -> bool:
 
 
 def pair_sections(old: Manual, new: Manual) -> Iterator[tuple[Section | None, Section | None]]:
-    """Yield the sections of two editions in pairs, with None for one that the other edition lacks.
+    """Yield the sections of two editions in pairs, with None for a section that the other edition lacks.
 
     Sections are paired by number and title, then by title, then by number. Sections of the new edition alone come last.
     """
@@ -430,7 +431,7 @@ def pair_sections(old: Manual, new: Manual) -> Iterator[tuple[Section | None, Se
 
 
 def _same_number_and_title(old_section: Section, new_sections: Mapping[str, Section]) -> str | None:
-    """Return the number of a section if a new one, by number, has the same number and title, or None."""
+    """Return the number of a section if a new section by this number has the same title, or None."""
     new_section = new_sections.get(old_section.number)
     if new_section is None or new_section.title.casefold() != old_section.title.casefold():
         return None

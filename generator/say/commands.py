@@ -1,4 +1,4 @@
-"""Commands, presets, resets and saving: those that an encoder has, and statements about procedures and steps."""
+"""Commands, presets, resets and saving: which of them an encoder has, and statements about procedures and steps."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def read_back(device: Device, register: Register, field: str) -> Statement:
 def _register_access(device: Device, procedure_step: RegisterStep) -> Iterator[Part]:
     """Yield the parts of the instruction to read, poll or write a register or a field of it.
 
-    Only a fixed value of a whole register is also given in bytes.
+    Only a fixed value of a whole register is also shown as bytes.
     """
     register = device.register(procedure_step.register)
     address_text = f", {register_at(register)}"
@@ -168,14 +168,14 @@ class Commands:
 
     @property
     def may_preset(self) -> bool:
-        """True if something here, other than a reset, may change the position."""
+        """True if something, other than a reset, may change the position."""
         if self.settings or self.inputs:
             return True
         return any(_PRESET.search(text) for text in (*self._texts_on_commands(), *self._request_texts()))
 
     @property
     def may_save(self) -> bool:
-        """True if something here may keep settings."""
+        """True if something may save settings."""
         if self.settings or any(_SAVE_TO.search(text) for text in self._texts_on_commands()):
             return True
         return any(_SAVE.search(text) for text in self._request_texts())
@@ -239,7 +239,7 @@ def commands_over(device: Device, interface: Interface) -> Commands:
 
 
 def holds_commands(register: Register) -> bool:
-    """Return whether the named values of a register are commands: those written once, not settings that are kept."""
+    """Return whether the named values of a register are commands: values that are written once, unlike settings."""
     is_written_once = not register.readable or register.clears_itself
     return register.writable and is_written_once and bool(_named_values(register))
 

@@ -62,7 +62,7 @@ _LISTS = {
     "documents": "document",
 }
 _PATH = re.compile(r"[A-Za-z0-9_]+([.][A-Za-z0-9_+/ -]+)*")
-#: Index of an item in a list without names, counted from 0.
+#: Number of an item in a list without names, counted from 1.
 _INDEX = re.compile(r"\[([0-9]+)\]")
 _MORE = re.compile(r" and ([0-9]+ more)$")
 
@@ -86,7 +86,7 @@ def change_in_words(printed: str) -> str:
     Text that does not begin with paths is unchanged.
     """
     paths, colon, new_value = printed.partition(": ")
-    # A number such as [1], which counts from 1, becomes a step.
+    # A number such as [1] becomes a step.
     numbered_paths = _INDEX.sub(r".\1", paths)
     are_paths = all(map(_PATH.fullmatch, _MORE.sub("", numbered_paths).split(", ")))
     return f"{paths_in_words(numbered_paths)}{colon}{new_value}" if are_paths else printed
@@ -95,8 +95,8 @@ def change_in_words(printed: str) -> str:
 def _beginning_in_words(steps: Sequence[str]) -> tuple[str, Sequence[str]]:
     """Return the words for the first steps of a path that are described together, and the other steps.
 
-    ``["bank", "default"]`` gives ``("register bank", ["default"])``. If no steps are described together, the words are
-    empty and all steps are left.
+    ``["bank", "default"]`` becomes ``("register bank", ["default"])``. If no steps are described together, the words
+    are empty and all steps are left.
     """
     match steps:
         # order_code.parts.output.values.B
@@ -118,13 +118,13 @@ def _beginning_in_words(steps: Sequence[str]) -> tuple[str, Sequence[str]]:
 def _path_in_words(steps: Sequence[str]) -> str:
     """Return one path in words, such as ``the note on field status of register command``.
 
-    The words begin with the outermost step, and each further step is put in front of them or around them. A step for
-    which there are no words is kept.
+    The words begin with the outermost step, and each further step is added before or around them. A step without words
+    is kept.
     """
     if len(steps) == 1 and steps[0] in _TOP:
         return _TOP[steps[0]]
     words, remaining_steps = _beginning_in_words(steps)
-    # registers.command.fields.status.note: "register command", "field status of …", "the note on field status of …".
+    # registers.command.fields.status.note: "register command", "field status of …", "the note on field …".
     while remaining_steps:
         match remaining_steps:
             case ["interfaces", name, *later_steps]:
@@ -147,7 +147,7 @@ def _of_owner(part: str, owner: str) -> str:
     return f"{part} of {owner}" if owner else part
 
 
-#: Longest reason, in characters, that is shown next to code. Errata with wrong data always have their reason.
+#: Longest reason, in characters, that is shown next to code. Errata with wrong data always show their reason.
 _SHORT = 100
 
 
@@ -170,7 +170,7 @@ def errata(
 
 
 def _is_within(path: str, parts: Collection[str]) -> bool:
-    """Return whether a path is that of one of the parts, or of something inside it."""
+    """Return whether a path names one of the parts, or something inside it."""
     return path in parts or path.startswith(tuple(f"{part}." for part in parts))
 
 
@@ -178,8 +178,9 @@ def erratum(correction: Erratum, *, whole: bool = False) -> Statement:
     """Return an erratum in three labelled parts: the printed text, the value used, and the reason.
 
     The reason is omitted if it is longer than ``_SHORT``, unless ``whole`` is set or wrong bytes could be sent. A
-    change by an overlay or another edition always has its reason. ``brief`` is the form in one line. It has the first
-    sentence on what is used, and all of them if wrong bytes could be sent and the erratum is open.
+    change by an overlay or another edition is always given with its reason. ``brief`` is the form in one line. It
+    contains the first sentence on the value used, and all sentences if wrong bytes could be sent and the erratum is
+    open.
     """
     if correction.overlay or correction.edition:
         return _change_statement(correction)
@@ -204,7 +205,7 @@ def erratum(correction: Erratum, *, whole: bool = False) -> Statement:
     )
 
 
-#: The end of a sentence that another one follows. Numbers of sections and abbreviations do not end one.
+#: The end of a sentence that another one follows. Numbers of sections and abbreviations do not end a sentence.
 _SENTENCE_END = re.compile(r"(?<=[a-z0-9)°%][.]) (?=[A-Z0-9])")
 
 
@@ -278,7 +279,7 @@ def answer_names(answers: Sequence[Answer]) -> Iterator[Part]:
 def deciding_alternatives(alternatives: Sequence[Alternative], parameters: Set[str]) -> list[Alternative]:
     """Return the alternatives whose answers set some of the parameters.
 
-    The list is empty if one of the parameters is set by no alternative. The answers alone do not decide then.
+    The list is empty if one of the parameters is set by no alternative. In this case, the answers alone do not decide.
     """
     deciding: list[Alternative] = []
     decided_parameters: set[str] = set()

@@ -30,7 +30,7 @@ from .text import VERDICT_CLAUSES, Code, Part, Statement, join_groups, list_part
 def head(interface: Interface, layout: Layout, name: Part, alternatives: Sequence[Alternative] = ()) -> Statement:
     """Return the frame's ``name``, sender, interface and length.
 
-    If the length depends only on ``alternatives``, each possible length is followed by the answers that lead to it.
+    If the length depends only on ``alternatives``, each possible length is followed by its answers.
     """
     channel = f", data channel {layout.channel}" if layout.channel is not None else ""
     sender_text = f", sent by the {layout.sender} over {interface.title}{channel}: "
@@ -48,7 +48,7 @@ def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[Part
     length_text = counted(layout.widest // 8, "byte")
     if layout.widest > 8:
         length_text += f", {layout.byte_order.replace('_', ' ')}"
-    # The bits on the line may be fewer than those of the bytes.
+    # The line may carry fewer bits than the bytes.
     if layout.sent_bits != layout.bits:
         return layout.sent_bits, f" bits in {length_text}"
     return (length_text,)
@@ -100,7 +100,7 @@ def _has_parity_over_gray(layout: Layout) -> bool:
 
 
 def _excess_number_or_parameter(layout: Layout) -> str | Code:
-    """Return the number that is added before the position is sent in Gray code, or the parameter that holds it.
+    """Return the number that is added before the position is sent in Gray code, or the parameter with this number.
 
     Without an excess, it is ``0``.
     """
@@ -240,7 +240,7 @@ def crc_inverted(checksum: Crc) -> str:
     return f"XOR {checksum.xorout:#X}" if checksum.xorout else "not inverted"
 
 
-#: Colour class of values that have none of their own.
+#: Colour class of values without their own class.
 DATA = "data"
 
 

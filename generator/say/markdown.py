@@ -52,7 +52,7 @@ def _code_span(code_text: str) -> str:
 
 
 def paragraph(value: str) -> str:
-    """Wrap Markdown that has no code spans, so that no line starts a list, a heading or a rule."""
+    """Wrap Markdown without code spans, so that no line starts a list, a heading or a rule."""
     lines = textwrap.wrap(value, _WIDTH, break_long_words=False, break_on_hyphens=False)
     return "\n".join(_BLOCK_START.sub(_escaped_start, line) for line in lines)
 
@@ -78,12 +78,12 @@ def _cite_with_section_signs(sources: Sources) -> str:
 
 
 def _with_section_sign(source: Source) -> Source:
-    """Return the source with § in front of its section if that has a number. Others have a title."""
+    """Return the source with § before a section that has a number. Others have a title."""
     has_section_number = _SECTION_NUMBER.match(source.section) is not None
     return replace(source, section=f"§{source.section}") if has_section_number else source
 
 
-#: The number of a section, in contrast to that of a register, such as 0x07.
+#: The number of a section, unlike the number of a register, such as 0x07.
 _SECTION_NUMBER = re.compile(r"\d+(?![\dx])")
 
 

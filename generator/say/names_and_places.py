@@ -55,7 +55,7 @@ def heading(name: str) -> str:
 
 
 def title(titled: Titled) -> str:
-    """Return the name used in the manual, or our name if the manual has none."""
+    """Return the name used in the manual, or our name if the manual gives none."""
     return titled.printed_name or heading(titled.name)
 
 
@@ -136,8 +136,8 @@ def bits(high: int, low: int) -> str:
 def frame_bytes(layout: Layout, length: int, high: int, low: int) -> str:
     """Return the bytes of a ``length``-bit frame that contain these bits: ``byte 1, bits 7:1`` or ``bytes 2 to 4``.
 
-    ``high`` and ``low`` are bits of the frame as one number. Bytes count from 0 in the order sent. Bits of several
-    bytes that they do not fill are given as those of the number.
+    ``high`` and ``low`` are bits of the frame as one number. Bytes count from 0 in the order sent. If the bits fill
+    only parts of several bytes, they are numbered in the whole frame.
     """
     first_byte, last_byte = low // 8, high // 8
     if layout.byte_order != "low_byte_first":
@@ -170,7 +170,7 @@ def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
         last_byte_of_frame = bits // 8 - 1
         first_byte, last_byte = last_byte_of_frame - high // 8, last_byte_of_frame - low // 8
     if first_byte != last_byte:
-        is_whole_bytes = low % 8 == 0 and high % 8 == 7  # From the lowest bit of a byte to the highest of one.
+        is_whole_bytes = low % 8 == 0 and high % 8 == 7  # From the lowest bit of a byte to the highest bit of a byte.
         if is_whole_bytes:
             return f"bytes {first_byte}-{last_byte}"
         return f"bytes {first_byte}.{first_bit % 8}-{last_byte}.{last_bit % 8}"
@@ -207,7 +207,7 @@ def _place_text(layout: Layout, high: int, low: int) -> str:
     """Return the bits from ``high`` to ``low`` as text, such as ``byte 1, bits 7:1``, ``bits 46:31`` or ``absent``."""
     if high < low:
         return "absent"
-    is_register = not layout.sender  # Its bits are those of one number.
+    is_register = not layout.sender  # Its bits are bits of one number.
     if layout.in_bytes and not is_register:
         return frame_bytes(layout, layout.widest, high, low)
     return bits(high, low)

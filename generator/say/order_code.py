@@ -76,7 +76,7 @@ def order_code(device: Device) -> Iterator[Statement]:
 
 
 def not_on_label(device: Device) -> Iterator[Statement]:
-    """Yield that the order codes are made up, with what the label shows instead, if they are."""
+    """Yield that the order codes are made up, and what the label shows instead, if they are."""
     yield from spec_text(device.order_code.not_on_label, label="Made-up order code")
 
 
@@ -167,7 +167,7 @@ def initial(device: Device) -> str:
     They are ``factory defaults``, or ``values of the order code`` if no such register has a known default.
     """
     register_names = {run_time_parameter.register for run_time_parameter in device.run_time_parameters}
-    # A device of one interface lacks the registers of the others.
+    # A device of one interface lacks the registers of other interfaces.
     defaults = [register.default for register in device.registers if register.name in register_names]
     has_only_unknown_defaults = bool(defaults) and all(default is None for default in defaults)
     return "values of the order code" if has_only_unknown_defaults else "factory defaults"
@@ -343,7 +343,7 @@ def unknown_limits(clock: Clock) -> str:
 
 
 def _word_format_words(fact: WordFormat) -> str:
-    """Return the lengths of SPI words, the clock mode, and which word has the encoder's reply, separated by commas."""
+    """Return the lengths of SPI words, the clock mode, and the word with the encoder's reply, separated by commas."""
     # Bit 1 of an SPI mode is the polarity of the clock, and bit 0 its phase.
     polarity = fact.mode >> 1
     phase = fact.mode & 1

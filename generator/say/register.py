@@ -96,7 +96,7 @@ def _content_facts(register: Register) -> Iterator[Statement]:
     # Each meaning has limits of its own.
     if has_limits and not register.meanings:
         range_parts = limits(register.min, register.max)
-        # The limits may be those of one field.
+        # The limits may apply to one field.
         if register.limits_of != register.name:
             range_parts = (*range_parts, " for ", Code(register.limits_of))
         yield statement(*range_parts, label="Limits")
@@ -146,7 +146,7 @@ def reserved(user: str) -> Statement:
 
 
 def _registers_at_same_address(device: Device, register: Register) -> Iterator[Statement]:
-    """Yield which other register reads or writes of the same address and bank access instead of this one."""
+    """Yield which other register reads or writes of the same address and bank access instead."""
     for other_register in device.registers:
         if other_register is register:
             continue
@@ -158,7 +158,7 @@ def _registers_at_same_address(device: Device, register: Register) -> Iterator[S
 
 
 def _opening_condition(device: Device, register: Register) -> Statement:
-    """Return the condition for writing a register: the value that another one, or a field of it, must hold."""
+    """Return the condition for writing a register: the value that another register, or a field of it, must hold."""
     opening_register = device.register(register.opened_by)
     value_name = register.opened_by_value
     if register.opened_by_field:
@@ -166,7 +166,7 @@ def _opening_condition(device: Device, register: Register) -> Statement:
         opening_field = opening_register.layout.field(register.opened_by_field)
         value_text = f"{opening_field.value_named(value_name).value}"
     else:
-        # Without a field, the value is that of the whole register.
+        # Without a field, the value is the value of the whole register.
         opener_path = register.opened_by
         opening_field = opening_register.layout.fields[0]
         digits = 2 * opening_register.length
@@ -319,7 +319,7 @@ def _number_rules(kind: Number) -> Iterator[Statement]:
 def _flag_rules(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
     """Yield the levels of a flag, the flags that it combines, and its verdict on the position.
 
-    A flag that only some order codes have has a different verdict for the others, for which its meaning is not known.
+    A flag that the manual explains only for some order codes can have a different verdict for the others.
     """
     yield from _flag_levels(flag, is_implemented=is_implemented)
     if flag.sums_up:
@@ -335,7 +335,7 @@ def _flag_rules(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
 
 
 def _flag_verdict(flag: Flag) -> Iterator[Statement]:
-    """Yield the verdict of an active flag on the position, and the one that applies if the user sets a parameter."""
+    """Yield the verdict of an active flag on the position, and the verdict if the user sets a parameter."""
     if flag.makes_position is Verdict.USABLE:
         yield statement("It does not affect the position")
     elif flag.makes_position:
@@ -348,7 +348,7 @@ def _flag_verdict(flag: Flag) -> Iterator[Statement]:
 
 
 def _flag_levels(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
-    """Yield the meaning of each level of a flag. Nothing if it is not implemented and the manual gives none."""
+    """Yield the meaning of each level of a flag. Empty if it is not implemented and the manual states no level."""
     has_meaning = bool(flag.when_active or flag.when_inactive)
     if not is_implemented and not has_meaning:
         return
@@ -370,7 +370,7 @@ def _hex_digits_for(bits: int) -> int:
 
 
 def _expected_value(value: Expression | int | str, bits: int) -> Part:
-    """Return the value that a field of ``bits`` bits always has, as text or as a hexadecimal number."""
+    """Return the constant value of a field of ``bits`` bits, as text or as a hexadecimal number."""
     if isinstance(value, str):
         return Code(value)
     number = value if isinstance(value, Expression) else Expression(value)

@@ -69,7 +69,7 @@ def alarm_of(device: Device, field: Field, register: str = "") -> Alarm | None:
 
 
 def states(field: Field) -> tuple[str, str]:
-    """Return the meanings of the active and the inactive flag, or two empty texts for any other field."""
+    """Return the meanings of the active and the inactive flag, or two empty texts for other fields."""
     if not isinstance(field.kind, Flag):
         return "", ""
     return field.kind.when_active, field.kind.when_inactive
@@ -78,9 +78,9 @@ def states(field: Field) -> tuple[str, str]:
 def meaning(field: Field, alarm: Alarm | None) -> str:
     """Return the meaning of an active flag, or of unused bits that differ from the manual.
 
-    For a flag, it is that of its active level, followed by that of the field. If there is neither, it is that of the
-    alarm or, at last, ``active``. An active flag that is not implemented contradicts the manual, unless the manual
-    gives its active level a meaning.
+    For a flag, it is the meaning of its active level, followed by the meaning of the field. If there is neither, it is
+    the meaning of the alarm, or ``active``. An active flag that is not implemented contradicts the manual, unless the
+    manual explains its active level.
     """
     if isinstance(field.kind, Unused):
         difference = f"unused bits differ from the documented value {short(field.kind.value)}"
@@ -110,9 +110,9 @@ def deciding_bits(field: Field) -> str:
 
 
 def conditions(values: Iterable[tuple[Field, int]]) -> Statement:
-    """Return the values that lead to a verdict together, such as ``error is 0 and mode is 5h (test)``.
+    """Return the values that together lead to a verdict, such as ``error is 0 and mode is 5h (test)``.
 
-    In ``values``, 1 stands for an active flag. The text has its bit.
+    In ``values``, 1 represents an active flag. The text has its bit.
     """
     phrases = [_condition_parts(field, value) for field, value in values]
     return statement(*join_groups(phrases, " and "))
@@ -154,6 +154,12 @@ def source(field: Field, alarm: Alarm | None) -> Sources:
 def length(frame: str, needed: str, actual: str) -> str:
     """Return the message for a wrong length. ``needed`` includes its unit, such as ``45 bits``."""
     return f"'{frame}' has {needed}, got {actual}"
+
+
+def length_of_channels(channels: str, needed: str, actual: str, difference: str) -> str:
+    """Return the message for a wrong length of a frame with several data channels. ``needed`` includes its unit."""
+    remedy = "Write all of them, or all bits of a single channel"
+    return f"{channels} have {needed} together, got {actual}: {difference}. {remedy}"
 
 
 def crc(received: str, computed: str) -> str:
@@ -301,7 +307,7 @@ def possible_instead(names: str) -> str:
 
 
 def valid_other(name: str) -> str:
-    """Return the words about a wrong frame that is a valid one of another kind."""
+    """Return the words about a wrong frame that is a valid frame of another kind."""
     return f"this is a valid {name}"
 
 

@@ -1,4 +1,4 @@
-"""Statements about a device, made of parts without markup, and the wording of numbers with units."""
+"""Statements about a device, composed of parts without markup, and the wording of numbers with units."""
 
 from __future__ import annotations
 
@@ -142,7 +142,7 @@ class Level(Enum):
     WHILE_ACTIVE = "active"
 
 
-#: An expression with parameters is a part of its own, because some outputs have values for the parameters.
+#: An expression with parameters is a separate part, because some outputs know the values of the parameters.
 Part = str | Code | Ref | Expression | Amount | Hex | Level
 
 
@@ -157,7 +157,7 @@ class Statement:
     parts: tuple[Part, ...]
     label: str = ""
     source: Sources = ()
-    #: Short form for an output that has the full statement elsewhere. None if there is no short form.
+    #: Short form for an output that prints the full statement elsewhere. None if there is no short form.
     brief: str | None = None
     below: tuple[Statement, ...] = ()
 
@@ -218,7 +218,8 @@ class Style:
     def sentence(self, statement: Statement) -> str:
         """Return the statement as a sentence: ``Clock: 100 kHz to 4 MHz [5.3].``
 
-        The full stop is at the very end. It is left out if the text in front of the source already ends with one.
+        The full stop is at the very end. It is left out if the text in front of the source already ends with a full
+        stop.
         """
         if statement.below:
             return " ".join(self.lines(statement))
@@ -232,7 +233,7 @@ class Style:
         return f"{label}{phrase} {source}" if ends_with_punctuation else f"{label}{phrase} {source}."
 
     def head(self, statement: Statement) -> str:
-        """Return the label and source of a statement that has others below it: ``Erratum start (open) [5.3]``."""
+        """Return the label and source of a statement with other statements below it: ``Erratum start (open) [5.3]``."""
         return f"{self.text(statement.label)} {self.cited(statement.source)}".strip(" ")
 
     def lines(self, statement: Statement) -> list[str]:
@@ -246,7 +247,7 @@ class Style:
         return " ".join(filter(None, map(self.sentence, items)))
 
     def number(self, expression: Expression) -> str:
-        """Return a number, or as code an expression that still has parameters after known values are filled in."""
+        """Return a number, or as code an expression that still contains parameters after known values are filled in."""
         resolved = self.resolve(expression)
         if resolved.is_constant:
             return number(resolved.constant)

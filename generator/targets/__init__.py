@@ -34,7 +34,7 @@ class Library:
         devices: The devices that the target writes, sorted by name.
         own_templates: Folder of the user's templates for this target. Pass it to ``Templates.render``.
         stored_part: Returns the part of a device from the cache, or else calls its second argument.
-        only_paths: Names of devices whose files have no text, because only the number of their files is needed.
+        only_paths: Names of devices whose files have no content, because only their number is needed.
     """
 
     devices: tuple[Device, ...]
@@ -43,7 +43,7 @@ class Library:
     only_paths: frozenset[str] = frozenset()
 
     def part(self, family: PartOf, device: Device, options: Options) -> Any:
-        """Return the result of ``family``, which is that of the target, for one device."""
+        """Return the result of ``family``, the target's function, for one device."""
         return self.stored_part(device, lambda: family(device, self, options))
 
     def files_of(self, family: FilesOf, device: Device, options: Options) -> dict[str, str]:
@@ -59,7 +59,7 @@ class Library:
         return files
 
     def by_manufacturer(self) -> list[tuple[Manufacturer, tuple[Device, ...]]]:
-        """Return the devices of each manufacturer, sorted by name. The main manufacturer is the first."""
+        """Return each manufacturer with its devices, sorted by its name. A main manufacturer comes first."""
         return [(manufacturer, self._devices_of(manufacturer)) for manufacturer in manufacturers(self.devices)]
 
     def _devices_of(self, manufacturer: Manufacturer) -> tuple[Device, ...]:
@@ -67,13 +67,17 @@ class Library:
 
 
 def manufacturers(devices: Iterable[Device]) -> list[Manufacturer]:
-    """Return the manufacturers of the devices, sorted by name. The main one is the first."""
+    """Return the manufacturers of the devices, sorted by name. A main manufacturer comes first."""
     makers = {device.manufacturer.name: device.manufacturer for device in devices}
     return sorted(makers.values(), key=lambda manufacturer: (not manufacturer.main, manufacturer.name))
 
 
 def main_manufacturer(makers: Sequence[Manufacturer]) -> Manufacturer | None:
-    """Return the manufacturer whose name a folder with the packages of ``makers`` has, or None if no single one has."""
+    """Return the manufacturer after which a folder with the packages of all ``makers`` is named.
+
+    It is the only manufacturer, or the only main one. The result is None if there are several, without a single main
+    one.
+    """
     if len(makers) == 1:
         return makers[0]
     main_makers = [manufacturer for manufacturer in makers if manufacturer.main]
@@ -124,7 +128,7 @@ class Option:
         name: Lowercase letters, digits, hyphens and underscores.
         summary: One line for ``--help``.
         default: Value if the user gives none.
-        values: All valid values. If empty, any text is valid, and ``files`` raises ``OptionError`` for a wrong one.
+        values: All valid values. If empty, any text is valid, and ``files`` raises ``OptionError`` for a wrong text.
 
     Raises:
         ValueError: The default is not one of the values.
@@ -143,9 +147,9 @@ class Option:
 #: Values of all options of a target, by name.
 Options = Mapping[str, str]
 NO_OPTIONS: Options = MappingProxyType({})
-#: Function that returns what a target makes from one device alone, as data that JSON can express.
+#: Function that returns a target's result for one device alone, as data that JSON can express.
 PartOf = Callable[[Device, Library, Options], Any]
-#: Function that yields the path of each file that a target makes from one device alone, and a function for its text.
+#: Function that yields the path of each file that a target generates for one device alone, and a function for its text.
 FilesOf = Callable[[Device, Library, Options], Iterator[tuple[str, Callable[[], str]]]]
 
 
@@ -158,13 +162,13 @@ class Target:
             and underscores. The names of built-in targets are reserved.
         summary: One line for ``--help``.
         files: Function that returns the text of each file, keyed by path. Paths begin with the name and a slash. It
-            receives all options. A ``TargetError`` ends the run with its message. Any other exception ends it with the
-            message and its origin.
+            receives all options. A ``TargetError`` ends the run with its message. Any other exception ends the run
+            with the message and its origin.
         problems: Function that returns the parts of specs that the target cannot express. It is called before ``files``
             and by ``check --target``, and only with devices whose specs have no other problems.
         options: Settings of the target.
         templates: Templates of the target, for ``--templates`` and the page about templates.
-        family: Function that returns what the target makes from one device alone. ``files`` calls it through
+        family: Function that returns the target's result for one device alone. ``files`` calls it through
             ``Library.part`` if the result is data that JSON can express, and through ``Library.files_of`` if it yields
             files. Of the built-in targets, results for unchanged specs come from the cache.
 

@@ -30,7 +30,7 @@ class PackageMissing(TargetError):
 
 
 def target_names() -> list[str]:
-    """Return the names of all targets, first built-in and then registered ones."""
+    """Return the names of all targets, first the built-in and then the registered targets."""
     return [*BUILT_IN, *(name for name in _entry_points_by_name() if name not in BUILT_IN)]
 
 
@@ -59,7 +59,7 @@ def files_of(target: Target, library: Library, options: Options) -> Mapping[str,
         options: The value of every option.
 
     Raises:
-        TargetError: The target cannot express something, or fails.
+        TargetError: The target cannot express something, fails, or returns something else than text by path.
         TemplateFault: A user's template has an error.
     """
     templates = library.own_templates / target.name if library.own_templates is not None else None
@@ -74,7 +74,7 @@ def problems_of(target: Target, library: Library) -> list[TargetProblem]:
     """Return the parts of specs that a target cannot express.
 
     Raises:
-        TargetError: The target fails.
+        TargetError: The target fails, or returns something else than problems of these devices.
     """
     problems = _run_target(target.name, lambda: list(target.problems(library)))
     for problem in problems:
@@ -84,7 +84,7 @@ def problems_of(target: Target, library: Library) -> list[TargetProblem]:
 
 
 def _fault_of_problem(problem: object, library: Library) -> str:
-    """Return the reason that ``problem`` is not one of a device in the library, or an empty string if it is one."""
+    """Return the reason that ``problem`` does not concern a device in the library, or an empty string if it does."""
     if not isinstance(problem, TargetProblem):
         return f"this is {_type_name(problem)}"
     if problem.device.name not in {device.name for device in library.devices}:
@@ -95,7 +95,7 @@ def _fault_of_problem(problem: object, library: Library) -> str:
 
 
 def _fault_of_files(files: object) -> str:
-    """Return the reason that ``files`` is not a mapping of paths to text, or an empty string if it is one."""
+    """Return the reason that ``files`` is not a mapping of paths to text, or an empty string if it is."""
     if not isinstance(files, Mapping):
         return f"this is {_type_name(files)}"
     for path, text in files.items():
@@ -171,7 +171,8 @@ _LONGEST = 80
 def names_of_codes(order_codes: Iterable[str], reserved_names: Iterable[str] = ()) -> list[str]:
     """Return a file name for each order code. The names are unique even on file systems that ignore case.
 
-    Characters that are not allowed become hyphens. Duplicates are numbered. ``reserved_names`` are in lowercase.
+    Characters that are not allowed become hyphens, and dots at the start are dropped. A name has at most 80 characters.
+    Duplicates and empty names are numbered. ``reserved_names`` are in lowercase.
     """
     used_names = set(reserved_names)
     file_names: list[str] = []

@@ -29,7 +29,7 @@ class ByLevels(ABC):
 
     @abstractmethod
     def clock(self, level: int) -> int:
-        """Set the level of the clock, and return that of the data line."""
+        """Set the level of the clock, and return the level of the data line."""
 
     @abstractmethod
     def timeout(self) -> int:
@@ -57,7 +57,7 @@ class ByLevels(ABC):
         return None
 
 
-#: Number of zeros after which a control frame can start, and that abort one.
+#: Number of zeros after which a control frame can start, and number of zeros that abort one.
 ZEROS = 14
 #: CRC of control data: x^4 + x + 1, inverted.
 _CRC = Crc(name="control", width=4, poly=0x3, init=0, refin=False, refout=False, xorout=0xF, source=())
@@ -124,7 +124,7 @@ class BissLine(ByLevels):
             The CDS bit of this cycle, and its single cycle data.
         """
         cycle_bits = self.cycle(cdm)
-        # The start bit is the first 1. It can be late. Without one, the line is low, and all bits of the cycle are 0.
+        # The start bit is the first 1. It can be late. Without a 1, the line is low, and all bits of the cycle are 0.
         has_start_bit = 1 in cycle_bits[self.acknowledge :]
         start_index = cycle_bits.index(1, self.acknowledge) if has_start_bit else self.acknowledge
         cds_index = start_index + 1
@@ -194,7 +194,7 @@ class BissLine(ByLevels):
         return 1
 
     def _exchange_control_bit(self, cdm: int) -> int:
-        """Take the CDM bit of the previous cycle, and return the CDS bit of this one.
+        """Take the CDM bit of the previous cycle, and return the CDS bit of the current cycle.
 
         ``ZEROS`` zeros abort a control frame. The first 1 after them begins the next one. Without one, CDS is 0.
         """
@@ -255,9 +255,10 @@ class BissLine(ByLevels):
         return 0
 
     def _write_byte(self, address: int) -> Generator[int, int, tuple[int, bool]]:
-        """Receive a byte and its CRC. Return the next CDM bit, and whether the CRC was correct and the byte written.
+        """Receive a byte and its CRC, and write the byte if the CRC is correct.
 
-        CDS repeats each bit of CDM, one cycle later.
+        CDS repeats each bit of CDM, one cycle later. Return the next CDM bit and True. After a wrong CRC, return its
+        last bit, which CDS still has to repeat, and False.
         """
         # The start bit, then 8 bits of the byte and 4 of the CRC.
         cdm = yield 1
@@ -338,7 +339,7 @@ class SsiLine(ByLevels):
         return word_with_fault(self.encoder, fault, word, self.bits)
 
     def clock(self, level: int) -> int:
-        """Set the level of the clock, and return that of the data line. Zeros follow the word."""
+        """Set the level of the clock, and return the level of the data line. Zeros follow the word."""
         is_rising_edge = level and not self._clock_level
         if is_rising_edge:
             if self._bits_left < 0:
@@ -347,14 +348,14 @@ class SsiLine(ByLevels):
             if self._bits_left > 0:
                 self._bits_left -= 1
             self._data_level = (self._word >> self._bits_left) & 1
-            # Remove the bit that is sent, so that zeros follow the last one.
+            # Remove the bit that is sent, so that zeros follow the last bit.
             mask_of_unsent_bits = (1 << self._bits_left) - 1
             self._word &= mask_of_unsent_bits
         self._clock_level = level
         return self._data_level
 
     def timeout(self) -> int:
-        """Let the pause after a word pass. The data line is then high, unless the encoder is busy."""
+        """Let the pause after a word pass. The data line is then high, but low if the encoder is not ready."""
         self._bits_left = -1
         self._data_level = int(not self._is_not_ready)
         return self._data_level

@@ -32,7 +32,7 @@ READY_S = 0.01
 class VirtualEncoder:
     """Encoder of an order code.
 
-    ``Rs485Line``, ``BissLine`` and ``SsiLine`` send its position in frames.
+    ``Rs485Line``, ``BissLine``, ``SsiLine`` and ``SpiLine`` send its position in frames.
 
     Args:
         order_code: Order code, as on the label, or the encoder in one line.
@@ -139,7 +139,7 @@ class VirtualEncoder:
         return self.device.position_names(self.variant.interface)
 
     def position_now(self) -> int:
-        """Return the position that the encoder currently sends."""
+        """Return the position that the encoder currently sends, which is 0 while it reports that it is not ready."""
         if self._reports_not_ready():
             return 0
         return self._wrap_into(self._position_layout, self.raw_position() + self._offset)
@@ -157,7 +157,7 @@ class VirtualEncoder:
         """Return the bits of each field of the current position: ``{"multiturn": 3, "singleturn": 1024}``.
 
         They are those in frames with ``layout`` if it has the position, and else in the first frame with one. They are
-        0 while the encoder is not ready.
+        0 while the encoder reports that it is not ready.
         """
         if layout is None or not self._carries_position(layout):
             layout = self._position_layout
@@ -250,7 +250,7 @@ class VirtualEncoder:
 
     def frame(self, layout: Layout, request_values: Mapping[str, int | str | bool] | None = None) -> int:
         """Return a frame with the current values as one number. The request determines ``request_values``."""
-        self._instant = self.clock()  # ``_now`` returns it for all fields.
+        self._instant = self.clock()  # ``_read_clock`` returns it for all fields.
         try:
             return codec.encode(self.device, self.place(layout), self._collect_values(layout, request_values or {}))
         finally:
@@ -286,26 +286,27 @@ class VirtualEncoder:
     def is_active(self, field: Field) -> bool:
         """Return whether a flag is active.
 
-        It is if it is set, if a flag that it sums up is set, or if it reports that the encoder is busy.
+        It is if it is set, if a flag that it sums up is set, or if it reports that the encoder is busy. The flag with
+        the name of the BiSS error flag is also active while an alarm in a register is.
         """
         assert isinstance(field.kind, Flag)
         if field.name in self.flags or any(name in self.flags for name in field.kind.sums_up):
             return True
         if self.is_busy() and self._not_ready_flags & {field.name, *field.kind.sums_up}:
             return True
-        # Over BiSS, an error in a register also sets the error flag of the frame.
+        # The first BiSS flag is the error flag. It reports alarms whose own flags are only in registers.
         error_flag = next(iter(Biss.flags))
         has_error_in_register = not self.flags.isdisjoint(self._alarms_in_registers)
         return field.name == error_flag and has_error_in_register
 
     def _read_clock(self) -> float:
-        """Return the time. It does not advance while a frame is built, so that its fields are consistent."""
+        """Return the time. The time does not advance while a frame is built, so that its fields are consistent."""
         return self.clock() if self._instant is None else self._instant
 
     def _collect_values(
         self, layout: Layout, request_values: Mapping[str, int | str | bool]
     ) -> dict[str, int | str | bool]:
-        """Return the value of each field that carries data, from the first source that has one.
+        """Return the value of each field that carries data, from the first source that has a value.
 
         The sources are the request, the position, the active flags, and the documented value.
         """
@@ -332,7 +333,7 @@ class VirtualEncoder:
     def _compared_parts(self, layout: Layout) -> dict[str, int]:
         """Return the bits of the field that a master compares with the position in another data channel, by its name.
 
-        The map is empty for a layout without such a field, and for the one with the position itself.
+        The map is empty for a layout without such a field, and for the layout with the position itself.
         """
         frame = channel_frame(self.device.interface(self.variant.interface))
         position_layout = self._position_layout
@@ -346,7 +347,7 @@ class VirtualEncoder:
         width = self.place(layout).field(name).width
         position_width = self.place(position_layout).field(position_name).width
         position_bits = self.parts_now(position_layout)[position_name]
-        # The highest bits of both fields agree. A wider field has further zeros behind them.
+        # The highest bits of both fields agree. A wider field has additional zeros after them.
         if position_width >= width:
             return {name: position_bits >> (position_width - width)}
         return {name: position_bits << (width - position_width)}
@@ -365,7 +366,7 @@ class VirtualEncoder:
         return measurement.of if measurement is not None else "position"
 
     def _carries_position(self, layout: Layout) -> bool:
-        """Return whether a layout has the position, as a join of several fields or as one field."""
+        """Return whether a layout contains the position, as a join of several fields or as one field."""
         name = self._position_name
         is_joined = layout.names_in(name) != (name,)
         return is_joined or self.place(layout).find_field(name) is not None
@@ -394,7 +395,7 @@ class VirtualEncoder:
         return frozenset(names)
 
     def _may_send(self, field: Field) -> bool:
-        """Return whether the encoder sends a field, or would send it with other values in its registers."""
+        """Return whether the encoder sends a field now, or with other values in its registers."""
         run_time_names = {parameter.name for parameter in self.device.run_time_parameters}
         needed_names = self.device.needed_parameters(field.width.parameters)
         return field.width.value(self.variant.parameters) > 0 or not run_time_names.isdisjoint(needed_names)
@@ -426,7 +427,7 @@ class VirtualEncoder:
 
 
 def _number_from_bits(placed_field: PlacedField, bits: int) -> int:
-    """Return the number that the bits of a field stand for: -1 for 0b111 in a signed field of 3 bits."""
+    """Return the number that the bits of a field represent: -1 for 0b111 in a signed field of 3 bits."""
     sign_bit = bits >> (placed_field.width - 1)
     if placed_field.field.number.signed and sign_bit:
         return bits - (1 << placed_field.width)

@@ -75,7 +75,7 @@ FAULTS: Mapping[str, Mapping[str, str]] = {
 BUSY_S = 0.02
 #: Shortest and longest time in seconds between a reply and an extra reply, as in the effects above.
 _SHORTEST_AND_LONGEST_GAP_S = (0.0001, 0.001)
-#: Most random bytes in front of a reply with the fault ``junk``.
+#: Most random bytes before a reply with the fault ``junk``.
 _MOST_JUNK_BYTES = 8
 
 
@@ -91,7 +91,7 @@ class Faults:
         injected: Number of times that each fault was injected.
 
     Raises:
-        ValueError: There is no such fault, this interface cannot have it, or the rate is not 0 to 1.
+        ValueError: The fault does not exist, this interface cannot have it, or the rate is not 0 to 1.
     """
 
     def __init__(self, interface: str, texts: Iterable[str] = (), seed: int = 0) -> None:
@@ -103,7 +103,7 @@ class Faults:
     def draw(self) -> str:
         """Return the fault of the next reply, or an empty string.
 
-        Each fault is drawn with its rate, in the order given, until one occurs. A reply has at most one.
+        Faults are tried in the order given, each with its rate, until one occurs. A reply has at most one fault.
         """
         for name, rate in self._names_and_rates:
             if self.random.random() < rate:
@@ -112,7 +112,7 @@ class Faults:
         return ""
 
     def damaged(self, name: str, reply: bytes, request: bytes) -> bytes:
-        """Return the bytes that this fault puts on the line in place of the reply. Other faults leave the reply."""
+        """Return the bytes that this fault puts on the line instead of the reply. Other faults leave the reply."""
         if name == "lost":
             return b""
         if name in ("short", "brownout"):
@@ -183,7 +183,11 @@ def faults_of(interface: str) -> dict[str, str]:
 
 
 def _parse_fault(interface: str, text: str) -> tuple[str, float]:
-    """Return the name and the rate of a fault: ``("flip", 0.001)`` for ``flip:1e-3``."""
+    """Return the name and the rate of a fault: ``("flip", 0.001)`` for ``flip:1e-3``.
+
+    Raises:
+        ValueError: There is no such fault, the interface cannot have it, or the rate is not from 0 to 1.
+    """
     name, _, rate_text = text.partition(":")
     try:
         rate = float(rate_text or 1)  # Without a rate, every reply has the fault.
@@ -212,8 +216,8 @@ def motion(text: str, counts: int, lowest: int = 0, counts_per_turn: int = 0) ->
     """Parse a position.
 
     Args:
-        text: A number of counts, ``sine:0.5Hz:90deg`` (90 degrees to each side of the middle), ``sine:0.5Hz`` (through
-            all positions), or ``ramp:1000`` (counts per second).
+        text: A number of counts, ``sine:0.5Hz:90deg`` (90 degrees to each side of the middle), ``sine:0.5Hz:1000``
+            (1000 counts to each side), ``sine:0.5Hz`` (through all positions), or ``ramp:1000`` (counts per second).
         counts: Number of positions of the encoder.
         lowest: Lowest position of the encoder.
         counts_per_turn: Number of positions in one turn, or 0 if the position is not an angle.
@@ -222,7 +226,7 @@ def motion(text: str, counts: int, lowest: int = 0, counts_per_turn: int = 0) ->
         The position.
 
     Raises:
-        ValueError: The text has a different form.
+        ValueError: The text has a different form, a number in it is too large, or the encoder has no turns for degrees.
     """
     try:
         return int(text, 0)
@@ -272,12 +276,12 @@ def _not_a_position(text: str) -> ValueError:
 def _amplitude_in_counts(
     text: str, amplitude: float, *, is_angle: bool, largest_amplitude: float, counts_per_turn: int
 ) -> float:
-    """Return the amplitude of a motion in counts. With ``is_angle``, it is given in degrees.
+    """Return the amplitude of a motion in counts. With ``is_angle``, the amplitude is in degrees.
 
     ``text`` is the whole motion, such as ``sine:0.5Hz:90deg``, for the messages.
 
     Raises:
-        ValueError: The position is not an angle, or the encoder does not have that many positions.
+        ValueError: The encoder has no turns for degrees, or the amplitude is negative or leaves its positions.
     """
     if is_angle and not counts_per_turn:
         raise ValueError(f"'{text}' is an angle, but this encoder has no turns; write the amplitude in counts")

@@ -1,6 +1,6 @@
 """Registers of a virtual encoder: access rules, self-clearing commands with their effects, waits, and the EEPROM.
 
-The model states the access rules, defaults, waits, and the values that steps of procedures poll for. It does not
+The model states the access rules, defaults, waits, and the values that steps of procedures poll for. The model does not
 describe the effect of a command, so the effect is inferred from words in the name of its value: ``save``, ``activate``,
 ``restore``, ``reset``, ``simulate`` and ``clear``.
 """
@@ -120,7 +120,7 @@ class Memory:
         return byte
 
     def read_whole(self, address: int) -> int | None:
-        """Return the number in the register at an address that has no others, or None if it cannot be read."""
+        """Return the number in the only register at an address, or None if it cannot be read."""
         register = self._readable_register_at(address)
         if register is None:
             return None
@@ -129,7 +129,7 @@ class Memory:
         return self.value(register.name)
 
     def write_whole(self, address: int, value: int) -> bool:
-        """Write the register at an address that has no others, and return whether the encoder accepts it."""
+        """Write the only register at an address, and return whether the encoder accepts it."""
         register = self._writable_register_at(address)
         if register is None or not self._is_open(register):
             return False
@@ -140,7 +140,10 @@ class Memory:
         return True
 
     def write(self, address: int, value: int) -> bool:
-        """Write the byte at an address, and return whether the encoder accepts it. The last byte has the effects."""
+        """Write the byte at an address, and return whether the encoder accepts it.
+
+        The last byte triggers the effects.
+        """
         register = self._writable_register_at(address)
         if register is None or not self._is_open(register):
             return False
@@ -150,7 +153,7 @@ class Memory:
         return True
 
     def restart(self) -> None:
-        """Discard values that were not saved: those of volatile registers.
+        """Discard values that were not saved: the values of volatile registers.
 
         ``volatile`` means that a value is lost without a command that saves it. Other registers save each write.
         """
@@ -173,7 +176,7 @@ class Memory:
         return None
 
     def _registers_at(self, address: int) -> Iterator[Register]:
-        """Yield the registers that have a byte at this address in the selected bank."""
+        """Yield the registers with a byte at this address in the selected bank."""
         for register in self.registers.values():
             if register.address <= address <= register.last_address:
                 # Name of the register with the number of the selected bank, or "" for a register in no bank.
@@ -195,7 +198,7 @@ class Memory:
             if placed_field.field.carries_data:
                 value_by_field[placed_field.name] = self._default_value(placed_field.field)
         content = 0
-        # One field at a time, so that one that cannot be encoded does not prevent the others.
+        # One field at a time, so that a field that cannot be encoded does not block the others.
         for name, value in value_by_field.items():
             only_this_value = {**dict.fromkeys(value_by_field, 0), name: value}
             try:
@@ -214,9 +217,9 @@ class Memory:
         return field.default or 0
 
     def _is_open(self, register: Register) -> bool:
-        """Return whether the register that protects this one has the value that allows writing, if there is any.
+        """Return whether the register that protects ``register``, if any, has the value that allows writing.
 
-        The value is that of the field ``opened_by_field``, or of the first field if the spec names none.
+        The value is in the field ``opened_by_field``, or in the first field if the spec names none.
         """
         if not register.opened_by:
             return True
@@ -233,7 +236,8 @@ class Memory:
     def _react_to_write(self, register: Register) -> None:
         """Do what follows from the new value of a register: correct it, execute a command, and save it.
 
-        The constant bits keep their value. A number above the highest becomes the default if the encoder does so.
+        The constant bits keep their value. A number above the highest becomes the default if the encoder behaves in
+        this way.
         """
         content = self.value(register.name)
         for placed_field in self._encoder.place(register.layout).fields:
@@ -262,7 +266,7 @@ class Memory:
     def _apply_to_parameters(self, register: Register) -> None:
         """Set the parameters of the encoder that the register holds, such as the width of a field.
 
-        If it holds none, nothing changes.
+        If it holds no parameters, nothing changes.
         """
         encoder = self._encoder
         encoder.variant = after_write(encoder.device, encoder.variant, register, self.value(register.name))
@@ -320,7 +324,7 @@ class Memory:
     def _activate_argument(self, register: Register) -> None:
         """Preset the position to the number in a register, or use it as an offset if the register means that now.
 
-        The number is that of the field or join ``limits_of``, or of the whole register if it has no such field.
+        The number is in the field or join ``limits_of``, or is the whole register if it has no such field.
         """
         placed_layout = self._encoder.place(register.layout)
         content = self.value(register.name)
@@ -333,7 +337,7 @@ class Memory:
             self._encoder.set_position(argument)
 
     def _current_meaning(self, register: Register) -> str:
-        """Return the meaning that a register has while a field of another has its present value, or an empty string.
+        """Return the meaning of a register while a field of another register has its present value, or an empty string.
 
         ``meaning.when`` is the place of that field, such as ``mode.preset_type``, and ``meaning.value`` a named value.
         """
@@ -365,7 +369,7 @@ class Memory:
             self._store_number(register, _with_bits_of_field(self.value(register.name), placed_field, value))
 
     def _refresh_register(self, register: Register) -> None:
-        """Update the bits of a register that are those of alarms or of the position to their present values.
+        """Update the bits of a register that show alarms or the position to their present values.
 
         A register that the master can write is left as it is.
         """
@@ -387,7 +391,7 @@ class Memory:
         self._bytes[register.name][:] = number_to_bytes(register.layout, content, 8 * register.length)
 
     def _react_to_read(self, register: Register) -> None:
-        """Clear the alarms of a procedure that only reads, once its registers have been read in order."""
+        """Clear the alarms of a procedure that only reads, once it has been carried out up to its last step."""
         self._last_reads.append(register.name)
         for procedure in self._encoder.device.procedures:
             read_steps = [step for step in procedure.steps if isinstance(step, ReadStep)]

@@ -36,7 +36,7 @@ _TOLERANCE_S, _LATE_BY_S = 1e-9, (0.005, 0.04)
 
 
 class _RequestFormat(NamedTuple):
-    """The layout of a request, its data ID if the encoder has these, and the layout of the reply if there is one."""
+    """The layout of a request, its data ID if the encoder has data IDs, and the layout of the reply if there is one."""
 
     layout: Layout
     data_id: DataId | None
@@ -74,7 +74,7 @@ class Rs485Line:
         #: The fault "low" or "high" of the line, and its end.
         self._outage = ""
         self._outage_until = 0.0
-        #: Replies with the times at which they arrive, in order, and that of the last one without extra replies.
+        #: Replies with the times at which they arrive, in order, and the time of the last reply without extra replies.
         self._arrivals: list[tuple[float, bytes]] = []
         self._last_due = 0.0
         #: The control byte of the reset requests that came last, their number, and the time of the last one.
@@ -108,7 +108,7 @@ class Rs485Line:
         for request_format in request_formats:
             placed_layout = self.encoder.place(request_format.layout)
             length = placed_layout.bits // 8
-            longest = max(longest, length)  # Of the requests that can begin here.
+            longest = max(longest, length)  # Among the requests that can begin here.
             if len(self._received) < length:
                 continue
             decoded = codec.decode_placed(self.encoder.device, placed_layout, self._received[:length])
@@ -146,7 +146,7 @@ class Rs485Line:
     def _is_for_this_encoder(layout: Layout, values: Mapping[str, int | str | bool]) -> bool:
         """Return whether a request has this encoder's values, such as its address.
 
-        These are the factory defaults in the layout. A field without a default can have any value.
+        Its values are the factory defaults in the layout. A field without a default can have any value.
         """
         return all(field.default in (None, values.get(field.name)) for field in layout.fields)
 
@@ -196,7 +196,7 @@ class Rs485Line:
                 zeros = bytes(len(reply))
                 reply_bytes = zeros if self._outage == "low" else b""
             delay = faults.random.uniform(*_LATE_BY_S) if fault == "late" else 0.0
-            # The line keeps the order of replies, but extra ones can come before or after the next reply.
+            # The line keeps the order of replies, but extra replies can come before or after the next reply.
             self._last_due = max(now + delay, self._last_due)
             self._put_bytes(self._last_due, reply_bytes)
             if fault in ("repeated", "second"):
@@ -205,7 +205,10 @@ class Rs485Line:
             encoder.restart()
 
     def _put_bytes(self, due: float, data: bytes) -> None:
-        """Add bytes that reach the master at the given time. If it does not read, the first ones are lost."""
+        """Add bytes that reach the master at the given time.
+
+        If the master does not read, the first replies are lost.
+        """
         insort(self._arrivals, (due, data), key=itemgetter(0))  # by time
         del self._arrivals[:-_MOST_REPLIES]
 
@@ -217,9 +220,10 @@ class Rs485Line:
         *,
         is_second: bool,
     ) -> tuple[bytes, bytes]:
-        """Carry out a request. Return the reply of the encoder, and that of a second one.
+        """Carry out a request. Return the reply of the encoder, and the reply of a second encoder.
 
-        Both are empty if there is no reply. They are the same unless ``is_second`` is true.
+        They are the same unless ``is_second`` is true. If the reply has no frame, or one that depends on an open
+        question, both are empty, and nothing is carried out.
         """
         if layout is None or self.encoder.needs_answer(layout):
             return b"", b""
@@ -238,9 +242,9 @@ class Rs485Line:
     def _access_memory(
         self, data_id: DataId, layout: Layout, request_values: dict[str, int | str | bool]
     ) -> dict[str, int | bool] | None:
-        """Carry out an access to the EEPROM, and return the values for the reply: the busy flag, if any, and the data.
+        """Carry out an access to an EEPROM that is not busy. Return the values for the reply: the busy flag and data.
 
-        Return None if the EEPROM is busy and the reply cannot report it.
+        Return None if the EEPROM is busy and the reply has no flag to report it.
         """
         now = self.encoder.clock()
         sent_fields = [placed_field.field for placed_field in self.encoder.place(layout).fields]
@@ -269,7 +273,10 @@ class Rs485Line:
         self._reset_requests = (-1, 0, 0.0)
 
     def _is_last_request(self, control: int, step: SendStep) -> bool:
-        """Count a request of a reset, and return whether it is the last one. One that comes too soon begins again."""
+        """Count a request of a reset, and return whether it is the last one.
+
+        A request that comes too soon starts the count again.
+        """
         now = self.encoder.clock()
         last_control, previous_count, last_time = self._reset_requests
         is_too_soon = now - last_time < step.microseconds / 1e6 - _TOLERANCE_S
@@ -286,10 +293,10 @@ class Rs485Line:
 
 
 class SpiLine:
-    """SPI with one encoder. As bytes, each word has the bytes that hold its bits, most significant first.
+    """SPI with one encoder. As bytes, each word consists of the bytes that hold its bits, most significant first.
 
-    Bytes have no chip select. If words have several lengths, the request shows where a word ends. Of two requests that
-    begin alike, the longer one counts if all its bytes have been received.
+    Bytes have no chip select. If words have several lengths, the request shows where a word ends. If two requests begin
+    alike, the longer request counts if all its bytes have been received.
 
     Args:
         encoder: The encoder.
@@ -320,8 +327,8 @@ class SpiLine:
 
         Args:
             word: The word, whose first bit is the most significant.
-            bits: Number of bits of the word. Default: ``word_bits`` of the interface, or the shortest length if no
-                word has that one.
+            bits: Number of bits of the word. Default: ``word_bits`` of the interface, or the shortest length if no word
+                has ``word_bits``.
 
         Raises:
             ValueError: The encoder has no words of this length, or the word does not fit.
@@ -336,7 +343,7 @@ class SpiLine:
         if self.interface.exchanges and self.interface.reply == "next_word":
             previous_answer, previous_length = self._next_reply
             self._next_reply = answer, length
-            # A longer word ends with zeros, and a shorter one has only the beginning of the reply.
+            # A longer word ends with zeros, and a shorter word contains only the beginning of the reply.
             if length > previous_length:
                 answer = previous_answer << (length - previous_length)
             else:
@@ -401,8 +408,7 @@ class SpiLine:
     def _complete_write(self) -> int | None:
         """Carry out a write if both its address and its data have come, and return the value of the register.
 
-        Before the data come, the value is the old one. Return None if there is no such register, or if it cannot be
-        written, which is known only with the data.
+        Before the data come, the value is the old one. Return None if it cannot be read, or with the data, written.
         """
         address = self._written_fields.get("address", -1)  # No register has the address -1.
         if self._written_fields.keys() >= {"address", "data"}:
@@ -415,7 +421,8 @@ class SpiLine:
     def _find_request(self, word: int, length: int) -> tuple[Exchange, dict[str, int | str | bool]] | None:
         """Return the request in a word with its values, or None if no possible request fits.
 
-        A write can have several words. If one has begun, only its later words are possible. Before that, they are not.
+        A write can have several words. If a write has begun, only its later words are possible. Before that, they are
+        not.
         """
         later_words_of_write = self._write_exchanges[1:]
         if self._written_fields:
@@ -431,7 +438,7 @@ class SpiLine:
         return None
 
     def _error_reply(self, length: int) -> int:
-        """Return the reply to an invalid request of this length: that of its last exchange, with all flags active."""
+        """Return the reply to an invalid request of this length: the last exchange's reply, with all flags active."""
         parameters = self.encoder.variant.parameters
         exchanges_of_length: list[Exchange] = []
         for exchange in self.interface.exchanges:

@@ -58,7 +58,10 @@ def has_terminals() -> bool:
 
 
 def terminal() -> _Port:
-    """Open a pseudo-terminal. Its name is that of the device to open. Replies that are not read in time are lost."""
+    """Open a pseudo-terminal.
+
+    Its name is the name of the device to open. Replies that are not read in time are lost.
+    """
     import tty
 
     master, slave = os.openpty()

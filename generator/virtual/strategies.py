@@ -26,7 +26,7 @@ def frames(draw: st.DrawFn, encoder: VirtualEncoder, layout: str = "") -> tuple[
     Args:
         draw: Passed by Hypothesis.
         encoder: The encoder. Its position is changed.
-        layout: Name of the frame. By default, the first one with a whole position.
+        layout: Name of the frame. By default, the first frame with a whole position.
 
     Returns:
         The position, and the frame: bytes over RS-485, otherwise a number whose highest bit is sent first.
@@ -37,12 +37,12 @@ def frames(draw: st.DrawFn, encoder: VirtualEncoder, layout: str = "") -> tuple[
 
 @st.composite
 def disturbed_frames(draw: st.DrawFn, encoder: VirtualEncoder, layout: str = "") -> int | bytes:
-    """Return a frame of an encoder in which exactly one bit is wrong. A CRC detects all of these.
+    """Return a frame of an encoder in which exactly one bit is wrong. A CRC detects all such frames.
 
     Args:
         draw: Passed by Hypothesis.
         encoder: The encoder. Its position is changed.
-        layout: Name of the frame. By default, the first one with a whole position.
+        layout: Name of the frame. By default, the first frame with a whole position.
 
     Returns:
         The frame, in the form that ``frames`` returns.
@@ -58,7 +58,7 @@ def disturbed_frames(draw: st.DrawFn, encoder: VirtualEncoder, layout: str = "")
 
 
 def _frame_layout(encoder: VirtualEncoder, name: str) -> Layout:
-    """Return the frame with this name, or without a name the first one with a whole position.
+    """Return the frame with this name, or without a name the first frame with a whole position.
 
     Raises:
         ValueError: The encoder sends no such frame.
@@ -76,7 +76,7 @@ def _frame_layout(encoder: VirtualEncoder, name: str) -> Layout:
 def _frame_or_bytes(encoder: VirtualEncoder, layout: Layout) -> Any:
     """Return the current frame with this layout as bytes over RS-485, otherwise as a number.
 
-    The selector has the first of the values that identify the frame.
+    The selector has the first value that identifies the frame.
     """
     selector_values = {layout.selector: layout.selects[0]} if layout.selector else {}
     number = encoder.frame(layout, selector_values)

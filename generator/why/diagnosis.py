@@ -26,10 +26,10 @@ class Explanation:
     """A mistake that would explain the CRC.
 
     It matches one of ``one_in`` random frames. ``reads`` are the numbers in the frame without the mistake, if that
-    changes the frame, and ``or_reads`` those with another value of a lost bit. ``codes`` are the order codes that would
-    send it. ``twice`` is true if two mistakes are needed. ``parts`` are the parts of a recording, each with its bits.
-    ``template`` is the text without the details of this frame, if it has any. With ``hides_shift``, the CRC of the
-    explanation does not detect every shift.
+    changes the frame, and ``or_reads`` the numbers with another value of a lost bit. ``codes`` are the order codes that
+    would send it. ``twice`` is true if two mistakes are needed. ``parts`` are the parts of a recording, each with its
+    bits. ``template`` is the text without the details of this frame, if the text has details. With ``hides_shift``, the
+    CRC of the explanation does not detect every shift.
     """
 
     kind: str
@@ -58,9 +58,9 @@ class Diagnosis:
     of random frames. ``cannot_see`` lists mistakes that a CRC of this kind cannot detect. ``disturbed`` are the bits,
     counted from the last as 0, that make the frame valid if one of them is inverted. Such noise is the usual cause if
     only some frames fail, but one frame cannot prove it: the CRC is short, and most random frames have such a bit.
-    ``unmerged`` has all that fit, also those that lead to the same frame as a likelier one.
-    ``missing`` is the part that a recording without a complete frame lacks. ``has_crc`` is false if only constants,
-    parity and the length can contradict a frame, so that nothing is certain.
+    ``unmerged`` contains all that fit, including hypotheses that lead to the same frame as a likelier one. ``missing``
+    is the part that a recording without a complete frame lacks. ``has_crc`` is false if only constants, parity and the
+    length can contradict a frame, so that nothing is certain.
     """
 
     explanations: tuple[Explanation, ...]
@@ -74,9 +74,9 @@ class Diagnosis:
 
     @property
     def equal_readings(self) -> int:
-        """Number of readings of a frame without a CRC that fit equally well, or 0 if one fits better than all others.
+        """Number of equally good readings of a frame without a CRC, or 0 if one reading fits better than the rest.
 
-        Of these, the likeliest comes first.
+        Of these readings, the likeliest comes first.
         """
         if self.has_crc:
             return 0
@@ -93,11 +93,14 @@ class Diagnosis:
         return is_doubtful or len(self.explanations) > 1
 
 
-def diagnose_without_crc(device: Device, hypotheses: Iterable[Hypothesis], missing: str) -> Diagnosis | None:
+def diagnose_without_crc(
+    device: Device, hypotheses: Iterable[Hypothesis], missing: str, disturbed: tuple[int, ...] = ()
+) -> Diagnosis | None:
     """Return the readings of a frame without a CRC, most likely first. Nothing proves one of them.
 
     Of readings that lead to the same frame, only the likeliest is an explanation. ``missing`` is the part that a
-    recording lacks, or an empty string. Return None if there is no reading and nothing is missing.
+    recording lacks, or an empty string. ``disturbed`` are the bits that may be inverted. Return None if there is no
+    reading, nothing is missing and no bit may be inverted.
     """
     frame_and_explanations: list[tuple[int | str, Explanation]] = []
     for same_mistake in _grouped_by_mistake(hypotheses):
@@ -111,7 +114,7 @@ def diagnose_without_crc(device: Device, hypotheses: Iterable[Hypothesis], missi
     likeliest_by_frame: dict[int | str, Explanation] = {}
     for resulting_frame, explanation in frame_and_explanations:
         likeliest_by_frame.setdefault(resulting_frame, explanation)
-    if not likeliest_by_frame and not missing:
+    if not likeliest_by_frame and not missing and not disturbed:
         return None
     return Diagnosis(
         explanations=tuple(likeliest_by_frame.values()),
@@ -119,6 +122,7 @@ def diagnose_without_crc(device: Device, hypotheses: Iterable[Hypothesis], missi
         coincidence=1.0,
         cannot_see=(),
         missing=missing,
+        disturbed=disturbed,
         has_crc=False,
         unmerged=tuple(explanation for _, explanation in frame_and_explanations),
     )
@@ -127,13 +131,14 @@ def diagnose_without_crc(device: Device, hypotheses: Iterable[Hypothesis], missi
 def _grouped_by_mistake(hypotheses: Iterable[Hypothesis]) -> Iterable[list[Hypothesis]]:
     """Return the hypotheses that fit in lists, the likeliest first in each.
 
-    Hypotheses that differ only in the assumed value of a lost bit are in one list. All others are alone in theirs.
+    Hypotheses that differ only in the assumed value of a lost bit are in one list. All others form a group of their
+    own.
     """
     fitting_hypotheses = [hypothesis for hypothesis in hypotheses if hypothesis.fits]
     fitting_hypotheses.sort(key=lambda hypothesis: -hypothesis.score)
     hypotheses_by_mistake: dict[object, list[Hypothesis]] = {}
     for number, hypothesis in enumerate(fitting_hypotheses):
-        # A hypothesis without a lost bit is alone in its list, under its own number.
+        # A hypothesis without a lost bit is the only entry in its list, under its own number.
         mistake = (hypothesis.kind, hypothesis.template) if hypothesis.has_assumed_bit else number
         hypotheses_by_mistake.setdefault(mistake, []).append(hypothesis)
     return hypotheses_by_mistake.values()
@@ -142,7 +147,7 @@ def _grouped_by_mistake(hypotheses: Iterable[Hypothesis]) -> Iterable[list[Hypot
 def _explanation_of_all(device: Device, same_mistake: Sequence[Hypothesis]) -> Explanation:
     """Return one explanation for hypotheses that differ only in the value of a lost bit.
 
-    Each of them has half the evidence, since one of two values fits more often by chance.
+    Each explanation has half the evidence, since one of two values fits more often by chance.
     """
     explanations = [
         _explain_hypothesis(device, hypothesis, undecided_parameters=frozenset()) for hypothesis in same_mistake
@@ -178,10 +183,11 @@ def diagnose(
     with_pairs: bool = False,
     repeated: Sequence[Hypothesis] = (),
 ) -> Diagnosis | None:
-    """Return the explanations among the hypotheses, without the refuted ones, or None if there is no hypothesis.
+    """Return the explanations among the hypotheses, without the refuted hypotheses, or None if there is no hypothesis.
 
     Pairs of mistakes would mostly match by coincidence, so they are only tried if no single mistake matches, or
-    ``with_pairs``. ``repeated`` hypotheses lead to the same frame as a better one, so they are only in ``unmerged``.
+    ``with_pairs``. ``repeated`` hypotheses lead to the same frame as a better hypothesis, so they are only in
+    ``unmerged``.
     """
     significant = significant_hypotheses(hypotheses, refuted)
     tried_hypotheses = _distinct_hypotheses(significant)
@@ -250,7 +256,7 @@ def is_significant(hypothesis: Hypothesis) -> bool:
 
 
 def significant_hypotheses(hypotheses: Iterable[Hypothesis], refuted: Sequence[Hypothesis]) -> list[Hypothesis]:
-    """Return the significant hypotheses, without those that match the same frames as a refuted one."""
+    """Return the significant hypotheses, without hypotheses that match the same frames as a refuted one."""
     refuted_keys = {hypothesis.match_key for hypothesis in refuted}
     significant = [hypothesis for hypothesis in hypotheses if is_significant(hypothesis)]
     return [hypothesis for hypothesis in significant if hypothesis.match_key not in refuted_keys]
@@ -259,7 +265,7 @@ def significant_hypotheses(hypotheses: Iterable[Hypothesis], refuted: Sequence[H
 def _distinct_hypotheses(hypotheses: Iterable[Hypothesis]) -> list[Hypothesis]:
     """Return the hypotheses, but only the likeliest of those that match the same frames and lead to the same frame.
 
-    Their order is that of the first one for each result.
+    They are in the order of the first one for each result.
     """
     likeliest_by_result: dict[object, Hypothesis] = {}
     for hypothesis in hypotheses:
@@ -271,7 +277,7 @@ def _distinct_hypotheses(hypotheses: Iterable[Hypothesis]) -> list[Hypothesis]:
 
 
 def _ranking_key(hypothesis: Hypothesis) -> tuple[bool, float]:
-    """Return a key that puts hypotheses with wrong determined bits below all others."""
+    """Return a key that puts hypotheses with wrong determined bits below all other hypotheses."""
     return hypothesis.are_determined_right, hypothesis.score
 
 
@@ -325,7 +331,7 @@ def _hides_shift(hypothesis: Hypothesis) -> bool:
     """Return whether the CRC is also valid for every second frame that is shifted by one bit.
 
     Without start value and inversion, a frame and its CRC are a multiple of the polynomial. If its last bit is 0, it is
-    also one without this bit, and if its first bit is 0, with a 0 behind it.
+    also valid without this bit, and if its first bit is 0, with an additional last 0.
     """
     crc = hypothesis.crc
     if hypothesis.kind != NOT_INVERTED or crc is None or hypothesis.is_crc_over_bytes:

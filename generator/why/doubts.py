@@ -27,7 +27,7 @@ _POSITION = "position"
 
 
 def position_name(device: Device, variant: Variant) -> str:
-    """Return the name of the position. An encoder that does not state its counts still has one, "position"."""
+    """Return the name of the position. An encoder that does not state its counts still has the count "position"."""
     measurement = device.measurement_of(variant.interface)
     return measurement.of if measurement is not None else _POSITION
 
@@ -71,7 +71,7 @@ def _recorded_frames(
 ) -> Iterator[tuple[str, int]]:
     """Yield the frames in a word of SSI with more typed bits than the frame, if its leading zeros were received.
 
-    Each comes with a text, such as ``if the word comes first, and the other clocks read 0``.
+    Each frame comes with a text, such as ``if the word comes first, and the other clocks read 0``.
     """
     interface = device.interface(variant.interface)
     if not isinstance(interface, Ssi) or typed_frame.exact or typed_frame.written <= placed_layout.bits:
@@ -85,9 +85,9 @@ def _recorded_frames(
 
 
 def _frames_without_mistake(placed_layout: PlacedLayout, position_name: str, frame: int) -> Iterator[int | None]:
-    """Yield the frame without each mistake in ``READINGS``, in this order, or None if it cannot have the mistake.
+    """Yield the frame without each mistake in ``READINGS``, in this order, or None if the mistake is impossible.
 
-    A frame that was read early has a bit too many at its start and lacks its last bit. One that was read late is the
+    A frame that was read early has an additional first bit and lacks its last bit. One that was read late is the
     reverse.
     """
     # One item for each text of ``READINGS``, in the same order.
@@ -97,7 +97,7 @@ def _frames_without_mistake(placed_layout: PlacedLayout, position_name: str, fra
     if placed_layout.gray:
         yield None
         yield None
-        # The decoder will convert from Gray code. This undoes it, so the position is that of the bits as sent.
+        # The decoder will convert from Gray code. This undoes it, so the position consists of the bits as sent.
         yield to_gray(placed_layout, frame)
     else:
         yield _with_position_from_gray(placed_layout, (position_name,), frame)
@@ -134,7 +134,7 @@ def _with_position_from_gray(placed_layout: PlacedLayout, numbers: Sequence[str]
 
 
 def _read_one_clock_later(placed_layout: PlacedLayout, frame: int) -> int:
-    """Return the frame with its missing last bit, and without its first one.
+    """Return the frame with its missing last bit, and without its first bit.
 
     The last bit is 1 if constants and parity are right only with a 1, and otherwise 0.
     """

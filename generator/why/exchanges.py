@@ -1,6 +1,6 @@
 """Own requests among the received bits: whole frames of RS-485, and words of SPI that equal a request.
 
-The script of the decode page follows the same rules.
+The decode page follows the same rules.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ WORD_ECHO_TEXT = (
 
 @dataclass(frozen=True, slots=True)
 class ExchangedFrame:
-    """A valid frame among the bytes. ``evidence`` is the number of its bits that have the one value to expect."""
+    """A valid frame among the bytes. ``evidence`` is the number of its bits that have the only expected value."""
 
     placed_layout: PlacedLayout
     data: bytes
@@ -118,10 +118,10 @@ def _frames_in(device: Device, variant: Variant, received_bytes: bytes) -> tuple
     requests = [placed_layout for placed_layout in placed_layouts if placed_layout.layout.sender == "master"]
     replies = [placed_layout for placed_layout in placed_layouts if placed_layout.layout.sender != "master"]
     # The fewest frames from each byte to the end, by the index of the byte. It is filled from the end, so the frames
-    # behind a byte are known.
+    # after a byte are known.
     fewest_frames_from: dict[int, tuple[ExchangedFrame, ...]] = {len(received_bytes): ()}
     for start in reversed(range(len(received_bytes))):
-        # A request is in front of its reply, even if both have the same form.
+        # A request is before its reply, even if both have the same form.
         likeliest_first = requests + replies if start == 0 else replies + requests
         for placed_layout in likeliest_first:
             end = start + placed_layout.bits // 8
@@ -187,7 +187,7 @@ def _echoed_request(
     """
     if variant.interface != Spi.name or placed_layout.layout.sender != "encoder" or frame >> placed_layout.bits:
         return None
-    # Bits that a reply has too are not evidence of an echo, such as the command on a shared line.
+    # Bits that also occur in a reply are not evidence of an echo, such as the command on a shared line.
     repeated_bits = sum(
         field.width for field in placed_layout.fields if isinstance(field.field.kind, (Constant, Unused))
     )
@@ -211,7 +211,7 @@ def usual_values_of(device: Device, interface: str, layout: Layout) -> dict[str,
     """Return the values that fields of a frame usually have: ``{"address": [0x15]}``.
 
     These are their defaults in any frame, since a reply repeats the address in the request. In a request over SPI, they
-    are also the addresses of registers, and the content that the manual gives for unused fields.
+    are also the addresses of registers, and the documented content of unused fields.
     """
     field_names = {field.name for field in layout.fields}
     values_by_field: dict[str, list[int]] = {}
@@ -234,9 +234,9 @@ def usual_values_of(device: Device, interface: str, layout: Layout) -> dict[str,
 def _expected_bits(
     device: Device, placed_layout: PlacedLayout, frame: int, usual_values: Mapping[str, Sequence[int]]
 ) -> int:
-    """Return the number of bits in a valid frame that have the value to expect.
+    """Return the number of bits in a valid frame that have the expected value.
 
-    These are the CRC, the constants, and the fields that have one of their usual values. A field that may have one of 4
+    These bits are the CRC, the constants, and fields with one of their usual values. A field that may have one of 4
     values has 2 free bits, which do not count.
     """
     crc = device.crc_of(placed_layout)
@@ -246,7 +246,7 @@ def _expected_bits(
         values = usual_values.get(placed_field.name, ())
         raw_value = (frame >> placed_field.low) & placed_field.mask
         if raw_value in values:
-            # The bits that are needed to number the usual values: 2 for 3 or 4 values, 0 for a single one.
+            # The bits that are needed to number the usual values: 2 for 3 or 4 values, 0 for a single value.
             free_bits = (len(values) - 1).bit_length()
             usual_bits += placed_field.width - free_bits
     crc_bits = crc.width if crc is not None else 0

@@ -20,15 +20,17 @@ from ..reference.bits import compute_bits, compute_bytes, parity_bit
 
 @dataclass(frozen=True, slots=True)
 class TypedFrame:
-    """A frame as typed, with ``bits`` bits, or at least that many if the text does not show leading zeros.
+    """A frame as typed, with ``bits`` bits, or at least ``bits`` bits if the text does not show leading zeros.
 
-    ``written`` is the number of bits of all digits, leading zeros included.
+    ``written`` is the number of bits of all digits, leading zeros included, or 0 for a decimal number. ``is_bytes``
+    is true for several bytes, which usually have all their zeros.
     """
 
     number: int
     bits: int
     exact: bool
     written: int = 0
+    is_bytes: bool = False
 
     def may_have(self, bits: int) -> bool:
         """Return whether the frame may have this number of bits: exactly those typed, or also more leading zeros."""
@@ -96,8 +98,8 @@ class Hypothesis:
     ``received_crc`` are the first ``received_crc_bits`` bits of the received CRC. ``determined_bits`` is the number of
     other bits whose value the mistake determines, and ``are_determined_right`` is true if they have it.
 
-    ``right_constant_bits`` is the number of frame bits that have their constant value. They prove nothing, but make
-    one reading more likely than another, as do inactive flags (``likelihood``).
+    ``right_constant_bits`` is the number of frame bits that have their constant value. They prove nothing, but make one
+    reading more likely than another, just as inactive flags do (``likelihood``).
 
     ``frame`` is the frame without the mistake, with the layout ``frame_layout``, if the mistake changes the frame.
     ``order_codes`` are those that would send it. ``recording_parts`` are the parts of the recording that contains the
@@ -182,7 +184,7 @@ def check_constant_bits(placed_layout: PlacedLayout, frame: int) -> tuple[int, b
             are_right = are_right and raw_value == expected_value
         elif placed_field.name == placed_layout.layout.selector:
             selector_values = placed_layout.layout.selects
-            # The bits that are needed to number the possible values: 2 for 3 or 4 values, 0 for a single one.
+            # The bits that are needed to number the possible values: 2 for 3 or 4 values, 0 for a single value.
             free_bits = (len(selector_values) - 1).bit_length()
             constant_bits += placed_field.width - free_bits
             are_right = are_right and raw_value in selector_values

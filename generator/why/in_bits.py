@@ -46,7 +46,7 @@ def all_hypotheses(
 
     ``placed_layout`` is the layout of the expected frame. If the CRC covers only a part of the frame, only other CRC
     parameters, and rearranged and moved frames, are tried. A frame that can have the right length is tried in another
-    one only if that leads to another frame.
+    length only if that leads to another frame.
     """
     if placed_layout.bits in _possible_lengths(placed_layout, typed_frame):
         is_biss = variant.interface == Biss.name
@@ -77,10 +77,10 @@ def _possible_lengths(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> l
 def moved_frame_hypotheses(
     device: Device, variant: Variant, placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses with bits around the frame, or without its first or last bits, or an own request in its place.
+    """Yield hypotheses with bits around the frame, or without its first or last bits, or with the user's own request.
 
-    The offsets and recordings of the line are tried. Only if none of them fits, and there is a CRC, the frame is
-    searched at every bit.
+    The offsets and recordings of the line are tried. If none of them fits and there is a CRC, the frame is searched at
+    every bit.
     """
     line = LINES.get(line_name(device.interface(variant.interface)))
     if line is None:
@@ -124,7 +124,7 @@ def _left_out_command_hypotheses(
     frame = (command << remaining_bits) | typed_frame.number
     hypothesis = frame_hypothesis("command_left_out", description, placed_layout, crc, frame)
     constant_bits, _ = check_constant_bits(placed_layout, 0)
-    # The constants of the command are those that it is assumed to have, so they prove nothing.
+    # The constants of the command are the assumed ones, so they prove nothing.
     assumed_bits = sum(field.width for field in placed_layout.fields if _is_constant_from(field, remaining_bits))
     yield replace(hypothesis, determined_bits=constant_bits - assumed_bits)
 
@@ -160,11 +160,11 @@ def _is_constant_from(field: PlacedField, lowest_bit: int) -> bool:
 def _offset_hypotheses(
     placed_layout: PlacedLayout, crc: Crc | None, offset: FrameOffset, number: int, length: int
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses that the ``length`` bits of ``number`` do not begin and end with the frame.
+    """Yield hypotheses in which the ``length`` bits of ``number`` do not begin and end with the frame.
 
-    The bits are, from the first one received: bits before the frame, the received part of the frame, bits after it.
-    Bits before the frame that must be 1 count as determined, and those that are mostly 0 change the likelihood. Without
-    a CRC, there is a hypothesis for each value of the lost last bits. With one, these belong to it and are 0 here.
+    The bits are, in the order received: bits before the frame, the received part of the frame, bits after it. Bits
+    before the frame that must be 1 count as determined, and those that are mostly 0 change the likelihood. Without a
+    CRC, there is a hypothesis for each value of the lost last bits. With a CRC, these bits belong to it and are 0 here.
     """
     frame_part_length = length - len(offset.front) - offset.behind
     front_and_frame_part = number >> offset.behind
@@ -197,8 +197,8 @@ def _offset_hypotheses(
 def _bits_with_mark(marks_in_front: str, mark: str, received_front: int) -> list[int]:
     """Return those received bits before the frame that have this mark, the last one first.
 
-    The marks ``1~`` are those of a start bit, which must be 1, and of a bit that is mostly 0. If the bits are 0b10, the
-    one with the mark ``~`` is ``[0]``.
+    The marks ``1~`` belong to a start bit, which must be 1, and to a bit that is mostly 0. If the bits are 0b10, the
+    bit with the mark ``~`` is ``[0]``.
     """
     marks_from_last_bit = enumerate(reversed(marks_in_front))
     return [(received_front >> bit) & 1 for bit, mark_of_bit in marks_from_last_bit if mark_of_bit == mark]
@@ -220,7 +220,8 @@ def rearranged_frame_hypotheses(
             other_frames["bits_reversed_in_bytes"] = reflected_bytes(typed_frame.number, placed_layout.bits // 8)
         for kind, frame in other_frames.items():
             hypothesis = frame_hypothesis(kind, TEXTS[kind], placed_layout, crc, frame)
-            # SPI has single wires. Over the others, the two wires of a pair can be swapped, which inverts all bits.
+            # SPI has single wires. Over other interfaces, the two wires of a pair can be swapped, which inverts all
+            # bits.
             lacks_pair = kind == "all_inverted" and variant.interface == Spi.name
             frequency = INVERTED_WITHOUT_PAIR if lacks_pair else 1.0
             yield replace(hypothesis, likelihood=hypothesis.likelihood * frequency)

@@ -111,9 +111,9 @@ def _displaced_byte_hypotheses(
 def _missing_first_byte_hypotheses(
     placed_layout: PlacedLayout, crc: Crc | None, received_bytes: bytes, first_bytes: Sequence[int], template: str
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses with each possible first byte in front of the received ones.
+    """Yield hypotheses with each possible first byte before the received bytes.
 
-    ``{0}`` in ``template`` stands for the byte.
+    ``{0}`` in ``template`` is replaced by the byte.
     """
     for first_byte in first_bytes:
         frame = bytes([first_byte]) + received_bytes
@@ -125,7 +125,7 @@ def _missing_first_byte_hypotheses(
 def _frame_hypothesis(
     kind: str, description: str, placed_layout: PlacedLayout, crc: Crc | None, frame: bytes
 ) -> Hypothesis:
-    """Return the hypothesis that the frame was ``frame``, whose last byte is the CRC if there is one."""
+    """Return the hypothesis that the frame was ``frame``, whose last byte is the CRC, if any."""
     frame_number = number_from_bytes(placed_layout.layout, frame)
     hypothesis = frame_hypothesis(kind, description, placed_layout, crc, frame_number)
     return hypothesis if crc is None else _with_crc_over_bytes(hypothesis, frame)
@@ -134,7 +134,7 @@ def _frame_hypothesis(
 def _with_crc_over_bytes(hypothesis: Hypothesis, frame: bytes) -> Hypothesis:
     """Return the hypothesis with the CRC over the bytes as sent, independent of the byte order of the number.
 
-    The last byte is the CRC, and it covers all others.
+    The last byte is the CRC, and it covers all other bytes.
     """
     return replace(
         hypothesis,
@@ -147,12 +147,12 @@ def _with_crc_over_bytes(hypothesis: Hypothesis, frame: bytes) -> Hypothesis:
 def _possible_first_bytes(placed_layout: PlacedLayout, usual_values: Mapping[str, Sequence[int]]) -> Iterator[int]:
     """Yield the possible first bytes of a frame, one for each value of the selector, or a single one without it.
 
-    Nothing is yielded if the first byte also has other fields than the selector, constants, parity and those with one
+    Nothing is yielded if the first byte also has fields other than the selector, constants, parity and fields with one
     usual value, since such a byte is not known.
     """
     layout = placed_layout.layout
     bytes_after_first = bytes(placed_layout.bits // 8 - 1)
-    # The bits of the frame's number that the first byte has.
+    # The bits of the frame's number in the first byte.
     first_byte_mask = number_from_bytes(layout, b"\xff" + bytes_after_first)
     fields_in_first_byte = [field for field in placed_layout.fields if (first_byte_mask >> field.low) & field.mask]
     frame_without_selector = 0

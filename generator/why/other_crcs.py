@@ -1,4 +1,4 @@
-"""Frames whose CRC was computed with other parameters, or over other bits than those in the frame."""
+"""Frames whose CRC was computed with other parameters, or over bits other than the frame's."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def other_crc_hypotheses(
 def other_crcs_over_bits(crc: Crc) -> Iterator[OtherCrc]:
     """Yield a CRC over bits with its inversion changed, with each other start value, and with its polynomial reversed.
 
-    Each comes with the kind of mistake and its description, such as ``the start value of the CRC is 0x3f``.
+    Each CRC comes with the kind of mistake and its description, such as ``the start value of the CRC is 0x3f``.
     """
     inversion_text = "the CRC is not inverted" if crc.xorout else "the CRC is inverted"
     yield NOT_INVERTED, inversion_text, replace(crc, xorout=crc.xorout ^ crc.mask)
@@ -80,7 +80,7 @@ def other_crcs_over_bits(crc: Crc) -> Iterator[OtherCrc]:
 
 
 def _other_start_values(crc: Crc) -> list[int]:
-    """Return all zeros, all ones, and the start values of known CRCs with the polynomial, except that of ``crc``."""
+    """Return all zeros, all ones, and the start values of other known CRCs with the polynomial."""
     known_starts = {known.init for known in KNOWN_CRCS if known.polynomial == crc.poly_with_top_bit}
     return sorted({0, crc.mask, *known_starts} - {crc.init})
 
@@ -92,7 +92,7 @@ def other_crcs_over_bytes(crc: Crc) -> Iterator[OtherCrc]:
     """
     inversion_text = "the CRC is not inverted" if crc.xorout else "the CRC is inverted"
     if crc.is_xor:
-        # With x^8 + 1, the polynomial of an XOR, a start value only adds itself to the result.
+        # With x^8 + 1, the polynomial of an XOR, the start value is simply added to the result.
         inversion_text += f", or its start value is {crc.mask ^ crc.init:#x} (the same here)"
     yield NOT_INVERTED, inversion_text, replace(crc, xorout=crc.xorout ^ crc.mask)
     if not crc.is_xor:
@@ -110,9 +110,9 @@ def other_crcs_over_bytes(crc: Crc) -> Iterator[OtherCrc]:
 
 
 def _status_hypotheses(without_mistake: Hypothesis, placed_layout: PlacedLayout, frame: int) -> Iterator[Hypothesis]:
-    """Yield hypotheses in which the CRC does not cover error and warning, or they were inverted after it was computed.
+    """Yield hypotheses in which the CRC does not cover error and warning, or these were inverted after it was computed.
 
-    Nothing is yielded if the frame has neither.
+    Nothing is yielded if the frame has neither error nor warning.
     """
     frame_status_mask = status_mask(placed_layout)
     if not frame_status_mask:
@@ -199,7 +199,7 @@ def _position_code_hypotheses(
 def _place_of_position(placed_layout: PlacedLayout) -> tuple[int, int]:
     """Return low bit and width of the number that a master would convert from Gray code to binary.
 
-    This is the number in Gray code, a joined number, or else the widest one. The width is 0 if there is no number.
+    This is the number in Gray code, a joined number, or else the widest number. The width is 0 if there is no number.
     """
     joins = placed_layout.layout.joins
     if placed_layout.layout.gray_of:
@@ -232,10 +232,10 @@ def _start_bit_hypotheses(without_mistake: Hypothesis) -> Iterator[Hypothesis]:
 def other_polynomial_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_frame: TypedFrame) -> Iterator[Hypothesis]:
     """Yield hypotheses with data of the right length before a CRC of another length.
 
-    With two bits of data (d) and an expected CRC of four bits, a CRC of three bits (c) gives ``ddccc``, or ``ddccc0``
-    if the reader takes the expected length. A CRC of five bits gives ``ddccccc``, or ``ddcccc`` in the expected length.
-    The zero is the stop bit. The master holds SLI at 0, so with one slave the bits after the stop bit are 0, too.
-    The typed frame must have one of these lengths, or lack only leading zeros.
+    With two bits of data (d) and an expected CRC of four bits, a CRC of three bits (c) leads to ``ddccc``, or
+    ``ddccc0`` if the reader takes the expected length. A CRC of five bits leads to ``ddccccc``, or ``ddcccc`` in the
+    expected length. The zero is the stop bit. The master holds SLI at 0, so with one slave the bits after the stop bit
+    are 0, too. The typed frame must have one of these lengths, or lack only leading zeros.
     """
     data_bits = placed_layout.bits - crc.width
     for polynomial in POLYNOMIALS:
@@ -244,7 +244,7 @@ def other_polynomial_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_fra
         other_crc = _with_polynomial(crc, polynomial)
         complete_length = data_bits + other_crc.width
         expected_length = placed_layout.bits
-        # A CRC of the expected width gives one length only, so it is tried once.
+        # A CRC of the expected width leads to one length only, so it is tried once.
         for length in dict.fromkeys((complete_length, expected_length)):
             may_lack_leading_zeros = not typed_frame.exact and length > typed_frame.bits
             if length == typed_frame.bits or may_lack_leading_zeros:
@@ -268,7 +268,7 @@ def _polynomial_hypothesis(
 ) -> Hypothesis:
     """Return the hypothesis that the ``length`` bits of ``number`` are the frame's data with the CRC ``other_crc``.
 
-    The data have the length of those in the expected frame. Behind them is the CRC, or its first bits, then zeros.
+    The data have the same length as in the expected frame. Behind them is the CRC, or its first bits, then zeros.
     """
     data_bits = placed_layout.bits - crc.width
     bits_after_data = length - data_bits

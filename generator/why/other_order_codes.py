@@ -29,7 +29,7 @@ class FrameShape(NamedTuple):
 def other_order_code_hypotheses(
     device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses with the frame of another order code, or with the one that results from other register values.
+    """Yield hypotheses with the frame of another order code, or with a frame that results from other register values.
 
     The frame is complete, read too long, or truncated.
     """
@@ -42,7 +42,7 @@ def _hypotheses_with_crc(
 ) -> Iterator[Hypothesis]:
     """Yield hypotheses with frames of other order codes or register values that end with this CRC.
 
-    The typed frame is a complete one, a shorter one with extra bits, or a longer one without its last 1 or 2 bits.
+    The typed frame is complete, or shorter with extra bits, or longer without its last 1 or 2 bits.
     """
     shapes_by_length = _shapes_by_length(device, variant, placed_layout, crc)
     yield from _complete_frame_hypotheses(variant, placed_layout, crc, typed_frame, shapes_by_length)
@@ -50,7 +50,7 @@ def _hypotheses_with_crc(
         extra_bits = placed_layout.bits - shape_bits
         if extra_bits > 0 and typed_frame.may_have(placed_layout.bits):
             yield _too_long_hypothesis(variant, shapes, crc, typed_frame.number, extra_bits)
-        # A longer frame, of which a few bits are missing.
+        # A longer frame that lacks a few bits.
         elif -_MOST_CUT_BITS <= extra_bits < 0 and typed_frame.bits == placed_layout.bits:
             yield _too_short_hypothesis(variant, shapes, crc, typed_frame.number, lost_bits=-extra_bits)
 
@@ -58,7 +58,7 @@ def _hypotheses_with_crc(
 def _too_long_hypothesis(
     variant: Variant, shapes: Sequence[FrameShape], crc: Crc, number: int, extra_bits: int
 ) -> Hypothesis:
-    """Return the hypothesis that ``number`` is a shorter frame with ``extra_bits`` bits behind it.
+    """Return the hypothesis that ``number`` is a shorter frame followed by ``extra_bits`` bits.
 
     ``shapes`` are the layouts with the length of the shorter frame.
     """
@@ -114,11 +114,12 @@ def _complete_frame_hypotheses(
     typed_frame: TypedFrame,
     shapes_by_length: Mapping[int, Sequence[FrameShape]],
 ) -> Iterator[Hypothesis]:
-    """Yield a hypothesis with the complete frame of another order code or other register values, if one is possible.
+    """Yield a hypothesis with the complete frame of another order code or other register values, if possible.
 
-    If leading zeros are not known, several lengths are possible. The shortest one stands for all, with all order codes.
+    If leading zeros are not known, several lengths are possible. The shortest hypothesis represents all, with all order
+    codes.
     """
-    # A text without leading zeros that fits into the expected frame is not explained by a longer one.
+    # A text without leading zeros that fits into the expected frame is not explained by a longer frame.
     has_known_length = typed_frame.exact or typed_frame.bits > placed_layout.bits
     if not has_known_length:
         return
@@ -156,8 +157,8 @@ def _with_common_template(hypothesis: Hypothesis, length_text: str, mistake_text
 def _possible_shape(shapes: Sequence[FrameShape], frame: int) -> FrameShape:
     """Return the likeliest shape for the frame, with the order codes of all possible shapes.
 
-    The shapes all have the length of the frame. Those whose constant bits are right are possible, or all if there are
-    none of these. The possible shape with the fewest constant bits is the likeliest.
+    The shapes all have the length of the frame. Shapes whose constant bits are right are possible, or all if there are
+    no such shapes. The possible shape with the fewest constant bits is the likeliest.
     """
     constants = [check_constant_bits(shape.placed_layout, frame) for shape in shapes]
     right_shapes = [shape for shape, (_, are_right) in zip(shapes, constants, strict=True) if are_right]
@@ -192,7 +193,7 @@ def _shapes_by_length(
 ) -> dict[int, list[FrameShape]]:
     """Return the shapes with this CRC by length in bits, shortest first, without the length of the expected frame.
 
-    Those of one length differ in their constant bits, such as zeros above the position. If the expected frame has
+    Shapes of one length differ in their constant bits, such as zeros above the position. If the expected frame has
     another CRC, its length counts, too. A length that only registers can select has no order codes.
     """
     layout = placed_layout.layout
@@ -219,7 +220,7 @@ def _shapes_of_order_codes(device: Device, variant: Variant, layout: Layout) -> 
 
     They share it if length, CRC and the places of constants are the same.
     """
-    # A question that the manual leaves open has the same answer for all of them.
+    # A question that the manual leaves open has the same answer for all frames.
     answer_names = [parameter.name for parameter in device.parameters if parameter.alternative]
     answers = {name: variant.parameters[name] for name in answer_names}
     shape_by_key: dict[object, FrameShape] = {}
@@ -228,7 +229,7 @@ def _shapes_of_order_codes(device: Device, variant: Variant, layout: Layout) -> 
         constants = [field for field in other_layout.fields if isinstance(field.field.kind, Constant)]
         constant_places = tuple((constant.low, constant.width) for constant in constants)
         shape_key = other_layout.bits, device.crc_of(other_layout), constant_places
-        # The layout is that of the first order code with this key. Each order code adds its name.
+        # The layout belongs to the first order code with this key. Each order code adds its name.
         known_shape = shape_by_key.get(shape_key, FrameShape(other_layout, order_codes=()))
         order_codes = (*known_shape.order_codes, other_variant.code)
         shape_by_key[shape_key] = FrameShape(known_shape.placed_layout, order_codes)
@@ -246,6 +247,6 @@ def _parameters_of_states(device: Device, variant: Variant, layout: Layout) -> I
     ]
     if not parameters_in_registers:
         return
-    # A combination has a state of each field: values by parameter name.
+    # A combination consists of a state for each field: values by parameter name.
     for state in islice(product(*possible_states(parameters_in_registers)), _MOST_STATES):
         yield with_changed(device, variant, ChainMap(*map(dict, state)))

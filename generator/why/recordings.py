@@ -38,7 +38,7 @@ class FrameOffset:
 
     ``front`` are extra bits before the frame (``?`` is any bit, ``~`` is mostly 0, like CDS), ``missing`` are missing
     first bits of the frame, ``lost`` is the number of missing last bits, and ``behind`` is the number of extra bits
-    after it. ``{0}`` in the text stands for ``missing``.
+    after it. ``{0}`` in the text is replaced by ``missing``.
     """
 
     kind: str
@@ -70,7 +70,7 @@ class Incomplete:
 class Line:
     """Mistakes with the bits around a frame on one kind of line, in the order in which they are tried.
 
-    ``slips`` are those by one or two bits.
+    ``slips`` are the offsets by one or two bits.
     """
 
     slips: tuple[FrameOffset, ...]
@@ -80,7 +80,7 @@ class Line:
 
 #: Kind of a frame that no rule finds, only its CRC.
 FRAME_INSIDE = "frame_inside"
-#: Its text. ``{0}`` is the number of bits in front.
+#: Its text. ``{0}`` is the number of bits before the frame.
 FRAME_INSIDE_TEXT = "the frame begins after {0} other bits"
 
 _FRAME = "(?P<frame>[01]{#})"
@@ -195,7 +195,7 @@ _TOO_SHORT = Incomplete("it is too short: it has {0} of the {1} bits. Clocks sti
 
 
 def _one_clock_offsets(cause: str) -> tuple[FrameOffset, ...]:
-    """Return the offsets by one clock, in which the number of received bits is that of the frame.
+    """Return the offsets by one clock, in which the number of received bits equals the number in the frame.
 
     ``cause`` continues the text after "one clock late" or "one clock early". A missing first bit is tried as 0 and 1.
     """
@@ -249,7 +249,7 @@ def recorded_bits(typed_frame: TypedFrame, frame_length: int) -> str:
     bit_count = typed_frame.bits
     if not typed_frame.exact and not fits_into_frame:
         bit_count = max(typed_frame.written, typed_frame.bits)
-    # The number 0 without known zeros in front has 0 bits, but one digit.
+    # The number 0 without known leading zeros has 0 bits, but one digit.
     digit_count = max(bit_count, 1)
     return f"{typed_frame.number:0{digit_count}b}"
 
@@ -284,7 +284,7 @@ def recording_hypotheses(
 def window_hypotheses(placed_layout: PlacedLayout, crc: Crc, received_bits: str) -> Iterator[Hypothesis]:
     """Yield a hypothesis with the frame at each bit of a recording, with the bits before and behind it.
 
-    Of many places, one matches by chance more often, so their number is part of each hypothesis.
+    Among many places, a match by chance is more likely, so their number is part of each hypothesis.
     """
     frame_length = placed_layout.bits
     place_count = len(received_bits) - frame_length + 1
@@ -322,5 +322,5 @@ def missing_part(line: Line, frame_length: int, received_bits: str) -> str:
 
 @lru_cache(maxsize=1024)
 def _compile_for_length(pattern: str, frame_length: int) -> re.Pattern[str]:
-    """Return the regular expression with the length of the frame in the place of ``#``."""
+    """Return the regular expression with the length of the frame instead of ``#``."""
     return re.compile(pattern.replace("#", f"{frame_length}"))

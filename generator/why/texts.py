@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-#: Texts by name. Numbers in braces stand for the details of a frame.
+#: Texts by name. Numbers in braces are replaced by the details of a frame.
 TEXTS: Mapping[str, str] = MappingProxyType(
     {
         "all_inverted": "every bit is inverted, as with swapped data wires",
@@ -34,10 +34,12 @@ TEXTS: Mapping[str, str] = MappingProxyType(
         "byte_missing": "the first byte ({0}) is missing",
         "and_follows": "{0}, and an extra byte follows the frame",
         "bytes_inverted": "every bit is inverted",
+        "bytes_missing": "the text has {0} of the {1} bytes of the frame. Missing: {2}",
+        "read_as_zeros": "{0}, read as zeros in front",
         "first_byte_left_out": "the CRC does not cover the first byte",
     }
 )
-#: Bits that BiSS sends in front of the frame, which a CRC may also cover, with the text.
+#: Bits that BiSS sends before the frame, which a CRC may also cover, with the text.
 START_BITS: tuple[tuple[str, str], ...] = (
     ("1", "the CRC also covers the start bit, or a CDS bit of 1"),
     ("10", "the CRC also covers the start bit and a CDS bit of 0"),

@@ -1,4 +1,7 @@
-"""Judge several frames together. The mistake that was made explains all of them, and a coincidence only some."""
+"""Judge several frames together.
+
+The mistake that was made explains all frames, and a coincidence explains only some.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,8 @@ class CommonMistake:
 def judge_together(diagnoses: Sequence[Diagnosis]) -> list[CommonMistake]:
     """Return the mistakes that explain the most frames, most likely first.
 
-    A mistake is the same in several frames if its kind and its text without details are (``Explanation.mistake``).
+    A mistake is the same in several frames if its kind and its text without details are equal
+    (``Explanation.mistake``).
     """
     explanations_by_mistake: dict[tuple[str, str, bool], list[Explanation]] = {}
     for diagnosis in diagnoses:
@@ -61,7 +65,8 @@ def _likeliest_explanations(diagnosis: Diagnosis) -> Iterable[Explanation]:
 def _common_score(explanations: Sequence[Explanation]) -> float:
     """Return the logarithm to base 2 of the likelihood that a mistake explains all frames.
 
-    The score of each frame contains the frequency of the mistake. It is made once, so its frequency counts once.
+    The score of each frame contains the frequency of the mistake. The mistake is made once, so its frequency counts
+    once.
     """
     frequency = log2(MISTAKES[explanations[0].kind])
     evidence = sum(log2(explanation.score) - frequency for explanation in explanations)

@@ -32,7 +32,7 @@ function readLabel(label) {
   ]) {
     try {
       const reading = readLabelOfFamily(family, label);
-      // What is a tail after the code of one family can be a part of the code of another one.
+      // The tail of one family's code can be a part of another family's code.
       if (!bestReading || reading.tail.length < bestReading.tail.length) bestReading = reading;
     } catch (error) {
       if (!(error instanceof UnknownCode)) throw error;
@@ -93,7 +93,7 @@ function resolveOrderCode(family, spelling, groups, code) {
 const omitUndefined = (values) => Object.fromEntries(
   Object.entries(values).filter(([, listedText]) => listedText !== undefined));
 
-/** The first listed code with these parts, where undefined stands for a value that is not listed. */
+/** The first listed code with these parts, where undefined represents an unlisted value. */
 function findFittingRow(family, values) {
   const unlistedParts = family.labels.parts.filter((part) => values[part.name] === undefined);
   const isAllowed = ([otherPart, allowedValues]) =>

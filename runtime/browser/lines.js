@@ -363,7 +363,7 @@ function checkLineLength(fields, interface_) {
   return [[fields[0].column, `the fields have ${bitCount} bits; over RS-485, write whole bytes`]];
 }
 
-/** Return the problems of options with the fields. ``columns`` are those of the options, by name. */
+/** Return the problems of options with the fields. ``columns`` are the columns of the options, by name. */
 function checkLineOptions(options, columns, fields, interface_) {
   return [
     ...(options.isGray ? checkGrayOption(options, columns, fields) : []),
@@ -532,10 +532,10 @@ function buildJoins(sentFields) {
 
 /** Return whether a field has the same bits in every frame. */
 const isConstant = (field) => field.kind === "zero" || field.kind === "constant";
-/** Count the ones in a number. */
+/** Count the 1 bits in a number. */
 const countOnes = (number) => number.toString(2).replaceAll("0", "").length;
 
-/** Return the other fields of a parity bit that change, and whether their number of ones must be odd with it. */
+/** Return the other fields of a parity bit that change, and whether their number of 1 bits must be odd with it. */
 function findParityCoverage(field, sentFields) {
   const otherFields = sentFields.filter((other) => !["parity", "crc"].includes(other.kind));
   const constantOnes = otherFields.filter((other) => other.kind === "constant")
@@ -571,7 +571,7 @@ function buildFieldRecord(field, sentFields, hasPosition) {
   }
 }
 
-/** Build the checks of constants and parity bits, and then that of the highest position. */
+/** Build the checks of constants and parity bits, and then the check of the highest position. */
 function buildCheckRecords(sentFields, { counts = 0n, turns = ONE }) {
   const lowAndWidth = (field) => ({ ...omitEmpty({ low: field.low }), width: field.bits });
   const checks = sentFields.flatMap((field) => {
@@ -609,7 +609,7 @@ function buildMeasure({ fields, options }, joins) {
   });
 }
 
-/** Build the parameters of a CRC, and those of similar CRCs that may be used by mistake. */
+/** Build the parameters of a CRC, and of similar CRCs that may be used by mistake. */
 function buildCrcRecord({ bits: width, poly, init, isInverted }, isOverBytes) {
   const parametersWith = (changes) => omitEmpty(Object.fromEntries(Object.entries({
     width: BigInt(width), poly, init, refin: 0n, refout: 0n, xorout: isInverted ? ones(width) : 0n, ...changes,
@@ -635,7 +635,7 @@ function buildCrcRecord({ bits: width, poly, init, isInverted }, isOverBytes) {
   };
 }
 
-/** List all zeros, all ones, and the start values of known CRCs with the polynomial, except that of the CRC itself. */
+/** List all zeros, all ones, and the start values of known CRCs with the polynomial, without its own. */
 function listOtherStartValues(width, poly, init) {
   const hasPolynomial = ([knownPolynomial]) => toBigInt(knownPolynomial) === (poly | (ONE << BigInt(width)));
   const startValues = new Set([
@@ -712,7 +712,7 @@ function buildEncoderFrame(line) {
   };
 }
 
-/** Return the record of the family that a line describes, like those of the table. */
+/** Return the record of the family that a line describes, like the records in the table. */
 function lineFamily(line) {
   const { interface: interface_, options, fields } = line;
   const shared = [];

@@ -14,6 +14,10 @@ const ones = (width) => (ONE << BigInt(width)) - ONE;
 const extractBits = (number, low, width) => (number >> BigInt(low)) & ones(width);
 /** Return a number in hex, with 0x and leading zeros up to ``digits``. */
 const hex = (number, digits = 1) => "0x" + number.toString(16).padStart(digits, "0");
+/** Return the digits of a number in hex, in capitals. */
+const hexDigits = (number) => number.toString(16).toUpperCase();
+/** Return bytes as text: two hex digits each, with spaces. */
+const formatBytes = (bytes) => bytes.map((byte) => hexDigits(byte).padStart(2, "0")).join(" ");
 /** Return a count with its noun in the singular or plural. */
 const countWithNoun = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
 /** Fill the values into a template, at {0}, {1} and so on. */
@@ -37,8 +41,8 @@ function formatFraction(numerator, denominator) {
 }
 
 /**
- * Return the quantity that a number stands for, with a fixed number of decimals, and whether these are exact.
- * The scale is [numerator, denominator, offset, unit, decimals].
+ * Return the quantity that a number represents, with a fixed number of decimals, and whether these are exact. The scale
+ * is [numerator, denominator, offset, unit, decimals].
  */
 function scaleNumber([numerator, denominator, offset, , decimalCount = 0], number) {
   const [scaledNumerator, divisor] = [number * toBigInt(numerator) + toBigInt(offset), toBigInt(denominator)];

@@ -2,7 +2,7 @@
 // Form for the values of a register, from and to bytes.
 
 /**
- * Create the description of a register, and for a writable one a form that encodes its bytes into ``frameInput``.
+ * Create the description of a register, and for a writable register a form that encodes its bytes into ``frameInput``.
  * Return {parts, fill}: the elements, and the function that fills the inputs from a decoded register.
  */
 function createRegisterForm(state, register, frameInput, showResult) {
@@ -49,12 +49,10 @@ function createRegisterForm(state, register, frameInput, showResult) {
 
 /** Create the button that enters the default bytes of a register. */
 function createDefaultButton(register, frameInput, showResult) {
-  const button = createElement("button", { type: "button" }, `Default: ${register.default}`);
-  button.addEventListener("click", () => {
+  return createButton(`Default: ${register.default}`, () => {
     frameInput.value = register.default;
     showResult();
   });
-  return button;
 }
 
 /** Return the limits of a register in numbers, or an empty string if it has neither. */
@@ -65,7 +63,7 @@ function describeLimits(placedRegister, { name, of, low, high }) {
   return `Limits of ${name ?? of ?? placedRegister.name}: ${bounds.join(", ")}`;
 }
 
-/** Return the applicable limits: those of the chosen meaning, if a register has several. */
+/** Return the applicable limits: the limits of the chosen meaning, if a register has several. */
 function chooseLimits(register, limitsByMeaning, chosenMeaning) {
   if (limitsByMeaning.length && !chosenMeaning) throw new Refusal("Choose the meaning of the register first");
   if (!limitsByMeaning.length) return (register.limits ?? [])[0];
@@ -76,7 +74,7 @@ function chooseLimits(register, limitsByMeaning, chosenMeaning) {
 function createFieldInput({ field, name, width }) {
   const hint = [field.meaning, field.unit].filter(Boolean).join(", ") || countWithNoun(width, "bit");
   const inputOf = (input, read, write) => ({ name, input, read, write, label: createLabelledInput(name, input, hint) });
-  if (field.kind === "flag" || field.kind === "not_flag") {
+  if (isFlag(field)) {
     const input = createElement("input", { type: "checkbox" });
     return inputOf(input, () => input.checked, (isActive) => Object.assign(input, { checked: isActive }));
   }
@@ -114,7 +112,7 @@ const parseNumberOrEmpty = (text) => {
   return number === null ? "" : sign ? -number : number;
 };
 
-/** Return the values of the inputs by name of the field. Throws ``Refusal`` if one is empty. */
+/** Return the values of the inputs by name of the field. Throws ``Refusal`` if a field is empty. */
 function readInputs(inputs) {
   const values = inputs.filter((input) => input.name).map((input) => [input.name, input.read()]);
   const emptyInput = values.find(([, fieldValue]) => fieldValue === "");

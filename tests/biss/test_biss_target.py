@@ -297,7 +297,7 @@ def test_another_maker(tmp_path: Path) -> None:
     devices, report = load_library([tmp_path])
     assert not report.problems
     files = generate(Library(devices))
-    # Without an encoder that a master can identify, there is no idbiss file.
+    # If a master can identify no encoder, there is no idbiss file.
     expected_names = {"LICENSE", "README.md", "acme-minimal.xml", "device-description.xsd"}
     assert set(files) == {f"biss/{name}" for name in expected_names}
     assert from_xml(files["biss/acme-minimal.xml"].encode()) == device_dump(devices[0])

@@ -119,7 +119,7 @@ def leaves(value: Any, key: str = "") -> Iterator[tuple[str, Any]]:
         yield key, value
 
 
-#: Keys that describe how the spec is written. The same facts are in positions, kinds and widths.
+#: Keys that describe how the spec is written. Positions, kinds and widths contain the same facts.
 WRITTEN = {"codewheel", "use", "at", "top_bit", "values_of", "text", "active"}
 #: Places where an edition changes something. The change itself is described in words.
 WRITTEN |= {"set", "add", "remove", "unknown"}
@@ -137,7 +137,7 @@ def is_expression(text: str) -> bool:
 
 
 def number_or_text(text: str) -> int | str:
-    """Return the number that a power such as 2^16 stands for, or else the text."""
+    """Return the number that a power such as 2^16 represents, or else the text."""
     power = re.fullmatch(r"2\^(\d+)", text)
     return text if power is None else 1 << int(power[1])
 

@@ -129,7 +129,7 @@ def test_flags_say_whether_they_are_active(device: str, code: str, layout: str, 
 
 @pytest.mark.slow
 def test_it_looks_at_what_the_position_is_worth(devices: Mapping[str, Device]) -> None:
-    """The verdict is that of the reference codec for any combination of active flags and unused bits."""
+    """The verdict equals the reference codec's for any combination of active flags and unused bits."""
     source = Random(11)
     verdict_counts = Counter[str]()
     for device in devices.values():

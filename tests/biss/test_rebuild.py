@@ -211,7 +211,7 @@ def _device(dump: Dump) -> Dump:
 
 
 def _one_or_more(part: Dump, name: str) -> list[Dump]:
-    """Return the facts that depend on the order code, or else the one for all order codes, if there is one."""
+    """Return the facts that depend on the order code, or else the fact for all order codes, if any."""
     return part[f"{name}s"] or [fact for fact in [part[name]] if fact]
 
 

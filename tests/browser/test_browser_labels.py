@@ -49,7 +49,7 @@ LABELS = (
     "FOO",
     "AMM5A21/65KSC1" + "-" + "X" * 100,
 )
-#: End of a message that only the command line gives.
+#: End of a message that only the command line prints.
 COMMANDS = (" (codewheel show ", "; codewheel list shows")
 
 

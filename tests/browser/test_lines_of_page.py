@@ -1,4 +1,4 @@
-"""The page builds the same record from a line as codewheel does, and has the same problems with a wrong one."""
+"""The page builds the same record from a line as codewheel does, and finds the same problems in a wrong line."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The result of the page in Node, without a browser: what ``make quick`` sees of the script.
 
-The frames are those of AMM5A21/65KSC1 at position 1,000,003. The first one is in the README, and the second one has
-nE = 0. ``test_c_round_trip.py`` computes its CRC from the polynomial of the manual (AMM5 6.2.1).
+The frames belong to AMM5A21/65KSC1 at position 1,000,003. The first frame is in the README, and the second has nE = 0.
+``test_c_round_trip.py`` computes its CRC from the polynomial of the manual (AMM5 6.2.1).
 """
 
 from __future__ import annotations

@@ -128,7 +128,7 @@ class SlaveEnd(Protocol):
 
 
 class SteppedSlave(SlaveEnd, Protocol):
-    """A slave that is sent the CDM bit of each frame and yields the CDS bit of the next one."""
+    """A slave that receives the CDM bit of each frame and yields the CDS bit of the next frame."""
 
     def run(self) -> Bits: ...
 
@@ -240,7 +240,7 @@ def accesses(line: MasterEnd, slave: SlaveEnd, chance: random.Random, count: int
             data = bytes(chance.randrange(256) for _ in places)
             slave.stored.clear()
             assert line.write(address, data, 2000) == outcome, (index, address, size)
-            # A byte is stored once, and no other one is stored.
+            # A byte is stored once, and no other byte is stored.
             assert slave.stored == list(zip(places[:sound], data, strict=False)), (index, address, size)
         else:
             expected = bytes(slave.stored_value(place) for place in places[:sound])

@@ -1,6 +1,6 @@
 """C programs that call everything in the headers of an interface, controlled by lines on standard input.
 
-A family has one for each interface. A line goes to the one of its order code, and ``find`` to all of them.
+A family has a program for each interface. A line goes to the program of its order code, and ``find`` to all of them.
 
 Each line begins with an order code. ``;REGISTER=HEX`` after it sets the content of a register at run time, and
 ``;ALTERNATIVE=HEX`` selects the answer to an open question of the manual, with 00 for the first.
@@ -89,7 +89,7 @@ FAMILIES = {"am36": "lika", "amm5": "lika", "asc85": "lika", "icmu": "ichaus", "
 
 
 def headers_of(name: str, include: Path) -> list[Path]:
-    """Return the headers of a family, those of each interface together, in the order of their includes."""
+    """Return the headers of a family, grouped by interface, in the order of their includes."""
     places = [path for path in include.glob(f"*/{name}_*.h") if path.stem.split("_")[0] == name]
     order = ["", "labels", "reports", "registers", "procedures", "simulate"]
     return sorted(places, key=lambda path: (path.stem.split("_")[1], order.index("".join(path.stem.split("_")[2:]))))
@@ -391,7 +391,7 @@ def functions(view: DeviceView) -> list[Numeric]:
 
 
 def crcs(view: DeviceView) -> dict[str, str]:
-    """Return a function for each CRC of a frame. The one for a whole word takes the data with zeros for the CRC."""
+    """Return a function for each CRC of a frame. The CRC for a whole word takes the data with zeros for the CRC."""
     code_by_crc = {}
     for codec in view.interface.codecs:
         if codec.word_crc is not None:
@@ -474,7 +474,7 @@ def _report_branch(view: DeviceView, codec: StructCodec, name: str) -> str:
 
 
 def _wrong_length(codec: StructCodec) -> str:
-    """Return the frame of a wrong length, or an empty string if the type of its word holds no longer one."""
+    """Return the frame of a wrong length, or an empty string if the type of its word holds no longer frame."""
     if codec.plan.in_bytes:
         return "b, 0U"
     if codec.word_has_length:

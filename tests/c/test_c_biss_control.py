@@ -252,7 +252,7 @@ def test_the_published_words(ask: Ask, vectors: list[dict[str, Any]]) -> None:
         word, address = int(row["frame_hex_or_bits"].split()[0], 16), row["fields"]["ADR"]
         assert ask("e", row["fields"]["ID"], address, 0, 0) == [0, word]
         assert ask("D", word) == [0, row["fields"]["ID"], address, 0, 0]
-    # The word that is printed wrong, the same with a corrected CRC, and the expected one.
+    # The word that is printed wrong, the same word with a corrected CRC, and the expected word.
     assert ask("D", 0x8C13C194) == [RESULTS.index("CRC"), 0x5A, 0x5A, 1, 0x5A]
     assert ask("D", 0x8C17C194) == [RESULTS.index("CONSTANT"), 0x5A, 0x5A, 1, 0x5A]
     assert ask("D", 0x8C16C194) == [0, 0, 0x60, 1, 6]
@@ -340,7 +340,7 @@ def test_a_sequence_of_writes_written_out(build: Build) -> None:
 
 @pytest.mark.parametrize("languages", PAIRS, ids="-".join)
 def test_the_same_bits_in_both_languages(build: Build, languages: tuple[str, str]) -> None:
-    """Reads, writes, refusals, waiting slaves and missing ones: every bit is as between two machines in Python."""
+    """Reads, writes, refusals, waiting and missing slaves: every bit equals the bits between two machines in Python."""
 
     def run_accesses(pair: tuple[str, str]) -> list[object]:
         line = build(pair, chain=3, readable=range(0x10, 0x60), writable=range(0x20, 0x50))

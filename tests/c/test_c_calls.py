@@ -14,7 +14,7 @@ from codewheel.targets.c.files import generate
 
 pytestmark = pytest.mark.slow
 
-#: Functions of the runtime for users, and those for Gray excess, which no family of the library uses.
+#: Functions of the runtime for users, and functions for Gray excess, which no family of the library uses.
 SHARED = {
     "angle": "electrical q31 q15 degrees radians millidegrees",
     "bits": "from_gray_excess to_gray_excess parities",
@@ -30,7 +30,7 @@ SHARED = {
     "spi": "start exchange bytes data store load",
     "tracker": "start restart add speed divided",
 }
-#: Functions of a family for users: those of frames and registers, and constants of an order code and an interface.
+#: Functions of a family for users: functions of frames and registers, and constants of an order code and an interface.
 FAMILY = re.compile(
     r"find_order_code|next_candidate|report_text|(read|write|take)_\w+"
     r"|(\w+_)?(encode|decode|is_expected|verdict|reports|position|set_\w+)|reg_\w+_(mask|shift|max)"

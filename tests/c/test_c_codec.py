@@ -486,7 +486,7 @@ def test_public_crc_rows(vectors: list[dict[str, Any]], run: Run) -> None:
 
 
 def test_public_control_fields(vectors: list[dict[str, Any]], run: Run) -> None:
-    """The rows of TI and of Panasonic's relatives. Those that AMM5 does not know have a range error."""
+    """The rows of TI and of Panasonic's relatives. IDs that AMM5 does not know have a range error."""
     rows = [row["fields"] for row in vectors if set(row["fields"]) == {"data_id", "CF"}]
     known_ids = {0, 1, 2, 3, 7, 8, 12}
     assert len(rows) == 13
@@ -538,7 +538,10 @@ def test_crcs_of_every_form(words: Device, run_words: Run) -> None:
 
 
 def test_control_bytes_tell_the_frame(amm5: Device, run: Run) -> None:
-    """The control fields of the manual (7.3.1), also in TI's T-format driver. Without their layout, there are none."""
+    """The control fields of the manual (7.3.1), also in TI's T-format driver.
+
+    Without their layout, there are no such bytes.
+    """
     interface = amm5.find_interface(Rs485)
     assert interface is not None
     frames = [layout for layout in interface.layouts if layout.selector]

@@ -1,4 +1,4 @@
-"""All forms of CRCs in C give the same result: the one chosen by the parameters, with tables, and bit by bit."""
+"""All forms of CRCs in C compute the same result: the form chosen by the parameters, with tables, and bit by bit."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def test_any_number_of_bits(crcs: Device, run_form: Run, name: str) -> None:
 
 @pytest.mark.slow
 def test_what_a_table_brings(crcs: Device) -> None:
-    """There is a table only if needed. A CRC that can be folded has one only on request."""
+    """There is a table only if needed. A CRC that can be folded has a table only on request."""
     files = generate(Library((crcs,)))
     text = files["c/include/test/crcs_biss.h"] + files["c/include/test/crcs_rs485.h"]
     assert text.count("#ifndef TEST_CRC_BITWISE\n/** Remainder of each byte for CRC ") == 13

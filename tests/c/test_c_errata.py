@@ -21,7 +21,7 @@ def files(c_devices: tuple[Device, ...]) -> dict[str, str]:
 
 
 def flat(text: str) -> str:
-    """Return text in one line, without the marks of comments and without those of Markdown."""
+    """Return text in one line, without the marks of comments and of Markdown."""
     return " ".join(re.sub(r"^ \*|\\(?=\W)|[`*“”\"]", " ", text, flags=re.MULTILINE).split())
 
 

@@ -35,7 +35,7 @@ int main(void)
 
 
 def test_two_order_codes_with_different_values(tmp_path: Path) -> None:
-    """One and a half periods of 1 MHz are 1500 ns. The other values are those of the made-up spec."""
+    """One and a half periods of 1 MHz are 1500 ns. The other values come from the made-up spec."""
     include = write(tmp_path, devices_of(MADE_UP / "manufacturer.yaml", MADE_UP / "facts_by_code.yaml"))
     program = compile_c([*GCC, *SANITIZED], PROGRAM, tmp_path, include)
     output = subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout

@@ -92,7 +92,7 @@ def example_lines(table: Table, example: Example) -> Iterable[tuple[str, str]]:
 
 
 def crc_users(device: Device, crc: str) -> Iterable[Interface]:
-    """Return the interfaces with a frame that ends in this CRC. If there are none, C has no function for it."""
+    """Return the interfaces with a frame that ends in this CRC. If there are no users, C has no function for it."""
     for interface, layout in device.layouts():
         if any(isinstance(field.kind, CrcValue) and field.kind.crc == crc for field in layout.fields):
             yield interface
@@ -217,7 +217,7 @@ REPLIES = {"amm5": 6, "sma21": 7}
 def steps_text(device: Device, procedure: Procedure, variant: Variant, values: Mapping[str, int]) -> str:
     """Return kind, address, mask, value, times, microseconds of each step, or the error.
 
-    Readable registers are read back before a write to a write-only register (a command, or one that closes), and
+    Readable registers are read back before a write to a write-only register (a command, or a register that closes), and
     before the same register is written again as a whole.
     """
     try:

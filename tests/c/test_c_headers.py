@@ -374,7 +374,7 @@ def test_every_register_alarm_and_limit_is_there(
     comments = " ".join(re.sub(r"\n *\*", " ", text).split())
     used = {f"crcs.{crc.name}" for _, layout in device.layouts() for crc in device.crcs_of(layout)}
     for erratum in device.errata:
-        # The headers do not compute a CRC that is in no frame, such as that of a memory.
+        # The headers do not compute a CRC that is in no frame, such as the CRC of a memory.
         parts = {path.split(".")[0] for path in erratum.affects if path in used or not path.startswith("crcs.")}
         if erratum.severity != "wording" and parts & {
             "registers",
@@ -577,7 +577,7 @@ def test_no_result_can_be_dropped_unseen(include: Path) -> None:
 
 
 def test_what_a_register_can_hold_fits_into_the_variant() -> None:
-    """Steps of Scale: a byte in which 0 means 256, without a maximum. Its default needs fewer bits."""
+    """The field scale: a byte in which 0 means 256, without a maximum. Its default needs fewer bits."""
     files = generate(Library(devices_of(MADE_UP["shapes"])))
     header = next(text for path, text in files.items() if path.endswith("/shapes_biss.h"))
     assert "    uint16_t scale;\n" in header

@@ -155,9 +155,9 @@ def own_words(header: str) -> set[str]:
 
 
 def hostile(words: list[str]) -> Item:
-    """A spec in which everything that gets a name in C is called by one of these words, by each way through the target.
+    """A spec in which everything with a name in C is named by one of these words, in every way through the target.
 
-    At file scope all names have a prefix; there they meet each other only.
+    At file scope all names have a prefix, so they can only clash with each other.
     """
     read_words, set_by_code = words[:24], words[24:]
     sizes = {str(size): {"sets": {"width_of_it": size, **dict.fromkeys(set_by_code, size)}} for size in (2, 3)}

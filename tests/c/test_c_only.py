@@ -81,7 +81,7 @@ def test_it_takes_along_only_what_it_needs(
     runtime = {path.removeprefix("c/include/codewheel/") for path in files if path.startswith("c/include/codewheel/")}
     assert needed <= runtime
     assert runtime & absent == set()
-    # Everything that is included is there, and the README names no other file.
+    # Every included file exists, and the README names no other file.
     included = {name for text in files.values() for name in re.findall(r'#include "(?:codewheel/)?(\w+\.hp*)"', text)}
     assert included <= {path.rpartition("/")[2] for path in files}
     assert [name for name in absent if f"`{name}`" in files["c/README.md"]] == []

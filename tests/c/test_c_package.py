@@ -120,7 +120,7 @@ def test_a_program_prints_what_the_manual_prints(name: str, package: Path) -> No
 
 @pytest.mark.slow
 def test_a_program_names_a_driver_that_is_released_too_late(package: Path, tmp_path: Path) -> None:
-    """The first byte of every reply is lost, because the simulated port begins to receive at the second one."""
+    """The first byte of every reply is lost, because the simulated port begins to receive at the second byte."""
     shutil.copytree(package, tmp_path / "c")
     path = tmp_path / "c" / "examples" / "amm5_rs485.c"
     text = path.read_text(encoding="ascii")

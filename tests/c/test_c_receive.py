@@ -193,7 +193,7 @@ def test_a_line_on_paper(ask: Ask) -> None:
     assert ask("b C567 5") == [OK, 0b10110]
     assert ask("c C567") == [OK, 0]
     assert ask("c C767") == [OK, 1]
-    # One more bit would interpret the stop bit as data, and find a 1 in place of a 0.
+    # One more bit would interpret the stop bit as data, and find a 1 instead of a 0.
     assert ask("b C567 6") == [CONSTANT, 0xA5A5A5A5A5A5A5A5]
 
 
@@ -234,7 +234,7 @@ def test_each_fault_of_a_biss_line(ask: Ask) -> None:
 
 
 def test_the_stop_bit_is_checked_where_it_was_received(ask: Ask) -> None:
-    """Some receivers clock in no stop bit, so the last bit of the word may be the last one of the buffer."""
+    """Some receivers clock in no stop bit, so the last bit of the word may be the last bit of the buffer."""
     line = biss_line(bits_of(0x2B5, 10), 2, 1)  # 2 + 1 + 2 + 10 bits, and the stop bit: 16
     assert ask(f"b {in_bytes(line)} 10") == [OK, 0x2B5]
     assert ask(f"b {in_bytes(biss_line(bits_of(0x2B5, 10), 2, 1, stop=1))} 10") == [CONSTANT, 0xA5A5A5A5A5A5A5A5]
@@ -291,7 +291,7 @@ def test_what_fills_up_the_last_byte_is_no_part_of_a_frame(run: Run) -> None:
 
 
 def test_words_of_16_and_32_bits_and_samples(run: Run) -> None:
-    """Every form in which a peripheral stores the received bits gives the same bytes."""
+    """Every form in which a peripheral stores the received bits leads to the same bytes."""
     chance = random.Random(2)
     data = bytes(chance.randrange(256) for _ in range(24))
     assert run([f"W {data.hex()}", f"X {data.hex()}"]) == [data.hex().upper()] * 2
@@ -557,7 +557,10 @@ LENGTHS = {
 def test_lengths_are_constants(
     compiler: str, standard: str, assertion: str, family: str, include: Path, tmp_path: Path
 ) -> None:
-    """As sizes of arrays and in static asserts. A wrong one is an error, which shows that the assert is evaluated."""
+    """As sizes of arrays and in static asserts.
+
+    A wrong length is an error, which shows that the assert is evaluated.
+    """
     kinds = {name.split("_")[0].lower() for name in LENGTHS[family]}
     lines = [f'#include "lika/{family}_{kind}.h"' for kind in sorted(kinds)]
     for name, bits in LENGTHS[family].items():

@@ -169,8 +169,7 @@ class FrameOutcome(NamedTuple):
 def frame_outcomes(rows: Sequence[tuple[str, int, bool, bytes]], lines: Sequence[str]) -> Iterator[FrameOutcome]:
     """Compare each line of the program with the shaft.
 
-    The position must be that of the shaft at the printed time, and the speed must follow from the frame accepted
-    before.
+    The position must be the shaft's at the printed time, and the speed must follow from the frame accepted before.
     """
     last: tuple[int, int] | None = None
     for index, ((name, _, error, _), line) in enumerate(zip(rows, lines, strict=True)):

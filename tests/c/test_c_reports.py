@@ -29,7 +29,7 @@ NOT_USABLE, UNKNOWN, WARNING, USABLE = range(4)
 
 
 def frames(device: Device) -> Iterator[tuple[str, Variant, PlacedLayout, int]]:
-    """Yield valid frames of the encoder with random flags and unused bits, or with only one of them."""
+    """Yield valid frames of the encoder with random flags and unused bits, or with only one active."""
     random_ = random.Random("reports")
     table = Table(device)
     for name, variant, placed in table.cases():
@@ -60,9 +60,9 @@ class ExpectedReports:
     def __init__(self, device: Device) -> None:
         self.device = device
         self._bits = {}
-        for reporting in reportings(device):
+        for name, reporting in reportings(device).items():
             bits = {report_key(device, cause): 1 << cause.report.number for cause in reporting.causes}
-            self._bits[reporting.codec.layout.name] = bits
+            self._bits[name] = bits
 
     def says_anything(self, layout: str) -> bool:
         return layout in self._bits
@@ -110,7 +110,7 @@ def test_verdict_and_reports_are_those_of_the_reference(machine: tuple[Device, R
 
 @pytest.mark.one_in(2, "exhaustive")
 def test_every_report_is_made_and_has_its_text(machine: tuple[Device, Run]) -> None:
-    """One report at a time. For several, the text is that of the lowest bit."""
+    """One report at a time. For several reports, the text is that of the lowest bit."""
     whole, run = machine
     for device in by_interface(whole):
         if reports_of(device):
@@ -197,7 +197,7 @@ def test_the_only_printed_reply_to_data_id_5_has_its_position(programs: Mapping[
 
 
 def test_an_error_of_an_encoder_that_has_none(programs: Mapping[str, Run], every_device: Mapping[str, Device]) -> None:
-    """AM36 always sends nE and nW as 1 (6.3.1). A word with one of them at 0 still has its position."""
+    """AM36 always sends nE and nW as 1 (6.3.1). A word with such a bit at 0 still has its position."""
     device = every_device["am36"]
     variant = next(variant for variant in device.variants if variant.interface == "biss")
     placed = device.interface("biss").layouts[0].place(variant.parameters)

@@ -100,7 +100,7 @@ def test_a_program_sends_the_request_for_its_frame(name: str, packages: Path) ->
 
 
 def test_a_request_has_the_defaults_of_its_fields(tmp_path: Path) -> None:
-    """The parts of a joined number agree with it, and a named value without a default is one that exists."""
+    """The parts of a joined number agree with it, and a named value without a default is an existing one."""
     (tmp_path / "manufacturer.yaml").write_text(MAKER, encoding="utf-8")
     (tmp_path / "mlx.yaml").write_text(MLX, encoding="utf-8")
     assert main(["generate", str(tmp_path), "--target", "c", "-o", str(tmp_path)]) == 0

@@ -1,4 +1,4 @@
-"""One frame of each interface in C, compiled without optimisation: what ``make quick`` sees of the compiled headers.
+"""One frame of each interface in C, compiled without optimisation: all that ``make quick`` tests of the headers.
 
 BiSS: the word in the README, and the same position with the bits nE = 0 and nW = 1. The CRC is computed here: its
 polynomial is x^6 + x + 1, and it is sent inverted (AMM5 6.2.1). SSI: position 100,003 in Gray code, which is the

@@ -53,7 +53,7 @@ def test_every_example_has_a_check(include: Path, every_device: Mapping[str, Dev
         for example in every_device[name].examples:
             register = getattr(example, "register", "")
             plain = register and every_device[name].register(register).length == 1
-            # The runtime computes the first, and the second is that of an EEPROM.
+            # The runtime computes the first CRC, and the second is the CRC of an EEPROM.
             by_runtime = isinstance(example, CrcExample) and example.crc in ("biss_4", "configuration_16")
             assert plain or by_runtime or f": {example.name.replace('_', ' ')}" in comments, example.name
         assert "stdio" not in text

@@ -1,4 +1,4 @@
-"""One header for one order code: what a user does with it, what is in it, and that it is the same code as the tree."""
+"""One header for one order code: its use, its content, and that its code equals the tree's."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def own_name(device: Device, code: str) -> str:
 
 
 def single(device: Device, code: str) -> str:
-    # The name of an order code can also be that of its family.
+    # The name of an order code can also be the name of its family.
     return generate(Library((device,)), {"only": code, "form": "single"})[f"c/{own_name(device, code)}.h"]
 
 
@@ -160,7 +160,8 @@ def test_its_functions_are_those_of_the_tree(packaged: tuple[Device, ...], tmp_p
             assert any(name.endswith("_decode") for name in cut), code
 
 
-#: Counts the words that are refused or accepted wrongly. Each check bit makes the ones of every second bit odd.
+#: Counts the words that are refused or accepted wrongly. Each check bit makes the number of 1 bits in every second bit
+#: odd.
 ALL_WORDS = """\
 #include "single.h"
 #include <stdio.h>

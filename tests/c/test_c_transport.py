@@ -155,8 +155,8 @@ CASES = [
     Case("amm5", "AMM5A23/65KJP1", "reset_singleturn_and_multiturn", ten_times("C2") + "\n1: wait 18000"),
     Case("amm5", "AMM5A23/65KJP1", "reset_multiturn_and_errors", ten_times("62") + "\n1: wait 2000"),
     Case("amm5", "AMM5A23/65KJP1", "reset_errors", ten_times("BA") + "\n1: wait 2000"),
-    # AM36 6.5: 60h is the manual's example of the configuration, 100,000 that of the preset.
-    # Bit 2 of 49h at 0 enables the preset.
+    # AM36 6.5: 60h is the manual's example of the configuration, 100,000 its example of the preset. Bit 2 of 49h at 0
+    # enables the preset.
     Case(
         "am36",
         "AM3616/4096-I7",
@@ -574,7 +574,7 @@ def test_what_cannot_be_closed_is_told(tested_machines: Callable[[str], Machine]
 def test_a_reply_that_is_not_one_ends_the_requests(
     family: str, code: str, procedure: str, length: int, pause: str, tested_machines: Callable[[str], Machine]
 ) -> None:
-    """A disturbed byte is a CRC error. A reply to another request is not a reply to this one."""
+    """A disturbed byte is a CRC error. A reply to another request is not accepted as a reply to this request."""
     machine = tested_machines(family)
     for number in (0, 3, 9):
         for byte in range(length):
@@ -930,7 +930,7 @@ def test_registers_with_one_address_are_read_on_their_own(
 def test_bytes_that_belong_to_no_register_are_refused(
     kinds: list[int], tested_machines: Callable[[str], Machine]
 ) -> None:
-    """Nothing is written: a number that lacks some of its bytes would be another one."""
+    """Nothing is written, because a number without some of its bytes would be another number."""
     steps = [(kind, 0x10, 0xFF, 0, 1, 0) for kind in [*kinds, WRITE]]
     answer = tested_machines("amm5").steps([(WRITE, 0x20, 0xFF, 0, 1, 0), *steps][kinds == [MORE] :], 0, Encoder())
     assert (answer.result, answer.record, answer.failure) == (LENGTH, [], UNTOUCHED)

@@ -1,4 +1,4 @@
-"""An encoder made of Python, reached by the generated C through its own transport.
+"""An encoder in Python, reached by the generated C through its own transport.
 
 A library is compiled over a header: one function with plain arguments for each that takes a transport.
 The encoder is 128 bytes of registers that keeps a record of every access, and that can fail at any of them.

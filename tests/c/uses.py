@@ -65,7 +65,7 @@ def _emptied(match: re.Match[str]) -> str:
 def without_nodiscard(code: str) -> str:
     """Return the code without the marks whose spelling depends on the compiler.
 
-    These are the mark for results that must not be ignored, and the one for functions that are shorter than a call.
+    These are the mark for results that must not be ignored, and the mark for functions that are shorter than a call.
     """
     definitions = r"^#ifndef (\w+_NODISCARD)\n.*?^#endif\n#endif\n|^#ifdef __GNUC__\n#define CW_INLINE .*?^#endif\n"
     marks = rf"{definitions}|^(\w+_NODISCARD|CW_CONSTEXPR|CW_INLINE)\n"

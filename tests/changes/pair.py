@@ -18,7 +18,7 @@ Edits = Sequence[Sequence[str]]
 
 
 class Case(TypedDict):
-    """A pair: ``before`` applies to both sides, ``edits`` to the new one, or to the old one if ``backwards``."""
+    """A pair: ``before`` applies to both sides, ``edits`` to the new side, or to the old side if ``backwards``."""
 
     rule: str
     before: Edits

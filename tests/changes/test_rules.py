@@ -162,7 +162,7 @@ def _python_code(text: str) -> str:
 @pytest.mark.slow
 @pytest.mark.parametrize("case", mostly_exhaustive(CASES, *CASES[::10]), ids=lambda case: case["rule"])
 def test_its_impact_is_true(case: Case) -> None:
-    """Wording changes no statement, compatible changes keep every name, and reported names are those of the code."""
+    """Wording changes no statement, compatible changes keep every name, and reported names are names in the code."""
     old, new = sides(case)
     changes = compare(old, new)
     before, after = ((_files_of(families, "c"), _files_of(families, "python")) for families in (old, new))
@@ -185,7 +185,7 @@ def test_its_impact_is_true(case: Case) -> None:
 
 
 def _family_module(files: dict[str, str]) -> str:
-    """Return the module of the family together with that of its facts."""
+    """Return the module of the family together with the module of its facts."""
     return "\n".join(text for name, text in sorted(files.items()) if name.endswith("/demo.py"))
 
 

@@ -15,8 +15,8 @@ BROKEN = sorted((HERE / "broken").glob("*.yaml"))
 EXPECT = "# expect: "
 
 #: All rules of reading, of the schema and beyond. A rule without a broken spec fails here,
-#: and so does a spec for a rule that is not listed. Rules for which no file can be kept are missing:
-#: those about unreadable, empty and binary files, and about folders.
+#: and so does a spec for a rule that is not listed. Rules for which no file can be stored are missing: rules about
+#: unreadable, empty and binary files, and about folders.
 RULES_WITH_BROKEN_SPECS = """
     access-mismatch addresses-mismatch alarm-implemented alarm-latch alarm-name alias
     alignment-mismatch

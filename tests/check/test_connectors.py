@@ -51,7 +51,7 @@ def test_a_wrong_pin_is_reported(tmp_path: Path, family: str, printed: str, mist
 
 
 def test_a_signal_with_one_of_several_names_is_not_missing(tmp_path: Path) -> None:
-    """ASC85 4: the lines of a table for SSI and BiSS have two names each, of which a cable may print one."""
+    """ASC85 4: the lines of a table for SSI and BiSS have two names each, and a cable may print only one of them."""
     text = (LIKA / "asc85.yaml").read_text(encoding="utf-8")
     cable = text[text.index("  - name: m8_cable") :]
     with_one_name = re.sub(r"(?:CLOCK IN|DATA OUT) ([+-]) / (MA|SLO) \1", r"\2 \1", cable)

@@ -111,7 +111,7 @@ def test_only_masters_with_remainder_code_get_settings(tmp_path: Path, capsys: p
 
 
 def test_no_master_gets_settings_for_the_way_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The settings would be those of a binary position."""
+    """The settings would be the settings of a binary position."""
     raw = _write(
         tmp_path,
         ("        gray: {of: position, when: ssi_gray}\n", ""),

@@ -209,7 +209,7 @@ PARTS = {
 
 
 def test_each_key_of_a_part_with_kinds_belongs_to_some_of_them() -> None:
-    """A new key needs a line in the tables here, or is one of all kinds."""
+    """A new key needs a line in the tables here, or is a key of all kinds."""
     kinds_of_fields = FIELDS.keys() - {NUMBER}
     tables = (
         (WrittenField, ANY_FIELD, {*OWNERS, *kinds_of_fields}),
@@ -237,7 +237,7 @@ def test_a_key_on_a_wrong_kind_is_reported(name: str, tmp_path: Path) -> None:
 
 
 def test_a_field_of_each_kind_is_valid_without_them(tmp_path: Path) -> None:
-    """Otherwise another mistake could hide that of a key."""
+    """Otherwise another mistake could hide the mistake of a key."""
     cases: list[Case] = [({"name": "case", **keys}, "", "") for keys in FIELDS.values()]
     data, _ = spec_with_fields(cases)
     shape_problems = [text for texts in problems_of(data, tmp_path).values() for text in texts if "layout-keys" in text]

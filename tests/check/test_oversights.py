@@ -1,4 +1,4 @@
-"""Mistakes in the specs that ``new`` writes which nothing but the spec itself shows, and the way out of each."""
+"""Mistakes in the specs that ``new`` writes which only the spec itself shows, and the fix of each."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Specs at the limits of rules: each rule accepts the last valid value, and refuses the first invalid one.
+"""Specs at the limits of rules: each rule accepts the last valid value, and rejects the first invalid value.
 
 ``broken`` has one spec for each rule, well beyond its limit. Here each pair differs by one.
 """

@@ -166,7 +166,7 @@ def test_no_damage_makes_it_raise(path: pathlib.Path) -> None:
     sound = read_document(path, Report())
     assert sound is not None
     for data in damaged_copies(sound.data, path.stem):
-        # It is checked as data. The marks are those of the valid spec, since they only give places.
+        # It is checked as data. The marks come from the valid spec, since they only give places.
         damaged_spec, report = Document(path.name, sound.lines, data, sound.marks), Report()
         accepted = check_document(damaged_spec, report)
         if accepted is not None and "device" in accepted:

@@ -113,7 +113,10 @@ def test_a_parameter_held_in_a_whole_register(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("other_bits", ["", "        other_bits: zero\n"])
 def test_a_field_that_has_no_bits_by_default(tmp_path: Path, other_bits: str) -> None:
-    """At width 0 it has the position of its neighbour, and both keep theirs. The longest frame is one without it."""
+    """At width 0 it has the position of its neighbour, and both keep their positions.
+
+    The longest frame is one without it.
+    """
     held_parameter = (
         HELD[0],
         f"{HELD[1]}  more_bits: {{meaning: More of the position, read_from: setting.more_bits, min: 0, max: 7}}\n",

@@ -1,4 +1,4 @@
-"""Parameters on which nothing depends, and facts of which one is wrong: each mistake is one problem."""
+"""Parameters on which nothing depends, and facts with one mistake: each mistake is one problem."""
 
 from __future__ import annotations
 

@@ -150,7 +150,7 @@ def sites_of_presence_tests() -> set[tuple[str, int]]:
 
 @pytest.mark.slow
 def test_each_presence_test_asks_for_a_key_of_its_class(monkeypatch: pytest.MonkeyPatch) -> None:
-    """mypy sees misspelt attributes, but not keys in texts. The broken specs reach every place that asks for one."""
+    """mypy sees misspelt attributes, but not keys in texts. The broken specs reach every place that asks for a key."""
     keys_by_class = {kind: set(schema_of(kind)["properties"]) for kind in master_classes()}
     keys_by_class |= {kind: {described.name for described in keys_of(kind)} for kind in described_parts().values()}
     reached_sites: set[tuple[str, int]] = set()

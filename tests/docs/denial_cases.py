@@ -122,7 +122,7 @@ def biss() -> Biss:
 
 
 def with_interface(changed: Interface, device: Device | None = None, **changes: Any) -> Device:
-    """Return the device with an interface in place of the one with the same name."""
+    """Return the device with an interface instead of the interface with the same name."""
     device = device or tv62()
     interfaces = {present.name: present for present in device.interfaces} | {changed.name: changed}
     return replace(device, interfaces=tuple(interfaces.values()), **changes)
@@ -137,14 +137,14 @@ def without_parts(**changes: Any) -> Device:
 
 
 def with_kind(layout: Layout, kind: Any, *names: str) -> Layout:
-    """Return the layout with this kind in place of that of the fields with these names."""
+    """Return the layout with this kind instead of the kind of the fields with these names."""
     fields = {present.name: present for present in layout.fields}
     fields |= {name: replace(fields[name], kind=kind) for name in names}
     return replace(layout, fields=tuple(fields.values()))
 
 
 def spec_only(device: Device) -> Device:
-    """Return the device as one of which no manual was read as a whole."""
+    """Return the device as if no manual had been read as a whole."""
     return replace(device, evidence=replace(device.evidence, grade="corroborated"))
 
 

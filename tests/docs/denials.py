@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-#: Words that deny something. Those of code, such as ``not`` in an expression, are outside strings and comments.
+#: Words that deny something. Denials in code, such as ``not`` in an expression, are outside strings and comments.
 _DENIES = re.compile(
     r"(?i)\b(?:no|not|never|none|nothing|without|only|cannot|nor|neither|nobody|lacks?|missing|unknown|unlisted|absent"
     r"|(?:is|are|do|does|did|was|were|can|has|have|should|would)n't)\b"

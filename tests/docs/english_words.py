@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from fnmatch import fnmatch
 
-#: Regular expression of the phrase, in lower case, and the better wording. A space stands for any white space.
+#: Regular expression of the phrase, in lower case, and the better wording. A space represents any white space.
 _TABLE: list[tuple[str, str]] = [
     (r"makers?", "manufacturer"),
     (r"mend(?:s|ed|ing)?", "fix, correct"),
@@ -80,7 +80,7 @@ _EXCEPTIONS = [(files, re.compile(phrase), why) for files, phrase, why in EXCEPT
 _CLAUSE = (
     "(?:an?|the|its?|they|is|are|was|no|not|each|every|one|this|that|these|those|has|have|comes?|came|goes|we|our|all)"
 )
-#: Pattern of prose, in lower case, and how many there may be per 1,000 words.
+#: Pattern of prose, in lower case, and their limit per 1,000 words.
 DENSITIES: dict[str, tuple[re.Pattern[str], float]] = {
     "headless what/where/whether clause": (
         re.compile(

@@ -28,8 +28,8 @@ class Question:
     """A question, with its place on the page.
 
     ``where`` are words of headings, the outermost first, each with synonyms. ``near`` are names of other lines there,
-    or name and value, which distinguish the section from similar ones. ``labels`` are the possible labels of the line.
-    ``whole`` is true if the answer is the only text in its place.
+    or name and value, which distinguish the section from similar sections. ``labels`` are the possible labels of the
+    line. ``whole`` is true if the answer is the only text in its place.
     """
 
     family: str
@@ -69,7 +69,7 @@ class Reading:
         return codes
 
     def numbers(self, sets: Mapping[str, str]) -> dict[str, int]:
-        """Return the quantities of an order code, with the defaults of those in registers."""
+        """Return the quantities of an order code, with the defaults of quantities in registers."""
         quantities = _numbers(sets)
         for name, parameter in self.facts["parameters"].items():
             if "equals" in parameter:
@@ -210,7 +210,7 @@ def _about_interface(name: str, interface: Raw) -> Iterator[QuestionTemplate]:
 
 
 def _about_frame(reading: Reading, interface: str, layouts: Sequence[Raw], layout: Raw) -> Iterator[QuestionTemplate]:
-    """Ask about a frame. If there are several, it is the one in this direction with the data ID that selects it."""
+    """Ask about a frame. If there are several, it is the frame in this direction with the data ID that selects it."""
     direction = {"encoder": "Encoder → Master", "master": "Master → Encoder"}[layout["from"]]
     where: tuple[tuple[str, ...], ...] = (("Frames",),)
     if len(layouts) > 1:

@@ -1,4 +1,4 @@
-"""Each order code has a page, which is found by the code, and whose numbers are those of the manual."""
+"""Each order code has a page, which is found by the code, and whose numbers match the manual."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def test_the_numbers_are_those_of_the_manual(pages: Files, code: str, rows: list
 
 @pytest.mark.slow
 def test_requests_say_what_they_do() -> None:
-    """Those for something other than a position or register have the first sentence of their note."""
+    """Requests for something other than a position or register show the first sentence of their note."""
     (devices, _), (docs,) = load_library([ENCODERS / "cui"]), targets_named(["docs"])
     files = docs.files(Library(devices), {})
     turns, zero, reset = "Asks for the number of revolutions", "Sets the zero position", "Restarts the encoder"

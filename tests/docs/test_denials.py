@@ -33,7 +33,7 @@ def _cases() -> Iterator[Any]:
 
 
 def _pattern(says: str) -> re.Pattern[str]:
-    """Return a pattern for a text in which ``{}`` and ``%s`` stand for values."""
+    """Return a pattern for a text in which ``{}`` and ``%s`` represent values."""
     words = re.split(r"\{\}|%s", re.sub(r"^(?:-|#+) ", "", says))
     return re.compile("[^|]{0,60}?".join(map(re.escape, words)))
 

@@ -100,8 +100,8 @@ def test_everything_is_named(library: Library, files: Files) -> None:
         assert missing_texts == []
 
 
-#: Members of the plain data that are words of our own, such as kinds, keys and paths,
-#: which the page replaces by other words or code.
+#: Members of the plain data that are our own words, such as kinds, keys and paths, which the page replaces by other
+#: words or code.
 WORDS = {
     "family",
     "kind",
@@ -451,7 +451,7 @@ def test_one_of_a_thing_is_no_plural(files: Files) -> None:
 
 
 def test_a_picture_says_which_level_is_active(files: Files) -> None:
-    """Error and warning of BiSS are 0 when active, and those of the RS-485 reply are 1."""
+    """Error and warning of BiSS are 0 when active, and the bits of the RS-485 reply are 1."""
     assert "error (bit 7, 0 = active)" in files["docs/amm5/single_cycle_data.svg"]
     replies = [name for name in files if name.startswith("docs/amm5/") and "reply" in name]
     for name in replies:

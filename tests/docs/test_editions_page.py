@@ -27,7 +27,7 @@ SPECS = ROOT / "specs" / "lika"
 CHAPTER = (ROOT / "docs/transcribe/how-to-revise.md").read_text(encoding="utf-8")
 #: The part of the chapter on editions.
 PAGE = CHAPTER.partition("\n## Editions")[2].partition("\n## Overlays")[0]
-#: The revision table of the manual: the editions before that of the spec.
+#: The revision table of the manual: the editions before the spec's.
 OLD = "1.0 1.1 1.2 1.3 1.4 1.5 1.6 1.7 1.8".split()
 TITLES = {"SSI": "ssi", "BiSS": "biss", "RS-485": "rs485"}
 

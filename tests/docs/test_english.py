@@ -12,7 +12,7 @@ from english_texts import Text, texts
 from english_words import DENSITIES, NOT_OF_MESSAGES, phrases
 
 ROOT = Path(__file__).parents[2]
-#: Folders of docs/ with pages. The manual in docs/example imitates those of manufacturers.
+#: Folders of docs/ with pages. The manual in docs/example imitates manuals of manufacturers.
 FOLDERS = ("bench", "encoder", "extend", "firmware", "master", "site", "transcribe", "trust")
 #: Texts of one kind, whose density is measured together.
 PLACES = {
@@ -32,7 +32,8 @@ PLACES = {
     "schemas": ["generator/**/*.json"],
     "tests": ["tests/**/*.py"],
 }
-#: Those that are made from the others, or whose texts are mostly for contributors. They take most of the time.
+#: Places that are derived from others, or whose texts are mostly for contributors. Measuring them takes most of the
+#: time.
 LAST = {"generated pages", "C", "generated Python", "generator", "tests"}
 #: Files whose messages are of commands. The others are counted like any prose.
 MESSAGES_IN = {"generator", "rules-a-to-c.md", "rules-d-to-m.md", "rules-n-to-r.md", "rules-s-to-z.md"}

@@ -107,7 +107,7 @@ def test_they_are_many_and_of_all_kinds() -> None:
 
 
 def by_hand() -> list[Question]:
-    """Return the questions in the file next to this one."""
+    """Return the questions in the file next to this module."""
     return list(map(question_by_hand, yaml.safe_load(BY_HAND.read_text(encoding="utf-8"))))
 
 

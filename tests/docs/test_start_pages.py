@@ -1,4 +1,4 @@
-"""The five-minute starts: their files are written, their commands run, and the output is exactly that of the pages."""
+"""The five-minute starts: their files are written, their commands run, and the output is exactly as on the pages."""
 
 from __future__ import annotations
 

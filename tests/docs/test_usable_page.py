@@ -25,7 +25,7 @@ def rows(page: str, after: str) -> list[Row]:
     table = [re.split(r" ?(?<!\\)\| ?", line)[1:-1] for line in lines if line.startswith("|")][2:]
     table_rows: list[Row] = []
     for cells in table:
-        # An interface and a frame apply until the next one is named.
+        # An interface and a frame apply until the next interface or frame is named.
         first_filled = next((index for index, cell in enumerate(cells) if cell), 0)
         above = table_rows[-1][:first_filled] if table_rows else ()
         table_rows.append((*above, *cells[len(above) :]))
@@ -127,7 +127,7 @@ def active_value(layout: Layout, name: str) -> str:
         ("am36", "single_cycle_data", "error", "0", "not_usable"),
         ("am36", "single_cycle_data", "warning", "0", "unknown"),
         ("am36", "single_cycle_data", "none of these", "", "unknown"),
-        # 7.3.2 p.42: EE_1 stands for four, which are in ALMC of data ID 3 alone.
+        # 7.3.2 p.42: EE_1 represents four flags, which occur only in ALMC of data ID 3.
         ("amm5", "singleturn_reply", "status_other_error", "1", "not_usable"),
         (
             "amm5",

@@ -42,7 +42,7 @@ def test_a_verdict_of_a_value_links_to_the_erratum_about_its_field() -> None:
 
 
 def test_decode_shows_the_value_that_decides(capsys: pytest.CaptureFixture[str]) -> None:
-    """Position 1000, a field that is too weak (2), and the CRC 0, which is that of these bits."""
+    """Position 1000, a field that is too weak (2), and the CRC 0, which is correct for these bits."""
     assert main(["decode", "MT6701", "0xfa080", "--specs", str(ENCODERS)]) == 3
     lines = capsys.readouterr().out.splitlines()
     assert "  - field_too_weak: The magnetic field is too weak to measure the angle" in lines

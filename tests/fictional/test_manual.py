@@ -50,7 +50,7 @@ def test_the_manual_keeps_to_its_own_arithmetic() -> None:
         assert f"`{piece}`" in text
     assert f"`{235:016b} {remainder(f'{235:016b}', TEMPERATURE, 0)}`" in text
     assert "is 00EBh" in text
-    # The first mistake: FF69h is -150 in one's complement. The CRC next to it is that of FF6Ah.
+    # The first mistake: FF69h is -150 in one's complement. The CRC next to it belongs to FF6Ah.
     printed, meant = f"{0xFF69:016b}", f"{-150 & 0xFFFF:016b}"
     assert f"`{printed} {remainder(meant, TEMPERATURE, 0)}`" in text
     assert remainder(printed, TEMPERATURE, 0) != remainder(meant, TEMPERATURE, 0)
@@ -229,7 +229,7 @@ def test_decode_names_another_channel(capsys: pytest.CaptureFixture[str]) -> Non
 
 @pytest.mark.slow
 def test_a_layout_of_bytes_can_be_named(capsys: pytest.CaptureFixture[str]) -> None:
-    """If the frame identifies its layout, that of a given name is used instead, and the error is that of the frame."""
+    """If the frame identifies its layout, the layout with the given name is used instead, and determines the error."""
     assert main(["decode", "AMM5A23/65KJP1", "--layout", "multiturn_reply", "02 20 C7 D1 6A 5E", "--json"]) == 1
     data = json.loads(capsys.readouterr().out)
     assert data["layout"] == "multiturn_reply"

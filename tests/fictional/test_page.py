@@ -69,7 +69,7 @@ SLIPS = {
 
 
 def fences(word: str) -> list[str]:
-    """Return the fenced blocks with this info string, or without one."""
+    """Return the fenced blocks with this info string, or with none."""
     return [text for info, text in re.findall(r"^```(\w*)\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL) if info == word]
 
 
@@ -117,7 +117,7 @@ def test_what_the_tool_says_is_what_it_says(capsys: pytest.CaptureFixture[str]) 
     assert main(["decode", "--specs", str(EXAMPLE), "TV62-M17-B1", "--as", "lower_limit", "06 FF"]) == 0
     messages.append(capsys.readouterr().out)
     for text in fences("text"):
-        if "readings-disagree" not in text:  # Those are tested one by one in test_revision.py.
+        if "readings-disagree" not in text:  # Other blocks are tested one by one in test_revision.py.
             assert any(text.rstrip("\n") in message for message in messages), text
 
 

@@ -1,4 +1,4 @@
-"""Five engines that decode frames of a made encoder, for comparison with a decoder that a test contains.
+"""Five engines that decode frames of a made-up encoder, for comparison with a decoder that a test contains.
 
 The engines are the reference codec, the generated Python package, its columns, the generated C, and the script of the
 page.
@@ -51,7 +51,7 @@ class Case:
 
 @dataclass(frozen=True)
 class MadeEncoder:
-    """A made encoder, with the members of each layout's struct in C.
+    """A made-up encoder, with the members of each layout's struct in C.
 
     ``reserved`` are the reserved fields, with the bits that the spec documents, by layout. Layouts called ``reply``
     have four bytes, lowest first. All others are words.
@@ -75,7 +75,7 @@ def load_made(name: str) -> Device:
 
 
 def split(number: int, widths: Sequence[tuple[str, int]]) -> dict[str, int]:
-    """Return the bits of each field. The last one has the lowest bits. A field of 0 bits is 0."""
+    """Return the bits of each field. The last field has the lowest bits. A field of 0 bits is 0."""
     parts = {}
     for name, width in reversed(widths):
         parts[name] = number & (1 << width) - 1

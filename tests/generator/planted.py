@@ -1,6 +1,6 @@
 """Frames with one planted mistake each. The encoder's side is written bit by bit, independent of codewheel.
 
-Frames are texts of ``0`` and ``1``, first bit sent first. Widths are those of the manuals.
+Frames are texts of ``0`` and ``1``, first bit sent first. Widths come from the manuals.
 """
 
 from __future__ import annotations
@@ -104,12 +104,12 @@ def binary(position: str) -> str:
 
 
 def status(encoder: Encoder, source: random.Random) -> str:
-    """Return error and warning, active low. Nine of ten frames have none."""
+    """Return error and warning, active low. Nine of ten frames have no active status bit."""
     return random_bits(source, 2) if encoder.has_status and source.random() < 0.1 else "11"
 
 
 def position_and_status(encoder: Encoder, source: random.Random) -> tuple[str, str]:
-    """Return the bits before the status bits, and these."""
+    """Return the bits before the status bits, and the status bits."""
     return "0" * encoder.zeros + random_bits(source, encoder.position) + "0" * encoder.below, status(encoder, source)
 
 
@@ -157,7 +157,7 @@ def status_turned(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
 
 
 def read_late(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    """One clock late: the first bit is missing, and an extra bit follows the last."""
+    """One clock late: the first bit is missing, and an additional bit follows the last."""
     frame = valid_frame(encoder, source)
     if not encoder.zeros:
         yield _plant(encoder, frame[1:] + "0", "first_bit_missing", f"first bit ({frame[0]})")
@@ -170,7 +170,7 @@ def first_bit_missing(encoder: Encoder, source: random.Random) -> Iterator[Plant
 
 
 def read_early(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    """One clock early: the CDS bit is in front, and the last bit of the CRC is missing."""
+    """One clock early: the CDS bit comes first, and the last bit of the CRC is missing."""
     frame = valid_frame(encoder, source)
     yield _plant(encoder, random_bits(source, 1) + frame[:-1], "bits_in_front")
 
@@ -225,8 +225,7 @@ def other_polynomial(encoder: Encoder, source: random.Random) -> Iterator[Plant]
 
 
 def other_polynomial_in_6_bits(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    """The same, but the reader still expects 6 bits of CRC:
-    the first bits of a longer one, or a shorter one with zeros after it."""
+    """The same, but the reader still expects 6 bits of CRC: the start of a longer CRC, or a shorter CRC and zeros."""
     data = "".join(position_and_status(encoder, source))
     for polynomial in (0x190D9, 0x12F, 0x89, 0x97, 0x25, 0x13, 0xB):
         yield _plant(encoder, data + (crc(data, polynomial) + "000")[:6], "other_polynomial", f"{polynomial:#x},")

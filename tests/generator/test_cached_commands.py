@@ -232,7 +232,7 @@ def two(tmp_path: Path) -> Path:
 
 @pytest.mark.slow
 def test_a_family_with_overlays_has_no_content(folder: Path, two: Path, tmp_path: Path) -> None:
-    """An overlay that is elsewhere is not part of the key, so its result must not be kept."""
+    """An overlay in another folder is not part of the key, so its result must not be stored."""
     overlay = tmp_path / "other" / "x.overlay.yaml"
     overlay.parent.mkdir()
     overlay.write_text(

@@ -1,8 +1,8 @@
 """Clocks that programs use are stated as such in every output, and never as limits of the encoder.
 
-The clocks of the RESOLUTE are those of the files that its spec cites: 250 kHz and 1 MHz in two scripts of ecmccfg, and
-1, 2 and 5 MHz in the names of three captures. The iC-MHM has a highest clock in its data sheet (10 MHz) and a clock of
-2 MHz in an example.
+The clocks of the RESOLUTE come from the files that its spec cites: 250 kHz and 1 MHz in two scripts of ecmccfg, and 1,
+2 and 5 MHz in the names of three captures. The iC-MHM has a highest clock in its data sheet (10 MHz) and a clock of 2
+MHz in an example.
 """
 
 from __future__ import annotations

@@ -75,7 +75,7 @@ def test_fold_plan_is_long_division(width: int, poly: int, bits: int) -> None:
 def test_the_plan_for_46_bits_has_four_steps() -> None:
     """Halving with care: 46 bits become 22 + 4 = 26, then 14 + 2 = 16, then 10 + 1 = 11, then 5 + 1 = 6.
 
-    Always the largest power would fold 26 bits at 24 again, which leaves 24 of them, and take six steps in all.
+    Always using the largest power would fold 26 bits at 24 again, which leaves 24 of them, and take six steps in all.
     """
     assert [(step.shift, step.back) for step in fold_plan(6, 0x03, 46)] == [(24, 4), (12, 2), (6, 1), (6, 1)]
 

@@ -41,7 +41,7 @@ def test_both_values_of_a_lost_bit_are_one_reading(capsys: Capture) -> None:
     position = int("0000111010101010100100", 2)
     assert early["reads"] == {"position": position << 1}
     assert early["or_reads"] == [{"position": position << 1 | 1}]
-    # The zero is one of two values by chance, whatever the lost bit is.
+    # By chance, the zero is one of two values, whatever the lost bit is.
     assert early["one_in"] == 2
 
 
@@ -59,7 +59,7 @@ def test_the_answer_counts_the_readings_that_fit_equally_well(capsys: Capture) -
     assert explained["equal_readings"] == 3
     words = "The frame fits 3 of these readings equally well. The likeliest one comes first."
     assert words in printed(capsys, "AMT22-12", word)
-    # The last bit is lost, or there is one in front.
+    # The last bit is lost, or there is an additional first bit.
     assert why(capsys, "AS5045", "0b1001111101000100001")["equal_readings"] == 2
     assert why(capsys, BISS, "0b" + "01" * 15)["equal_readings"] == 0
 
@@ -72,10 +72,11 @@ def test_an_error_that_nothing_explains_has_a_sentence(capsys: Capture) -> None:
 
 def test_a_word_with_fewer_hex_digits_than_bits(capsys: Capture) -> None:
     """community.simplefoc.com/t/4441: a program reads 16 of the 24 bits of an MT6701."""
-    assert "It is too short: it has 16 of the 24 bits." in printed(capsys, "MT6701", "0x287e")
+    words = "The text has 2 of the 3 bytes of the frame. Missing: 1 byte, read as zeros in front."
+    assert words in printed(capsys, "MT6701", "0x287e")
     assert "error and warning were converted" not in printed(capsys, "MT6701", "0x287e")
-    # With leading zeros, or with an explanation, it is complete.
-    assert "too short" not in printed(capsys, "MT6701", "0x00287e")
+    # With leading zeros, it is complete.
+    assert "Missing" not in printed(capsys, "MT6701", "0x00287e")
 
 
 def test_over_spi_the_clock_edge_is_likelier_than_inverted_bits(

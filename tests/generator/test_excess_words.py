@@ -232,7 +232,7 @@ def test_the_package_encodes_numbers_of_other_types(device: Device, import_gener
 
 
 def test_a_position_that_looks_wrong(capsys: pytest.CaptureFixture[str]) -> None:
-    """76 is sent as 76 ^ 38 = 106. A program that takes it as binary reads 106."""
+    """76 is sent as 76 ^ 38 = 106. A program that reads it as binary gets 106."""
     specs = [argument for path in SPECS for argument in ("--specs", str(path))]
     assert main(["decode", "EX360G", f"0b{76 ^ 38:09b}", *specs]) == 0
     assert "106 if it is not sent in Gray code" in " ".join(capsys.readouterr().out.split())

@@ -1,4 +1,4 @@
-"""Every output gives a clock, a time-out, a cable row, a time and a characteristic of that order code only.
+"""Every output shows only the clock, time-out, cable row, time and characteristic of the order code.
 
 The encoder of ``ok_model/facts_by_code.yaml`` is made up: FBC12 and FBC16 differ in each of these facts. BML-S1G0 is
 Balluff's: 700 kHz at most for words of 24 to 26 bits and 1,300 kHz for words of 32 bits (user's guide, Tab. 6-3). The
@@ -165,7 +165,7 @@ def test_python(library: Library, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 
 def test_python_and_the_model_read_the_same_order_codes() -> None:
-    """The package has no part of the tool, so it matches the patterns of ``only`` itself."""
+    """The package contains no part of the tool, so it matches the patterns of ``only`` itself."""
     devices, _ = load_library([ROOT / "specs" / name for name in ("balluff", "cui", "lika")])
     matches = set()
     for device in devices:
@@ -270,7 +270,7 @@ def test_a_misspelt_key_of_a_clock_is_not_also_a_gap(tmp_path: Path) -> None:
 
 
 def test_rules_about_two_limits_compare_those_of_the_same_order_codes(tmp_path: Path) -> None:
-    """20 µs is less than half a period of 20 kHz, but only FBC12 has that clock, and another time-out."""
+    """20 µs is less than half a period of 20 kHz, but only FBC12 has that clock, and it has another time-out."""
     edited(tmp_path, ("{min_hz: 50000,", "{min_hz: 20000,"))
     _, messages = load_edited(tmp_path, ("{min_hz: 200000,", "{min_hz: 20000,"))
     assert [message.partition(":")[0] for message in messages] == ["timeout-mismatch"]

@@ -27,7 +27,7 @@ def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, 
 
 @pytest.fixture
 def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A project with a family of the grade manual, tv62, and one of the grade uncorroborated, my_encoder."""
+    """A project with a family of the grade manual, tv62, and a family of the grade uncorroborated, my_encoder."""
     folder = tmp_path / "project"
     shutil.copytree(ROOT / "docs/example/tolvarn", folder / "specs/tolvarn")
     monkeypatch.chdir(folder)
@@ -174,7 +174,10 @@ def test_an_order_code_narrows_c_to_the_families_that_it_writes(
 def test_outputs_of_a_family_that_is_no_longer_selected_are_removed(
     capsys: pytest.CaptureFixture[str], project: Path, is_recorded: bool
 ) -> None:
-    """The families in the list of an output were read, so the guard lets its files go. Old lists have no families."""
+    """The families in the list of an output were read, so the guard allows its files to be removed.
+
+    Old lists have no families.
+    """
     write_settings(project)
     assert run(capsys, "generate", *BISS, *DOCS)[0] == 0
     if not is_recorded:

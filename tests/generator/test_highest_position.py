@@ -209,7 +209,7 @@ RINGS = {
     "4096x1000B": (4096, 1000, 22),
     "4096x16B": (4096, 16, 16),
 }
-#: Counts and turns in the spec, with the order codes that have that many.
+#: Counts and turns in the spec, with their order codes.
 FORMULAS = {
     "both from the order code": ("counts", "turns", tuple(RINGS)),
     "fixed counts": ("5760", "2^turns_bits", ("5760x16B",)),
@@ -229,7 +229,7 @@ def ring_frame(position: int) -> int:
 
 
 def ring_frames(code: str) -> dict[int, bool]:
-    """Return frames around the highest position of an order code, and whether the encoder has their positions."""
+    """Return frames around the highest position of an order code, and whether the encoder can have their positions."""
     counts, turns, bits = RINGS[code]
     highest = counts * turns - 1
     positions = {0, 1, highest // 2, highest, min(highest + 1, (1 << bits) - 1), (1 << bits) - 1}

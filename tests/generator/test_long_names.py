@@ -1,4 +1,4 @@
-"""Six flags with long names, Gray code and one of two CRCs, in five engines, against a decoder that is written here.
+"""Six flags with long names, Gray code and one of two CRCs, in five engines, compared with a decoder written here.
 
 The encoder is made up. Its expressions are longer than a line, so the generated code breaks them. Zeros are between the
 parts of the position if it is binary.
@@ -29,7 +29,7 @@ from five_engines import (
 
 pytestmark = pytest.mark.slow
 
-#: Flags in the order sent, each with the bit that makes it active.
+#: Flags in the order sent, each with its active level.
 ACTIVE_BITS = {
     "broken_glass": 1,
     "missing_light": 0,

@@ -1,4 +1,4 @@
-"""An order code of one family can be that of another one with a tail. The longer code is meant."""
+"""An order code of one family can equal an order code of another family with a tail. The longer code is meant."""
 
 from __future__ import annotations
 

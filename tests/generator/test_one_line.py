@@ -1,7 +1,7 @@
-"""An encoder described in one line decodes frames, as one with a spec does, and the line can be written as a spec.
+"""An encoder described in one line decodes frames like an encoder with a spec, and the line can be written as a spec.
 
 Expected values are public vectors, or follow from the arithmetic of Gray code, parity and CRC in this file. The words
-for BiSS are those of ``lika-encoders capture --biss``, which is another implementation: both decode the same frames.
+for BiSS match ``lika-encoders capture --biss``, which is another implementation: both decode the same frames.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Every problem of a line is reported in one run, with its column, the mistake, and what would be right.
 
-A line is untrusted text: whatever it is, there is a message and the exit code 2, and never a traceback.
+A line is untrusted text: any text leads to a message and the exit code 2, and never to a traceback.
 """
 
 from __future__ import annotations

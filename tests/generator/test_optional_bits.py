@@ -48,7 +48,7 @@ from five_engines import (
 pytestmark = pytest.mark.slow
 
 SCRIPT = SPECS.parents[1] / "docs" / "example" / "decode_from_xml.py"
-#: An order code has 12 or 17 bits, error or not, warning or not, even or odd or no parity, life counter, and zeros.
+#: An order code has 12 or 17 bits, and optional error, warning, parity, life counter and zero bits.
 OPTIONS = ["".join(letters) for letters in product(("12", "17"), "EX", "WX", "PQX", "LX", "ZX")]
 COUNTS = mostly_exhaustive([40, 4000], 40)
 

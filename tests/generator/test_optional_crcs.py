@@ -41,14 +41,17 @@ from five_engines import (
 
 pytestmark = pytest.mark.slow
 
-#: An order code has 12 or 15 bits, error or not, and no CRC or one of four.
+#: An order code has 12 or 15 bits, an error bit or none, and one of four CRCs or none.
 OPTIONS = ["".join(letters) for letters in product(("12", "15"), "EX", "NVABL")]
 COUNTS = mostly_exhaustive([40, 4000], 40)
 
 
 @dataclass(frozen=True)
 class Check:
-    """A CRC. ``is_turned`` reverses its bits, and ``has_turned_bytes`` also those of each byte that it covers."""
+    """A CRC.
+
+    ``is_turned`` reverses its bits, and ``has_turned_bytes`` also reverses the bits of each byte that it covers.
+    """
 
     width: int
     poly: int
@@ -72,7 +75,7 @@ def turned(number: int, bits: int) -> int:
     return int(f"{number:0{bits}b}"[::-1], 2)
 
 
-#: CRCs by the last letter of the order code. Over RS-485, V has none.
+#: CRCs by the last letter of the order code. Over RS-485, V has no CRC.
 IN_WORDS = {
     "V": Check(6, 0x03),
     "A": Check(8, 0x1D, start=0xFF),
@@ -143,7 +146,7 @@ def cycle(letters: str, random_: random.Random) -> Case:
 
 
 def answer(letters: str, random_: random.Random) -> Case:
-    """Return an SPI word of 40 bits. Those that the order code does not use are reserved."""
+    """Return an SPI word of 40 bits. Bits that the order code does not use are reserved."""
     position, error, check = int(letters[:2]), letters[2] == "E", IN_WORDS.get(letters[3])
     width = check.width if check is not None else 0
     bits = 40 - width

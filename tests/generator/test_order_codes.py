@@ -1,4 +1,4 @@
-"""Order codes as printed on labels. The codes are those of the AMM5 manual, cover and section 2."""
+"""Order codes as printed on labels. The codes come from the AMM5 manual, cover and section 2."""
 
 from __future__ import annotations
 

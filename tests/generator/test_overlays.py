@@ -234,7 +234,7 @@ def test_a_faulty_special_model_takes_nothing_from_the_family(tmp_path: Path) ->
 
 @pytest.mark.parametrize("applies_to", ["", "applies_to: {special: S007}\n"])
 def test_an_invalid_overlay_next_to_a_valid_one_makes_their_family_faulty(applies_to: str, tmp_path: Path) -> None:
-    """A family with one of two corrections would be mistaken for the corrected one."""
+    """A family with only one of two corrections would be mistaken for the corrected family."""
     head = HEAD.replace("changes:", f"{applies_to}changes:")
     valid = head + "  - set: registers.command.note\n    to: Slow.\n" + OWN
     invalid = head.replace("mine", "theirs") + "  - remove: leds\n    misspelt: 1\n" + OWN

@@ -92,7 +92,7 @@ def test_the_keys_of_a_spec_are_required_where_they_have_no_default() -> None:
 
 
 def test_few_keys_have_a_schema_of_their_own() -> None:
-    """Others have a type with a name, and at most a pattern and limits."""
+    """Other keys have a type with a name, and at most a pattern and limits."""
     literal_keys = [
         f"{name}.{described.name}"
         for name, kind in described_parts().items()

@@ -1,4 +1,4 @@
-"""Ranges of the position by layout: SMA21 has replies with 24 bits, which wrap around, and one with 48, which does not.
+"""Ranges of the position by layout: SMA21 has replies with 24 bits, which wrap around, and with 48 bits, which do not.
 
 All values are computed here. At 1 µm, 10,000,000 counts are 10 m of travel, of 16,339 mm that the manual allows.
 """

@@ -62,7 +62,7 @@ def test_a_reply_that_repeats_its_command_is_no_echo(word: str, capsys: Capture)
 def test_the_bytes_after_the_command(capsys: Capture) -> None:
     """infineonforums.com, thread 6107: a program keeps the angle CDACh and the safety word after the command 8021h.
 
-    The CRC F6h over command and angle is divided by hand here, because that of the thread is of another transfer.
+    The CRC F6h over command and angle is divided by hand here, because the thread's CRC belongs to another transfer.
     """
     (explanation, *_) = explanations_of(capsys, "TLE5012B", "CD", "AC", "FF", "F6")
     assert explanation["kind"] == "command_left_out"
@@ -73,7 +73,7 @@ def test_the_bytes_after_the_command(capsys: Capture) -> None:
 def test_the_word_is_between_idle_line_and_other_clocks(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
     """forum.arduino.cc/t/1034091: of two bytes from an SSI encoder, bits 6 to 0 and 7 to 2 are the position.
 
-    Three such words have an idle line in front, which one word does not show.
+    Three such words begin with idle line bits, which a single word does not show.
     """
     readings = [reading["reads"]["position"] for reading in explanations_of(capsys, "ssi:position=13", "8F", "A3")]
     assert readings == [4596, 1000]
@@ -105,8 +105,8 @@ def test_the_start_value_of_a_known_crc(capsys: Capture) -> None:
 def test_bytes_without_a_crc(data: str, kind: str, position: int | None, capsys: Capture) -> None:
     """forum.arduino.cc/t/1156467 and 358080: an AMT21 is asked with 54h, and the program reads its own request.
 
-    Position 1856 of thread 1376670 is 7424 with the two bits that an encoder of 12 bits leaves 0. The reply AB 61 is
-    that of the data sheet.
+    Position 1856 of thread 1376670 is 7424 with the two bits that an encoder of 12 bits leaves 0. The reply AB 61 is in
+    the data sheet.
     """
     (explanation, *_) = explanations_of(capsys, "AMT212B", *data.split())
     assert explanation["kind"] == kind

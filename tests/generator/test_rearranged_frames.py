@@ -14,7 +14,7 @@ from planted import crc
 BISS = "biss:position=26,error,warning,crc=6:0x43"
 #: 32 bits: whole bytes, and whole words of 16 bits.
 WHOLE = "biss:position=24,error,warning,crc=6:0x43"
-#: A word of SPI that begins with four constant bits, and has no CRC.
+#: A word of SPI that begins with four constant bits, and contains no CRC.
 CONSTANT = "spi:head=4:0xa,position=16,tail=4:0x3"
 
 
@@ -106,7 +106,7 @@ def test_bits_without_a_prefix_that_can_only_be_bits(capsys: pytest.CaptureFixtu
     data = json.loads(capsys.readouterr().out)
     values = {field["name"]: field["value"] for field in data["fields"]}
     assert values["position"] == 0x123456
-    # One digit fewer is a wrong length, and digits that are also a number are refused.
+    # One digit less is a wrong length, and digits that are also a number are rejected.
     assert main(["decode", WHOLE, frame_of(0x123456, 24)[1:]]) == 1
     assert main(["decode", "ssi:position=24", "0101"]) == 2
 

@@ -1,4 +1,4 @@
-"""Data classes of the model behave like those of the standard library."""
+"""Data classes of the model behave like data classes of the standard library."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Raw buffers of BiSS and words of SSI with another number of clocks. The right answers are those of public cases."""
+"""Raw buffers of BiSS and words of SSI with another number of clocks. The right answers come from public cases."""
 
 from __future__ import annotations
 
@@ -319,7 +319,10 @@ def test_several_frames_decide_what_one_cannot(
 
 
 def test_a_coincidence_in_one_frame_does_not_count() -> None:
-    """Two mistakes explain both frames, with 2 x 8 and 2 x 6 bits of evidence. One explains only the first frame."""
+    """Two mistakes explain both frames, with 2 x 8 and 2 x 6 bits of evidence.
+
+    One mistake explains only the first frame.
+    """
     evidence = {"likely": 8, "unlikely": 6, "coincidence": 40}
     explanations = [Explanation("start_value", text, 64, 2.0**bits, {}) for text, bits in evidence.items()]
     likely, unlikely, coincidence = explanations

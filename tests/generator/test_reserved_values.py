@@ -27,7 +27,7 @@ def test_a_reserved_value_is_named_and_the_position_counts(tmp_path: Path, is_re
     assert not report.problems
     variant = device.variants[0]
     placed = device.interfaces[0].layouts[0].place(variant.parameters)
-    # Position 1000, no error, no warning, status 3. The CRC is that of the bits before it.
+    # Position 1000, no error, no warning, status 3. The CRC belongs to the bits before it.
     number = 0b00_0000_0011_1110_1000_11_11_000000
     number |= compute(device.crcs[0], placed, number)
     decoded = decode(device, placed, number)

@@ -1,4 +1,4 @@
-"""Quantities that numbers stand for: values that manufacturers and drivers print, in the model and in Python."""
+"""Quantities that numbers represent: values printed by manufacturers and drivers, in the model and in Python."""
 
 from __future__ import annotations
 

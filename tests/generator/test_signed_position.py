@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[2]
 SPECS = [ROOT / "tests" / "specs" / name for name in ("manufacturer.yaml", "scale.yaml")]
 #: Lowest and highest position of each order code with BiSS.
 RANGES = {"AB": (-383_999, 16_000_000), "BB": (-(1 << 24), (1 << 24) - 1), "DB": (-1200, 0)}
-#: Two positions, the modulus, and the way from the second to the first: the shorter one, half way round backwards.
+#: Two positions, the modulus, and the way from the second to the first: the shorter way, backwards at half a turn.
 MOVES = [
     (-1, 1, -2),
     (1, -1, 2),
@@ -46,7 +46,7 @@ def frame_of(position: int) -> int:
 
 
 def positions(code: str) -> list[int]:
-    """Return positions in 25 bits, those at the ends of the range and one beyond them."""
+    """Return positions in 25 bits: at the ends of the range, and one beyond them."""
     lowest, highest = RANGES[code]
     candidates = {lowest - 1, lowest, -2, -1, 0, 1, highest, highest + 1, -(1 << 24), (1 << 24) - 1}
     return sorted(position for position in candidates if -(1 << 24) <= position < 1 << 24)

@@ -222,7 +222,7 @@ def test_one_broken_spec_does_not_keep_the_others_from_use(
         exit_code, out, err = run(capsys, *command, "--specs", ".")
         assert exit_code == 0
         assert out
-        # Another family cannot have that name, but the broken one could have the order code.
+        # Another family cannot have that name, but the broken family could have the order code.
         is_named = "my_encoder" in command
         assert ("codewheel: skipped, with " in err) != is_named
         assert (": bad.yaml; run codewheel check\n" in err) != is_named

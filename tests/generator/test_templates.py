@@ -176,7 +176,7 @@ def test_compiled_templates_are_next_to_their_sources(compiled: Path, monkeypatc
     assert [list(place.iterdir()) for place in places] == [[], []]
     kept = list((compiled.parent / "__pycache__").iterdir())
     assert kept == [Path(cache_from_source(str(compiled), optimization=""))]
-    # It is used only for the same text.
+    # The stored template is used only for the same text.
     with monkeypatch.context() as patch:
         patch.setattr(jinja2.Environment, "compile", None)
         assert text_of(compiled) == "42"

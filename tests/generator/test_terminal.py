@@ -1,4 +1,4 @@
-"""Streams with other encodings, full streams, and closed ones.
+"""Streams with other encodings, full streams, and closed streams.
 
 Never a traceback, and never an exit code that says done where it is not.
 """

@@ -44,8 +44,8 @@ OUTPUTS = {
     "browser": ("codewheel.plan.description", "codewheel.targets.browser.files"),
 }
 Place = tuple[str, str]
-#: Functions that ask for one operation, by module and name: for texts, named values or signed numbers. They take all
-#: others alike, so another function of the same output must refuse an unknown one.
+#: Functions that ask for one operation, by module and name: for texts, named values or signed numbers. They treat all
+#: others alike, so another function of the same output must refuse an unknown operation.
 ASKING = {
     "c": {
         ("about", "about_member"),
@@ -234,7 +234,7 @@ def test_an_unknown_kind_of_column_is_refused(part: str) -> None:
         INTERPRETERS[part]()
 
 
-#: Outputs that look at no kind, the folder of the source of each, and that of its templates.
+#: Outputs that look at no kind, the folder of the source of each, and the folder of its templates.
 WITHOUT_KINDS = {
     "c": ("generator/targets/c", "templates/c"),
     "rust": ("examples/rust-target/codewheel_rust", "examples/rust-target/codewheel_rust/templates"),

@@ -67,7 +67,7 @@ def mt6701_words() -> Iterator[tuple[Frame, Result]]:
 
     The status is track, button and two bits of the field. 1 and 2 are a field that is too strong or too weak "to
     measure the angle" (espp, MagneticFieldStrength), and the status of the field is a "validity flag" (MT6701.h). No
-    source gives 3 a meaning.
+    source explains 3.
     """
     field_reports = {0: [], 1: ["field_too_strong"], 2: ["field_too_weak"], 3: ["field_not_stated"]}
     for position in range(5, 16384, 64):

@@ -185,7 +185,7 @@ int main(void)
 @pytest.mark.slow
 @pytest.mark.parametrize(("code", "bits"), [("A21_65KSC1", 37), ("A21_1SC1", 21)])
 def test_c(amm5: Device, tmp_path: Path, code: str, bits: int) -> None:
-    """The order codes keep the default. A copy of one has the answer in its member."""
+    """The order codes keep the default. A copy of an order code has the answer in its member."""
     require(["gcc"])
     for path, text in c_files(Library((amm5,))).items():
         target = tmp_path / path

@@ -39,6 +39,8 @@ from planted import (
 )
 
 SPECS = Path(__file__).parents[1] / "specs"
+#: Order codes with a parity bit, without and with a toggle bit, and the bits of their words.
+PARITY_WORDS = {"C58-25B-E": 26, "C58-25B-TE": 27}
 Run = Callable[..., tuple[int, dict[str, Any]]]
 
 
@@ -240,8 +242,10 @@ def test_what_the_frame_would_read(decode: Run) -> None:
 
 
 def test_what_follows_a_shorter_frame_is_0(decode: Run) -> None:
-    """The frame above, which ends four bits before that of AMM5A21/1SC1.
-    Stop bit and SLI are 0, so other bits cannot follow a shorter frame."""
+    """The frame above, which ends four bits before the end of an AMM5A21/1SC1 frame.
+
+    Stop bit and SLI are 0, so other bits cannot follow a shorter frame.
+    """
     frame = "0" * 16 + "1" + "11" + "110110"
     for behind, expected in (("0000", True), ("0100", False), ("0001", False)):
         explanations = decode("AMM5A21/1SC1", f"0b{frame}{behind}")[1]["why"]["explanations"]
@@ -273,7 +277,7 @@ def test_the_0_bit_of_asc85_may_be_missing(decode: Run) -> None:
         explanations = decode("ASC8525/SC1", frame, "--choose", "zero_bit=left_out")[1]["why"]["explanations"]
         readings = [(explanation["kind"], explanation["reads"]) for explanation in explanations]
         assert (("other_answer", {"position": 1}) in readings) is expected
-    # Without an open question there is nothing to try: AM36's constant bits are those for error and warning.
+    # Without an open question there is nothing to try: AM36's constant bits replace error and warning.
     frame = "0b" + "0" * 24 + "1" + "11" + "110110"
     explanations = decode("AM3616/4096-I7", frame.ljust(45, "0"))[1]["why"]["explanations"]
     assert all(explanation["kind"] != "other_answer" for explanation in explanations)
@@ -326,6 +330,28 @@ def test_a_disturbed_bit_comes_first(decode: Run, capsys: pytest.CaptureFixture[
     data = decode("AMM5A23/65KJP1", (reply[:4] + bytes([reply[4] ^ 0x10]) + reply[5:]).hex())[1]
     assert data["why"]["disturbed"] == [4, 12, 20, 28, 36]
     assert decode("AMM5A23/65KJP1", "02 02 20 C7 D1 6A 5E")[1]["why"]["disturbed"] == []
+
+
+def test_a_disturbed_bit_of_a_word_without_a_crc(decode: Run, capsys: pytest.CaptureFixture[str]) -> None:
+    """A parity bit shows that one of its 26 bits is inverted, and a wrong constant shows which bit is."""
+    exit_code, data = decode("C58-25B-E", f"0b{2:026b}")
+    assert (exit_code, data["why"]["disturbed"]) == (1, [*range(26)])
+    assert main(["decode", "C58-25B-E", f"0b{2:026b}"]) == 1
+    out = " ".join(capsys.readouterr().out.split())
+    assert "on the line: the frame is valid with one of 26 bits inverted. In that case, no change is needed." in out
+    # Position 1, and the middle one of three zeros before the check sum. With two of them, no single bit explains it.
+    assert decode("C58-25B-C25", f"0b{1 << 18 | 1 << 16 | 5:043b}")[1]["why"]["disturbed"] == [16]
+    assert decode("C58-25B-C25", f"0b{1 << 18 | 3 << 16 | 5:043b}")[1]["why"]["disturbed"] == []
+    # A word of another length has another cause.
+    assert decode("C58-25B-E", f"0b{2:027b}")[1]["why"] is None
+
+
+def test_a_parity_error_names_only_the_bits_of_the_order_code(decode: Run) -> None:
+    messages = {code: decode(code, f"0b{4:0{bits}b}")[1]["problems"] for code, bits in PARITY_WORDS.items()}
+    assert [problem["message"].partition("parity of ")[2] for (problem,) in messages.values()] == [
+        "multiturn, singleturn",
+        "multiturn, singleturn, toggle",
+    ]
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""``generate`` runs where there are no processes, pipes or threads, as in a browser's Python."""
+"""``generate`` runs without processes, pipes and threads, as in a browser's Python."""
 
 from __future__ import annotations
 

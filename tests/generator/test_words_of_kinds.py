@@ -18,7 +18,7 @@ WORKED = {kind.kind for kind in get_args(Example)}
 
 
 def allowed_words(schema: Any, name: str) -> list[set[str]]:
-    """Return the words that a schema allows for members of this name, without the empty one."""
+    """Return the words that a schema allows for members of this name, without the empty word."""
     allowed = []
     for key, inner in schema.items() if isinstance(schema, dict) else ():
         if key == name and isinstance(inner, dict):

@@ -208,7 +208,7 @@ def test_files_saved_while_a_run_writes_are_kept(
 
 
 def test_hidden_folders_of_the_user_are_left_alone(tmp_path: Path) -> None:
-    """This includes folders whose name and content look like those of a stage."""
+    """This includes folders whose name and content look like a stage."""
     names = [".python-virtualenv", ".python-packages", ".python-abcd1234", ".python-abcd1234-old", ".codewheel-python"]
     names += [".codewheel-python-drafts-2024", ".codewheel-python-abcd1234", ".codewheel-python-packages"]
     names += [".codewheel-c-abcd1234"]

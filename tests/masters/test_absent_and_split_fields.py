@@ -36,7 +36,7 @@ def made() -> dict[str, Device]:
 
 
 def printed_by(capsys: Capture, *arguments: str) -> str:
-    """Return what the command prints about the made specs, with single spaces."""
+    """Return what the command prints about the made-up specs, with single spaces."""
     main([*arguments, "--specs", str(MADE)])
     return " ".join(capsys.readouterr().out.split())
 
@@ -82,7 +82,7 @@ def test_the_counts_decide_where_the_revolutions_end(
 
 
 def test_masters_on_a_position_in_three_fields(capsys: Capture) -> None:
-    """OMRON counts from the first bit sent, Delta from the last one, and both name the first bit of a number."""
+    """OMRON counts from the first bit sent, Delta from the last bit, and both name the first bit of a number."""
     settings = settings_by_master(capsys, "THREE-S-12x8x3")
     terminal = settings["beckhoff_el5042"]
     assert [terminal[name] for name in ("Multiturn [Bit]", "Singleturn [Bit]", "Offset LSB Bit [Bit]")] == [12, 11, 2]
@@ -111,7 +111,7 @@ def test_masters_of_biss_on_a_position_in_three_fields(capsys: Capture) -> None:
     [("THREE-S-24x8x3", "positionlow%11lposition%24mh"), ("THREE-S-12x0x0", "position%12me")],
 )
 def test_a_position_is_two_numbers_at_most(capsys: Capture, order_code: str, position: str) -> None:
-    """hostmot2(9): the parts of a position of more than 32 bits are l and h, the low and the high one."""
+    """hostmot2(9): the parts of a position of more than 32 bits are l and h, the low and the high part."""
     settings = settings_by_master(capsys, order_code)["linuxcnc_hostmot2"]
     assert settings["ssi_chan_0"] == f"ssi_chan_0=nwarning%1bnerror%1b{position}"
 

@@ -208,7 +208,7 @@ def test_longest_position_of_siemens(
 
 @pytest.mark.parametrize(("code", "multiturn"), [("SMA21-SC1-0050", 16), ("AMM5A17/1SC1", 0)])
 def test_linear_encoder_on_the_ax5000(values_of: Any, code: str, multiturn: int) -> None:
-    """Parameter channel of the BiSS C description: 16 for a linear encoder, the multiturn bits of a rotary one."""
+    """Parameter channel of the BiSS C description: 16 for a linear encoder, the multiturn bits of a rotary encoder."""
     assert values_of("beckhoff_ax5000", code)["Bit resolution multiturn position"] == multiturn
 
 
@@ -233,7 +233,7 @@ errata:
 
 
 def test_facts_of_other_order_codes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A pause of 20 µs and an erratum that hold for one order code each are not used for the other."""
+    """A pause of 20 µs and an erratum that apply to one order code each are not used for the other code."""
     pause = "{name: pause, symbol: Tp, meaning: Pause, at_least_us: 20, only: EXAMPLE-X, source: '1'}"
     write_spec(tmp_path, position(13), counts=1 << 13, timings=pause, more=ERRATUM)
     records = {}

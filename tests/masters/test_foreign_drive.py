@@ -46,7 +46,7 @@ def servo(request: pytest.FixtureRequest) -> Iterator[Any]:
 def test_a_drive_takes_the_configuration(
     servo: Any, tmp_path: Path, library: Library, masters: dict[str, Master], record_of: Callable[[str], Record]
 ) -> None:
-    """Every value that the drive holds afterwards is that of the page. Frame size and position bits were typed."""
+    """Every value that the drive then holds equals the page's. Frame size and position bits were typed."""
     configuration = pytest.importorskip("ingenialink.configuration_file").ConfigurationFile
     master = masters["novanta"]
     rule = master.files[0]

@@ -1,4 +1,4 @@
-"""Descriptions of masters at the limits of their rules: the last valid value and the first invalid one."""
+"""Descriptions of masters at the limits of their rules: the last valid value and the first invalid value."""
 
 from __future__ import annotations
 

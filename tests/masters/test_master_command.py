@@ -54,7 +54,7 @@ def test_it_fits_a_terminal(capsys: pytest.CaptureFixture[str], code: str) -> No
 def test_one_master(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run(capsys, "master", "SMA21-SC1-0050", "--master", "linuxcnc_hostmot2")
     assert code == 0
-    # It is on its own line, so that it can be copied without the mark.
+    # The value is on its own line, so that it can be copied without the mark.
     lines = [line.strip().removeprefix("biss_chan_0 ").strip() for line in out.splitlines()]
     assert "biss_chan_0=crc%6pnwarning%1bnerror%1bposition%20epadding%4p *" in lines
     assert "docs/src/man/man9/hostmot2.9.adoc" in out
@@ -100,6 +100,24 @@ def test_what_is_open_has_to_be_chosen(capsys: pytest.CaptureFixture[str]) -> No
     assert "add --choose zero_bit=as_printed (Sent, " in err
     assert " or --choose zero_bit=left_out (Not sent, " in err
     assert run(capsys, "master", "ASC8525/BG1", "--choose", "zero_bit=left_out")[0] == 2
+
+
+@pytest.mark.parametrize(
+    ("order_code", "fact"),
+    [
+        # The spec has neither times nor characteristics, only a note on the interface.
+        ("iC-MR-12-L6T", "Time-out see the note on the interface in the spec: The time-out follows the clock Busy"),
+        ("iC-MR-12-L6T", "Supply the spec does not say"),
+        # The spec has characteristics, but no times.
+        ("KCD-BC03B-1617", "Supply see the characteristics in the spec"),
+        ("KCD-BC03B-1617", "Time-out the spec does not say Busy time the spec does not say, but BiSS C allows 40 µs"),
+    ],
+)
+def test_a_fact_without_a_value_refers_to_a_part_that_the_spec_has(
+    capsys: pytest.CaptureFixture[str], order_code: str, fact: str
+) -> None:
+    _, out, _ = run(capsys, "master", order_code, "--master", "ic_mb")
+    assert fact in " ".join(out.split())
 
 
 def test_registers(capsys: pytest.CaptureFixture[str]) -> None:
@@ -207,7 +225,7 @@ def test_every_order_code_is_on_the_page(pages: dict[str, str], library: Library
 
 
 def test_the_page_says_what_the_command_says(pages: dict[str, str]) -> None:
-    """It lists what differs between masters. The values are those of an order code, so they are not on it."""
+    """It lists what differs between masters. The values belong to an order code, so they are not on the page."""
     page = pages["docs/sma21-biss-masters.md"]
     ic_mb = page.split("## iC-Haus")[1].split("## ")[0]
     assert re.search(r"`--master ic_mb` prints: .*SENSCRCPOLY", ic_mb)

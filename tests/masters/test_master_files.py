@@ -1,6 +1,6 @@
 """Descriptions of masters: broken ones are rejected with exact messages, and adding a master needs no code.
 
-Each file in ``broken`` begins with the exact messages about it, as those of ``tests/check`` do.
+Each file in ``broken`` begins with the exact messages about it, as in ``tests/check``.
 """
 
 from __future__ import annotations
@@ -86,7 +86,8 @@ def test_no_code_knows_a_master(masters: dict[str, Master]) -> None:
         for path in (ROOT / folder).rglob(pattern):
             text = path.read_text(encoding="utf-8")
             if path.suffix == ".py" and named.search(text):
-                # A comment may cite a document. A public test vector has its source, which is the firmware of one.
+                # A comment may cite a document. A public test vector cites its source, which is the firmware of a
+                # master.
                 text = ast.unparse(ast.parse(text)).replace("mjbots/moteus: fw/test", "")
             assert named.findall(text) == [], path
 

@@ -56,8 +56,8 @@ AX8000: readers.Objects = {
     (0x32EF, 0x09): (10000, 2),
     (0x32EF, 0x0D): (1, 1),
 }
-#: 0x2110: 16 bits from bit 0, 21 bits from bit 16, time-out 30 µs, polynomial 67, active low. No page gives the type
-#: of the frame size, and the manual of the encoder no processing time.
+#: 0x2110: 16 bits from bit 0, 21 bits from bit 16, time-out 30 µs, polynomial 67, active low. No page gives the type of
+#: the frame size, and the manual of the encoder states no processing time.
 SOMANET: readers.Objects = {
     (0x2110, 10): (16, 1),
     (0x2110, 11): (0, 1),
@@ -110,7 +110,7 @@ def test_objects_as_typed(file_of: FileOf, master: str, on: str, expected: reade
     assert getattr(readers, name)(file_of(master, name, on=on)) == expected
 
 
-#: EL5042 for a scale of 4 zeros and 20 bits with BiSS, and for one with SSI: 22 bits in Gray code and an error bit.
+#: EL5042 for a scale of 4 zeros and 20 bits with BiSS, and for a scale with SSI: 22 bits in Gray code and an error bit.
 OTHERS = [
     ("SMA21-SC1-0050", {0x18: 0, 0x02: 0, 0x03: 1, 0x11: 0x43, 0x13: 0, 0x14: 0, 0x15: 0, 0x16: 24, 0x17: 0}),
     ("SMA21-GG1-0010", {0x18: 1, 0x02: 1, 0x11: 0, 0x13: 9, 0x14: 1, 0x15: 0, 0x16: 22, 0x17: 1}),
@@ -384,7 +384,7 @@ def test_hostile_names_stay_in_comments(
     """A setting or document whose name would end a comment changes no value."""
     masters_with_format = (master for master in masters.values() if name in format_names(master))
     master = next(masters_with_format)
-    hostile = "x --> */ \n- {index: 1}\\"
+    hostile = "x --> ---> */ \n- {index: 1}\\"
     settings = [{**setting, "name": f"{setting['name']} {hostile}"} for setting in master.settings]
     documents = tuple(replace(document, title=f"{document.title} {hostile}") for document in master.documents)
     hostile_sheet = sheet(

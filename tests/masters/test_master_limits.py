@@ -218,7 +218,7 @@ settings:
 
 @pytest.mark.slow
 def test_own_masters(record_of: RecordOf, tmp_path: Path) -> None:
-    """A user's file is added to ours or replaces one with its name, and an impossible value is a refusal."""
+    """A user's file is added to ours or replaces a file with its name, and an impossible value is a refusal."""
     (tmp_path / "mine.yaml").write_text(OWN.format(name="mine", title="Mine"), encoding="utf-8")
     (tmp_path / "moteus.yaml").write_text(OWN.format(name="moteus", title="Other"), encoding="utf-8")
     masters, report = load_masters([tmp_path])

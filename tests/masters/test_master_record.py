@@ -180,7 +180,7 @@ def test_any_number_of_turn_bits(devices: Mapping[str, Device], masters: dict[st
 
 
 def test_gray_over_biss(devices: Mapping[str, Device], masters: dict[str, Master]) -> None:
-    """Some masters can, others cannot, each for its own reason."""
+    """Some masters can read it, others cannot, each for its own reason."""
     device = devices["am36"]
     gray = record(
         device, with_registers(device, find_code(device, "AM3616/4096-I7").variant, {0x49: 0x00}), as_delivered=False

@@ -51,7 +51,7 @@ BECKHOFF_SSI = {"Mode": 1, "Disable Status Bits": True, "CRC Polynomial": 0}
 )
 def test_beckhoff_biss(values_of: ValuesOf, code: str, multiturn: int, singleturn: int, offset: int) -> None:
     bits = {"Multiturn [Bit]": multiturn, "Singleturn [Bit]": singleturn, "Offset LSB Bit [Bit]": offset}
-    # AM36 needs at least 10 V. All others here take 5 V.
+    # AM36 needs at least 10 V. All other encoders here use 5 V.
     supply = {} if code.startswith("AM36") else {"Supply Voltage": 50}
     assert values_of("beckhoff_el5042", code) == {**BECKHOFF_BISS, **BECKHOFF_CLOCKS, **bits, **supply}
 
@@ -80,7 +80,9 @@ def test_beckhoff_ssi(
 
 def test_beckhoff_supply(sheet_of: Callable[[str, str], Sheet]) -> None:
     """The terminals supply 5 V or 9 V: they cannot supply AM36, 10 V to 30 V.
-    They can supply SMA21-SC4, 5 V to 30 V, and ASC85/SC1, but not ASC85/SC2."""
+
+    These terminals can supply SMA21-SC4, 5 V to 30 V, and ASC85/SC1, but not ASC85/SC2.
+    """
     for code, is_fed in (
         ("AM3616/4096-I7", False),
         ("AM3619/4096-GG", False),
@@ -92,7 +94,7 @@ def test_beckhoff_supply(sheet_of: Callable[[str, str], Sheet]) -> None:
         voltages = [setting.value for setting in settings_sheet.settings if setting.name == "Supply Voltage"]
         assert voltages == ([50] if is_fed else []), code
         assert any("which is not enough for this encoder" in note for note in settings_sheet.notes) is not is_fed, code
-    # 32EF:02: 0 is 5 V, 2 is 11 V, which AM36 takes.
+    # 32EF:02: 0 is 5 V, 2 is 11 V, which suits AM36.
     for code, value in (
         ("AM3616/4096-I7", 2),
         ("ASC8525/SC1 as_printed", 0),

@@ -1,4 +1,4 @@
-"""Frames with bits that the common frame lacks: every master gives the settings that it can, and says what is missing.
+"""Frames with bits that the common frame lacks: every master lists the possible settings, and names missing ones.
 
 The values are from the documents of the masters, which the docstrings name, or from sums of the widths here.
 """
@@ -202,7 +202,7 @@ LIFE = "          - {name: life, bits: 4}"
 def test_no_master_refuses_an_encoder_for_a_field_after_the_position(
     tmp_path: Path, capsys: Capture, extra_fields: list[str]
 ) -> None:
-    """Each of the SSI masters reads the position in front of any field, and gives at least its width."""
+    """Each of the SSI masters reads the position before any field, and lists at least its width."""
     more = CRC if "crc_8" in str(extra_fields) else ""
     write_spec(tmp_path, position(13, *extra_fields), counts=1 << 13, more=more)
     sheets = sheets_of(capsys, tmp_path)
@@ -298,7 +298,10 @@ def test_a_master_whose_description_does_not_mention_a_field(tmp_path: Path, cap
 
 
 def test_a_field_between_the_parts_of_the_position(tmp_path: Path, capsys: Capture) -> None:
-    """No master can read it, but the general block has the frame. The exit code says that there are no settings."""
+    """No master can read it, but the general block describes the frame.
+
+    The exit code says that there are no settings.
+    """
     fields = TURNS.replace("\n", f"\n{LIFE}\n", 1)
     write_biss_spec(tmp_path, fields, STATUS, CRC_6)
     assert main(["master", "EXAMPLE-X", "--specs", str(tmp_path)]) == 1
@@ -312,7 +315,7 @@ def test_a_field_between_the_parts_of_the_position(tmp_path: Path, capsys: Captu
 
 
 def test_gray_code_over_more_than_the_position(tmp_path: Path, capsys: Capture) -> None:
-    """Only a master that converts exactly these bits can take them."""
+    """Only a master that converts exactly these bits can read them."""
     extra = "        join: {sent: [multiturn, singleturn, life], position: [multiturn, singleturn]}"
     write_spec(tmp_path, f"{TURNS}\n{LIFE}\n{extra}", counts=1 << 17, turns=1 << 12)
     path = tmp_path / "example_x.yaml"
@@ -329,7 +332,7 @@ def test_gray_code_over_more_than_the_position(tmp_path: Path, capsys: Capture) 
 
 
 def test_a_crc_that_is_sent_reflected(tmp_path: Path, capsys: Capture, masters: dict[str, Master]) -> None:
-    """Masters that check the CRC cannot take it. Over SSI, the others read the position in front of it."""
+    """Masters that check the CRC cannot read it. Over SSI, the others read the position in front of it."""
     reflected = CRC.replace("refin: false, refout: false", "refin: true, refout: true")
     write_spec(tmp_path, position(13, "          - {name: crc, crc: crc_8}"), counts=1 << 13, more=reflected)
     sheets = sheets_of(capsys, tmp_path)

@@ -1,4 +1,4 @@
-"""Each master says whether it takes a second data channel of a frame, and refuses if the position is in that one."""
+"""Each master states whether it reads a second data channel of a frame, and refuses a position in this channel."""
 
 from __future__ import annotations
 

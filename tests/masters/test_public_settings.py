@@ -1,4 +1,4 @@
-"""Settings that an institute keeps for the EL5042, reproduced from specs of its encoders in ``specs``.
+"""Settings that an institute stores for the EL5042, reproduced from specs of its encoders in ``specs``.
 
 The numbers were typed from paulscherrerinstitute/ecmccfg at commit 19fd09c, hardware/Encoders, and from
 paulscherrerinstitute/ecmccomp at commit c97a6b0: its facts in encoders/ as EL5042_SDOS_BISS_C_ENC.cmd writes them.
@@ -19,7 +19,7 @@ SUPPLY = "choice: 50 is the factory default of 12. Writing it needs a code word 
 POLYNOMIAL = "theirs: it leaves 11 at its factory default, which is 67"
 
 Values = dict[int, int]
-#: Order code, name of their file, its values, and the reason why ours has other values.
+#: Order code, name of the institute's file, its values, and the reason why ours has other values.
 FILES: list[tuple[str, str, Values, dict[int, str]]] = [
     (
         "KCD-BC03B-1617",
@@ -87,7 +87,7 @@ def test_every_difference_is_explained(
 
 @pytest.mark.slow
 def test_the_encoders_are_sound(capsys: pytest.CaptureFixture[str]) -> None:
-    """They pass check, and each says that it rests on files of one institute only."""
+    """They pass check, and each states that it relies on files of a single institute."""
     assert main(["check", str(ENCODERS)]) == 0
     assert capsys.readouterr().out.splitlines()[-1].startswith("no problems in ")
     for name in ("posital/kcd", "rls/la11", "wachendorff/wdga"):

@@ -131,7 +131,7 @@ def test_mistakes_of_words_booleans_and_items(invented_spec: Document) -> None:
 
 
 def test_every_value_has_a_class(trial: Trial) -> None:
-    """``alike`` and ``main`` have none: the parts that devices share, and where packages lie, are not facts."""
+    """``alike`` and ``main`` have no class: the parts that devices share, and locations of packages, are not facts."""
     unclassed = {place.keys for document in trial.documents for place in places(document) if place.fact == "other"}
     assert unclassed == {
         "alike",

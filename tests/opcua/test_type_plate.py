@@ -1,7 +1,7 @@
 """Type plates for OPC UA, read by asyncua.
 
 ``powertrain.xml`` replaces the nodesets of the OPC Foundation, which are not part of this repository. To read the
-plates on the real ones, check out the repository OPCFoundation/UA-Nodeset and set ``UA_NODESETS`` to its folder.
+plates on the real types, check out the repository OPCFoundation/UA-Nodeset and set ``UA_NODESETS`` to its folder.
 """
 
 from __future__ import annotations
@@ -142,7 +142,7 @@ async def _read(plates: list[Path]) -> dict[str, Any]:
 
 
 async def _resolutions(attributes: Any, unit: tuple[int, str]) -> dict[str, Any]:
-    """Return the resolutions of a plate by name, after comparing their units with the expected one."""
+    """Return the resolutions of a plate by name, after comparing their units with the expected unit."""
     resolutions = {}
     for child in await attributes.get_children():
         name = (await child.read_browse_name()).Name
@@ -154,7 +154,7 @@ async def _resolutions(attributes: Any, unit: tuple[int, str]) -> dict[str, Any]
 
 
 async def _choice(node: Any) -> tuple[int, str]:
-    """Return a value of an enumeration and its name, after comparing both with those of the standard."""
+    """Return a value of an enumeration and its name, after comparing both with the standard."""
     value = await node.read_value()
     text = (await (await node.get_child("0:ValueAsText")).read_value()).Text
     names = await (await node.get_child("0:EnumValues")).read_value()

@@ -49,7 +49,7 @@ def test_the_longest_data_for_a_distance(poly: int, data: int, distance: int) ->
 
 
 def test_words_of_hamming_codes() -> None:
-    """The code (63, 57) of x^6 + x + 1 has 651 words of weight 3, those of 7 and 15 bits have 7 and 35."""
+    """The code (63, 57) of x^6 + x + 1 has 651 words of weight 3, and the codes of 7 and 15 bits have 7 and 35."""
     assert residual_of(crc(0x43), 63).missed == 651 == 63 * 62 // 6
     assert residual_of(crc(0xB), 7).missed == 7
     assert residual_of(crc(0x13), 15).missed == 35

@@ -1,6 +1,6 @@
 """Plans of two small specs, with every operation derived by hand from the spec and the definitions of the operations.
 
-Generated code of real encoders shows that plans are useful. Here a wrong one is seen without generating anything.
+Generated code of real encoders shows that plans are useful. Here a wrong plan is seen without generating anything.
 """
 
 from __future__ import annotations
@@ -141,7 +141,7 @@ def test_which_procedure_changes_frames(small: Device, run: Run) -> None:
     [
         # 2^12 - 1 is below 2^16 - 1 for one of the two order codes.
         ("preset", "preset", False, (False, True), 0, ["TooWide"], ["max"]),
-        # 1 to 256 in a byte in which 0 stands for 256: 0 is refused anyway, and nothing is above.
+        # 1 to 256 in a byte in which 0 represents 256: 0 is refused anyway, and nothing is above.
         ("steps", "steps", False, (True, False), 256, ["NotZeroFor"], []),
         # -128 is the lowest signed byte, and 127 the highest.
         ("offset", "offset", True, (False, True), 0, ["NotSigned"], ["max"]),
@@ -323,7 +323,7 @@ def test_places_of_bits(by_hand: Device) -> None:
 
 
 def test_reserved_bits(by_hand: Device) -> None:
-    """The field sent last has the lowest bits of the number. The other one is at bit 6 of the word."""
+    """The field sent last has the lowest bits of the number. The other reserved bit is at bit 6 of the word."""
     codec = plan(by_hand, "spare_word")
     reserved = [(op.field.name, op.value, op.place, op.mask) for op in codec.reserved]
     assert reserved == [("second_spare", 1, 0, 0b111), ("first_spare", 2, 3, 0b11_000)]

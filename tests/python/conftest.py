@@ -17,5 +17,8 @@ def files(library: Library) -> Mapping[str, str]:
 
 @pytest.fixture(scope="session")
 def devices(library: Library) -> Mapping[str, Device]:
-    """The families in the package of ``generated_python``. ``test_agreement.py`` has those of other manufacturers."""
+    """The families in the package of ``generated_python``.
+
+    ``test_agreement.py`` uses the devices of other manufacturers.
+    """
     return {device.name: device for device in library.devices if device.manufacturer.main}

@@ -58,7 +58,7 @@ class Biss:
     extra: int = 0
 
     def cycle(self, word: int, bits: int, cds: int = 0, cdm: int = 0, clocks: int | None = None) -> None:
-        """Append one cycle. The last clock may be followed by ``extra`` ones, or there are only ``clocks``."""
+        """Append one cycle. The last clock may be followed by ``extra`` clocks, or there are only ``clocks``."""
         wave, begin = self.wave, self.wave.now + self.idle_time
         bits_sent = [0] * self.acknowledge + [1, cds] + [word >> place & 1 for place in range(bits - 1, -1, -1)] + [0]
         wanted = len(bits_sent) + 1 + self.extra

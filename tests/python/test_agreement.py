@@ -75,7 +75,7 @@ MADE_UP |= {"as5047p": TESTS.parent / "specs" / "ams"}
 MADE_UP |= {"amt21": TESTS.parent / "specs" / "cui"}
 MADE_UP |= {"skm36": TESTS.parent / "specs" / "sick"}
 ALL = [*FAMILIES, *MADE_UP]
-#: Families whose tests make test runs. make verify runs those of the others.
+#: Families whose tests ``make test`` runs. ``make verify`` runs the tests of the other families.
 REPRESENTATIVES = ("amm5", "as5047p", "long_crc", "odd_shapes", "shapes", "signs", "switched")
 CASES_OF_FAMILIES = mostly_exhaustive(ALL, *REPRESENTATIVES)
 
@@ -189,7 +189,7 @@ def number_with_parameter(register: Register, parameter: Any, kind: str, source:
 
 
 def cases(family: Family) -> Iterator[Case]:
-    """Return every layout of every order code, without a register that has the same places as an earlier one."""
+    """Return every layout of every order code, without registers that have the same places as an earlier register."""
     compared_keys = set()
     for variant in family.device.variants:
         for state, encoder in states(family, variant):

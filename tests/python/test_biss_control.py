@@ -121,7 +121,7 @@ def test_the_crc_is_that_of_the_manuals(library: Library, biss: Any) -> None:
     crcs = [crc for device in library.devices for crc in device.crcs if crc.name == "biss_4"]
     parameters = {(crc.width, crc.poly, crc.init, crc.refin, crc.refout, crc.xorout) for crc in crcs}
     assert parameters == {(4, 0x3, 0, False, False, 0xF)}
-    # Start value 0 and XOR 15: the CRC of only zeros. Polynomial 3: that of a single 1.
+    # Start value 0 and XOR 15: the CRC of only zeros. Polynomial 3: the CRC of a single 1.
     assert biss.crc(0, 8) == 0xF
     assert biss.crc(1, 8) ^ 0xF == 0x3
 
@@ -249,7 +249,7 @@ def test_a_busy_slave_is_waited_for(biss: Any) -> None:
     for delay in range(6):
         line = line_of(biss, {0x44: 0x40}, delay)
         line.master.read(0x44, 1, 0, 4)
-        # A byte is requested one frame before S is answered, so that a delay of one frame costs one.
+        # A byte is requested one frame before S is answered, so that a delay of one frame costs one frame.
         if delay <= 4:
             assert line.run() == "DONE"
             assert line.master.data == b"\x40"
@@ -408,14 +408,15 @@ def test_id_lock(biss: Any, count: int) -> None:
         assert line.master.data == (bytes([0x10 + count - 1 - slave_id] * 2) if slave_id < count else b"")
         line.master.write(0x20, bytes([slave_id]), slave_id, 0)
         line.run()
-    # The slave with SLI = 0, the last in the list, sees the first free bit first and has ID 0. Those above 8 have none.
+    # The slave with SLI = 0, the last in the list, sees the first free bit first and has ID 0. Slaves beyond the first
+    # 8 have no ID.
     assert [slave.slave_id for slave in reversed(line.slaves)] == [*range(min(count, 8)), *[None] * (count - 8)]
     for number, memory in enumerate(reversed(memories)):
         assert memory.writes == ([(0x20, number)] if number < 8 else [])
 
 
 def test_id_lock_written_out(biss: Any) -> None:
-    # Three slaves: the last takes IDL0, the next IDL1, the one at the master IDL2. The one in the middle answers.
+    # Three slaves: the last takes IDL0, the next IDL1, and the slave at the master IDL2. The one in the middle answers.
     slaves = [PythonSlave(biss) for _ in range(3)]
     line = Line(PythonMaster(biss), slaves, [Memory({0x44: 0x40, 0x45: 0}) for _ in slaves])
     line.master.read(0x44, 1, 1, 0)
@@ -444,7 +445,7 @@ def test_a_line_that_never_changes(biss: Any, stuck: int) -> None:
 
 
 def test_commands_pass(biss: Any) -> None:
-    """CTS = 0: the slave takes its ID and ignores everything that follows."""
+    """CTS = 0: the slave takes its ID and ignores the rest."""
     slave = PythonSlave(biss)
     header = 0b0_00000001_01
     stream = (

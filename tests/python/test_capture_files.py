@@ -1,4 +1,4 @@
-"""Files of logic analysers: each format gives the same frames, and a hostile file gives a one-line error."""
+"""Files of logic analysers: each format contains the same frames, and a hostile file leads to a one-line error."""
 
 from __future__ import annotations
 

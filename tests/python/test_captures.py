@@ -77,7 +77,7 @@ def test_clocks_after_the_frame_do_not_matter(extra: int) -> None:
     assert read(biss(words, extra=extra), 10) == (words, [])
 
 
-# Planted errors: each gives exactly one message, and the other frames are found.
+# Planted errors: each leads to exactly one message, and the other frames are found.
 
 
 def spike(wave: Wave, at: float) -> Wave:

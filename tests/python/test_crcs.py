@@ -1,4 +1,4 @@
-"""CRCs in Python, also those of no frame, computed over bytes or bits as the plan says, as in C."""
+"""CRCs in Python, including CRCs of no frame, computed over bytes or bits as the plan says, as in C."""
 
 from __future__ import annotations
 

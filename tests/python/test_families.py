@@ -55,7 +55,7 @@ def examples(
 
 
 def values_by_name(decoded: Any, names: Mapping[str, object], layout: Layout) -> dict[str, object]:
-    """Return attributes as the specs write them: a named value by its name, and unused bits by those of their field."""
+    """Return attributes as the specs write them: a named value, and unused bits by the name of their field."""
     unused = {field.name: (field, place) for field, place in layout.unused}
     attributes = {name: getattr(decoded, attribute(name, CLASS_NAMES)) for name in names if name not in unused}
     for field, place in (unused[name] for name in names if name in unused):
@@ -126,7 +126,7 @@ def test_frame_examples(lika: Any, devices: Mapping[str, Device]) -> None:
 
 
 def answers_of_example(device: Device, interface: str, example: FrameExample) -> dict[str, str]:
-    """Return the names of the answers to the open questions: over RS-485 the first ones, if the example has none."""
+    """Return the names of the answers to the open questions: over RS-485 the first answers, if the example has none."""
     answers = {}
     if interface == "RS485":
         alternatives = [alternative for alternative in device.alternatives if not alternative.default]
@@ -241,7 +241,7 @@ def test_labels_are_read_as_the_model_reads_them(lika: Any, devices: Mapping[str
 def test_labels_of_edition_1_1(lika: Any, label: str, code: str) -> None:
     """AM36 manual, edition 1.1 p.21: AMx36xx/4096SCx-...
 
-    The code is that of edition 1.0, and the label says where this spelling is used.
+    The code belongs to edition 1.0, and the label says where this spelling is used.
     """
     encoder = lika.lookup(label)
     assert encoder.code == code

@@ -1,4 +1,4 @@
-"""All methods that decode one frame of an encoder give the same result."""
+"""All methods that decode one frame of an encoder return the same result."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def frame_or_error(decode: Any, frame: object, **more: object) -> object:
 
 @pytest.mark.parametrize("family", CASES_OF_FAMILIES, indirect=True)
 def test_it_says_the_same(family: Family) -> None:
-    """The method that raises, the one that returns errors and the one of the class share their code."""
+    """The method that raises, the method that returns errors and the class's own method share their code."""
     source = random.Random(family.device.name)
     frame_count = 0
     for case in cases(family):

@@ -203,7 +203,7 @@ def _check_package(hostile_words: list[str], folder: Path, import_generated: Cal
 def _check_round_trip(device: Device, layout: Layout, variant: Variant, module: Any, encoder: Any) -> None:
     """A frame of the model decodes to the model's numbers and encodes to the same frame.
 
-    This also holds for one made from a joined number.
+    This also holds for a register built from a joined number.
     """
     values_by_kind: dict[type, int | str | bool] = {Choice: "two", Flag: True, Decimal: 1234}
     values: dict[str, int | str | bool] = {}

@@ -83,7 +83,7 @@ def values_around(column: Any) -> list[Any]:
 
 
 def refuses_alike(case: Case, frame: Any, columns: dict[str, Any], name: str, row: int) -> bool:
-    """Return True if a frame is refused. Columns with it in a row must be refused too, or give the same frame."""
+    """Return True if a frame is refused. Columns with it in a row must be refused too, or lead to the same frame."""
     column = columns[name]
     if column.dtype.kind == "S":
         column = numpy.char.decode(column, "latin-1")

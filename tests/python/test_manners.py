@@ -81,7 +81,7 @@ def test_frames_are_values(family: Family) -> None:
         for again in (pickle.loads(pickle.dumps(frame)), copy.copy(frame), copy.deepcopy(frame)):
             assert (again, type(again), hash(again)) == (frame, type(frame), hash(frame))
         if not hasattr(type(frame), "_fields"):
-            # A single choice is an enumeration, and is shown as one.
+            # A single choice is an enumeration, and is shown as such.
             assert repr(frame).startswith(f"<{type(frame).__name__}.")
             continue
         names = frame._fields

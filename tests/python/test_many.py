@@ -1,4 +1,4 @@
-"""Many frames at once give the same results as one by one: every layout, valid and disturbed frames."""
+"""Many frames at once lead to the same results as one by one: every layout, valid and disturbed frames."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ FAULTS = {"length": 1, "crc": 2, "constant": 3, "range": 4}
 
 
 def numbers(case: Case, count: int, source: random.Random) -> list[int]:
-    """Return frames as numbers: valid ones, ones with flipped bits, random ones with a correct CRC, and noise."""
+    """Return frames as numbers: valid frames, frames with flipped bits, random frames with a correct CRC, and noise."""
     bits = case.placed.bits
     kinds = ("zero", "ones", *["random"] * min(count // 8, 30))
     frame_numbers = [codec.encode(case.family.device, case.placed, values_of(case, kind, source)) for kind in kinds]
@@ -274,7 +274,7 @@ def in_unit(encoder: Any, unit: str, count: int) -> float:
 
 @pytest.mark.parametrize("label", UNITS)
 def test_units_are_those_of_one_position(families: dict[str, Family], label: str) -> None:
-    """Every number equals that of the encoder's own method for a position, and an unwrapped count continues."""
+    """Every number equals the result of the encoder's own method for a position, and an unwrapped count continues."""
     encoder, source = lookup_of(families, label), random.Random(5)
     positions = [source.randrange(encoder.modulus) for _ in range(2_000)]
     answers = answers_of(encoder)
@@ -321,7 +321,7 @@ def test_velocity_is_the_way_by_the_time(families: dict[str, Family], label: str
 
 
 def test_counts_go_on_from_table_to_table(families: dict[str, Family]) -> None:
-    """In pieces, the results are the same as in one, even if a piece begins with errors or has only errors."""
+    """In pieces, the results are the same as in one table, even if a piece begins with errors or has only errors."""
     encoder, source = lookup_of(families, "AMM5A17/1SC1"), random.Random(7)
     counts = numpy.cumsum([source.randint(-30_000, 60_000) for _ in range(300)])
     words = encoder.encode_many({"position": counts % encoder.modulus})

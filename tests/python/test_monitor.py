@@ -88,7 +88,7 @@ def record(encoder: Any, target: Path, *readings: Any) -> monitor.Readings:
 
 
 def test_each_reading_is_a_row(encoder: Any, tmp_path: Path) -> None:
-    """89,902,357 is the position of a usable frame, and the flag of the second one makes its position not usable."""
+    """89,902,357 is the position of a usable frame, and the flag of the second frame makes its position not usable."""
     readings = [encoder.decode(GOOD), NoReplyError("no reply within 50 ms"), encoder.decode(SPOILT)]
     for name in ("log.csv", "log.jsonl", "log.parquet"):
         assert record(encoder, tmp_path / name, *readings) == (3, 1)
@@ -109,7 +109,10 @@ def test_each_reading_is_a_row(encoder: Any, tmp_path: Path) -> None:
 
 
 def test_readings_keep_their_interval(encoder: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every 10 ms, although a reading takes 4 ms. The third one takes 25 ms: the next ones are counted from its end."""
+    """Every 10 ms, although a reading takes 4 ms.
+
+    The third reading takes 25 ms: the next readings are counted from its end.
+    """
     now = 0.0
 
     def advance(seconds: float) -> None:

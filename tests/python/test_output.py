@@ -230,7 +230,7 @@ TEXTS = {
 }
 
 
-#: Those that keep their text: they differ between neighbours, or a note names a signal that is missing on a cable.
+#: Texts that are kept: they differ between neighbours, or a note names a signal that is missing on a cable.
 KEEP_THEIR_TEXT = {"meaning", "printed_name", "signal", "note"}
 #: Signals that several contacts have, or that a cable lacks.
 REPEATED_SIGNALS = {"not connected", "not to be connected", "not used", "reserved", "Ground"}
@@ -240,7 +240,7 @@ def _poison(data: Any, text: str) -> None:
     """Put ``text`` into every running text."""
     if isinstance(data, dict):
         if any(isinstance(value, dict) and "quantity" in value for value in data.get("values") or ()):
-            del data["values"]  # The text must give them.
+            del data["values"]  # The text must contain them.
         if data.get("signal") in REPEATED_SIGNALS:
             return
         for key, value in data.items():

@@ -7,7 +7,7 @@ from types import ModuleType
 
 import codewheel_runtime
 
-#: Names for programs that create steps or implement a bus. They are in the runtime.
+#: Names for programs that create steps or implement a bus. These names are in the runtime.
 RARE = {
     "BitField", "Bus", "Line", "Modify", "Movement", "Poll", "Read", "Reading", "Send", "Verify", "Wait", "Write",
 }  # fmt: skip

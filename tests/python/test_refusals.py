@@ -1,4 +1,4 @@
-"""Values that do not fit their field are refused alike, whichever function receives them."""
+"""Values that do not fit their field are rejected in the same way, whichever function receives them."""
 
 from __future__ import annotations
 

@@ -288,7 +288,7 @@ def test_each_byte_is_compared_with_its_last_value(lika: Any) -> None:
 
 @pytest.mark.parametrize("disturbed_place", range(7))
 def test_a_disturbed_preset_is_never_saved_over_biss(lika: Any, disturbed_place: int) -> None:
-    """The slave of the package stores a value other than the sent one, as half of all can come back (biss.py)."""
+    """The slave of the package stores a wrong value, because half of all values can come back like this (biss.py)."""
     from importlib import import_module
 
     biss = import_module("lika_encoders.biss")

@@ -1,7 +1,7 @@
 """Registers over SPI in Python: the words that are sent, and the bytes of the value. ``make quick`` runs this.
 
-The words are those of public drivers of the AS5047P (simplefoc, AS5047.cpp). Bit 15 makes the number of ones even, and
-a reply comes with the next word. DIAAGC has the gain in bits 7:0 and LF in bit 8. SETTINGS1 has 8 bits.
+The words come from public drivers of the AS5047P (simplefoc, AS5047.cpp). Bit 15 makes the number of 1 bits even, and a
+reply comes with the next word. DIAAGC has the gain in bits 7:0 and LF in bit 8. SETTINGS1 has 8 bits.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ AMS = Path(__file__).resolve().parents[2] / "specs" / "ams"
 
 
 def even(word: int) -> int:
-    """Return the word with bit 15 such that the number of ones is even."""
+    """Return the word with bit 15 such that the number of 1 bits is even."""
     return word | (word.bit_count() & 1) << 15
 
 

@@ -46,7 +46,7 @@ def test_rows_and_columns(lika: Any) -> None:
 
 
 def test_a_table_can_be_sent_to_another_process(lika: Any) -> None:
-    """Also a table with other columns, and one of a layout without a package."""
+    """Also a table with other columns, and a table of a layout without a package."""
     layout = lika.biss_layout("multiturn=16,singleturn=21,error,warning,crc=6:0x43")
     for encoder in (lika.lookup(CODE), layout):
         decoded = encoder.decode_many([GOOD, SPOILT])

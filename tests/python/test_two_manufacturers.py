@@ -1,4 +1,4 @@
-"""Packages of two manufacturers in one program share the runtime, and refuse one that does not match."""
+"""Packages of two manufacturers in one program share the runtime, and refuse a runtime that does not match."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def packages_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def run(*command: str | Path, folders: tuple[Path, ...] = (), cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
-    """Run a command for which these folders hold the packages, in Python and for mypy."""
+    """Run a command with the packages in these folders, in Python and for mypy."""
     path = os.pathsep.join(map(str, folders))
     environment = {**os.environ, "PYTHONPATH": path, "MYPYPATH": path}
     return subprocess.run([str(word) for word in command], capture_output=True, text=True, env=environment, cwd=cwd)

@@ -48,7 +48,7 @@ def metadata_of(wheel: zipfile.ZipFile) -> Message:
 
 @pytest.mark.slow
 def test_the_runtime_is_all_that_is_needed(release: Path) -> None:
-    """It is required by version. A release is for other machines, so it names no folder of this one."""
+    """The package requires it by version. A release is for other machines, so it names no folder of this one."""
     needed = metadata_of(zipfile.ZipFile(next(release.glob("lika_encoders-*.whl")))).get_all("Requires-Dist", [])
     assert [requirement for requirement in needed if "extra ==" not in requirement] == ["codewheel-runtime<2,>=1.0"]
     assert not metadata_of(zipfile.ZipFile(next(release.glob("codewheel_runtime-*.whl")))).get_all("Requires-Dist", [])

@@ -39,7 +39,7 @@ def random_frames(asc85: Any, code: str, answer: Any) -> tuple[Any, Any]:
 
 
 def test_a_frame_shifted_by_one_bit_never_fits() -> None:
-    """By arithmetic, for every frame of any length: a correct one is 0x3F + k * 0x43.
+    """By arithmetic, for every frame of any length: a correct frame is 0x3F + k * 0x43.
 
     Read a bit too long, it is twice that plus the next bit. Read a bit too short, it is half of that.
     """
@@ -53,7 +53,7 @@ def test_a_frame_shifted_by_one_bit_never_fits() -> None:
 @pytest.mark.parametrize("code", ["ASC8520/SC1", "ASC8525/SC1"])
 @pytest.mark.parametrize("after", [0, 1])
 def test_a_receiver_that_shares_the_wrong_decision_rejects_every_frame(asc85: Any, code: str, after: int) -> None:
-    """It reads as many bits as the wrong frame has: one too many, or one too few."""
+    """It reads as many bits as the wrong frame has: one too many, or one missing."""
     encoder, printed, left_out = asc85.lookup(code), asc85.ZeroBit.AS_PRINTED, asc85.ZeroBit.LEFT_OUT
     _, frames = random_frames(asc85, code, left_out)
     table = encoder.decode_many(frames << numpy.uint64(1) | numpy.uint64(after), zero_bit=printed)

@@ -13,7 +13,7 @@ from codewheel.commands.check.specs import check_specs
 pytestmark = pytest.mark.slow
 
 SPECS = Path(__file__).resolve().parents[1] / "specs"
-#: Other names than those of the first reading. Names are not facts.
+#: Names that differ from the first reading. Names are not facts.
 OTHER_NAMES = {"control_word": "first", "safety_word": "second", "safe_singleturn": "angle"}
 
 

@@ -1,4 +1,4 @@
-"""Sheets of turning words: the gaps of a text, the sheet that is written, and each message about a filled one."""
+"""Sheets of turning words: the gaps of a text, the sheet that is written, and each message about a filled sheet."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from codewheel.commands.check.specs import check_specs
 from codewheel.commands.cli import main
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document
-from codewheel.readings.turning_words import Vocabulary
+from codewheel.readings.cloze import Vocabulary
 from mutation.words import opposites
 
 pytestmark = pytest.mark.slow

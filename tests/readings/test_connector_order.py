@@ -1,4 +1,4 @@
-"""Connectors of two readings are paired by their names: a new one is not compared with another one."""
+"""Connectors of two readings are paired by their names: a new connector is not compared with another one."""
 
 from __future__ import annotations
 

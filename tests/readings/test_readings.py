@@ -51,7 +51,7 @@ def problem_lines() -> list[str]:
 
 
 def cases() -> Iterator[tuple[str, str, str, list[str]]]:
-    """Return changes of the second reading, and the resulting messages, from the file next to this one."""
+    """Return changes of the second reading, and the resulting messages, from the file next to this module."""
     for block in (HERE / "disagreements.txt").read_text(encoding="utf-8").strip().split("\n\n"):
         title, *lines = block.splitlines()
         old_lines = [line[2:] for line in lines if line.startswith("- ")]
@@ -455,7 +455,7 @@ def test_requests_and_replies_are_compared(
 
 @pytest.mark.parametrize(("part", "sort"), [("Led", Sort.LED), ("Connector", Sort.PIN)])
 def test_a_member_with_a_class_of_facts_is_compared(part: str, sort: Sort, monkeypatch: pytest.MonkeyPatch) -> None:
-    """No member of these parts has one today. A new key with one must not be left out."""
+    """No member of these parts has a class today. A new key with one must not be left out."""
     (family,), _ = load_families([HERE.parents[1] / "specs/lika/amm5.yaml"])
     members = []
     for member in PARTS_BY_CLASS[part].members:

@@ -85,7 +85,7 @@ def test_six_careless_edits_give_few_problems_that_name_each_stale_place(
 
 
 def test_lines_of_other_places_with_the_same_cause(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The wait after a command is 30 ms in seven procedures, of which one has it twice."""
+    """The wait after a command is 30 ms in seven procedures, one of which has it twice."""
     edit(
         folder / "am36.yaml",
         ("wait_at_least_ms: 30 ", "wait_at_least_ms: 50 "),
@@ -129,7 +129,7 @@ def test_a_word_that_is_no_longer_a_choice_is_asked_for(folder: Path, capsys: py
 
 @pytest.mark.slow
 def test_a_change_of_an_edition_that_fails_is_one_problem(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Edition 1.5 of the AMM5 has no alarms, and the editions before it are made from it."""
+    """Edition 1.5 of the AMM5 has no alarms, and the editions before it are derived from it."""
     shutil.copy(SPECS / "amm5.yaml", folder)
     edit(
         folder / "amm5.yaml",

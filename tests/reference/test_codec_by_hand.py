@@ -1,6 +1,6 @@
 """Frames of the reference codec, computed by hand from the definition of each kind of field.
 
-All generated codecs are compared with the reference, which only these frames and those of manuals check.
+All generated codecs are compared with the reference, which only these frames and the manuals' frames check.
 """
 
 from __future__ import annotations
@@ -24,13 +24,14 @@ FRAMES: list[tuple[str, str, Values, int]] = [
     # An active flag is 0 if it is active low.
     ("flag_word", "HABG", {"low": True, "high": True, "mode": "fast", "mark": 9}, 0b0_1_10_1001),
     ("flag_word", "HABG", {"low": False, "high": False, "mode": "slow", "mark": 9}, 0b1_0_01_1001),
-    # Unused bits are as in the manual. 1 in 'unused' is a bit that differs. The last field has its lowest bits.
+    # Unused bits have the values in the manual. 1 in 'unused' is a bit that differs. The last field has its lowest
+    # bits.
     ("spare_word", "HABG", {"first_spare": 2, "value": 5, "second_spare": 1, "unused": 0}, 0b10_101_001),
     ("spare_word", "HABG", {"first_spare": 1, "value": 5, "second_spare": 5, "unused": 0b11_100}, 0b01_101_101),
     ("digit_word", "HABG", {"lot": 2307, "year": 23, "batch": 7}, 2307),
     ("digit_word", "HABG", {"lot": 9999, "year": 99, "batch": 99}, 9999),
     ("text_word", "HABG", {"label": "Az"}, 0x41 << 8 | 0x7A),
-    # 101 and 0111 have five ones, 0111 has three. 011 and 0101 have four, 0101 has two.
+    # 101 and 0111 have five 1 bits, 0111 has three. 011 and 0101 have four, 0101 has two.
     ("parity_word", "HABG", {"a": 5, "b": 7, "even": 1, "odd": 0}, 0b101_0111_1_0),
     ("parity_word", "HABG", {"a": 3, "b": 5, "even": 0, "odd": 1}, 0b011_0101_0_1),
     # CRCs of control frames on a screenshot in TexasInstruments/motor-control-sdk, bissc_hex_control_commands.png.
@@ -180,8 +181,9 @@ def test_the_number_of_bits_is_checked(device: Device, bits: int, messages: list
     assert [problem.message for problem in decoded.problems] == messages
 
 
-#: Replies as bytes, with their layout and count. The exclusive or of 01, 34 and 12 is 27, that of 03, 12 and 34 is 25.
-#: "MODBUS over Serial Line V1.02", appendix B: the CRC of 02 07 is 1241h, and its low byte 41 is sent first.
+#: Replies as bytes, with their layout and count. The exclusive or of 01, 34 and 12 is 27, the exclusive or of 03, 12
+#: and 34 is 25. "MODBUS over Serial Line V1.02", appendix B: the CRC of 02 07 is 1241h, and its low byte 41 is sent
+#: first.
 REPLIES = [
     ("01341227", "low_reply", 0x1234),
     ("03123425", "high_reply", 0x1234),
@@ -221,7 +223,7 @@ def test_bytes_that_are_no_reply(device: Device, sender: str, data: str, problem
 
 
 def test_a_frame_of_another_layout(device: Device) -> None:
-    """The frame is valid, but its first byte is that of the other reply."""
+    """The frame is valid, but its first byte belongs to the other reply."""
     placed = place(device, "high_reply", "HAJP")
     decoded = codec.decode_placed(device, placed, bytes.fromhex("01123427"))
     assert [problem.message for problem in decoded.problems] == ["id 1 does not belong to this frame"]

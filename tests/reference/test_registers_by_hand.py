@@ -110,7 +110,7 @@ def bytes_from(first_address: int, data: str) -> dict[int, int]:
 
 
 def test_registers_of_an_order_code(devices: Mapping[str, Device]) -> None:
-    """AMM5 in 78h to 7Bh, its release in 7Ch and 7Dh, which the manual does not give, and Li in 7Eh and 7Fh."""
+    """AMM5 in 78h to 7Bh, its release in 7Ch and 7Dh, which the manual does not state, and Li in 7Eh and 7Fh."""
     device, variant = devices["amm5"], find_code(devices["amm5"], AMM5).variant
     right = bytes_from(0x78, "414D4D351234") | bytes_from(0x7E, "4C69")
     assert compare_held(device, variant, right) == ()

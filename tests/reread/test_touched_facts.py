@@ -138,7 +138,7 @@ This device is to be supplied by a Class 2 circuit.
 
 
 def paths_of_am36(tmp_path: Path, capsys: pytest.CaptureFixture[str], old: str, new: str) -> list[str]:
-    """Return the paths of the facts that are listed for the only passage, with those of the same value and key."""
+    """Return the paths of the facts that are listed for the only passage, with facts of the same value and key."""
     titles = ["1 Safety summary", "2 Identification", "3 Mounting instructions", "4 Electrical connections"]
     titles += ["5 SSI interface", "6 BiSS C-mode interface", "6.3.1 SCD structure"]
     titles += ["6.5 Implemented registers", "7 Default parameters list"]
@@ -161,7 +161,7 @@ def paths_of_am36(tmp_path: Path, capsys: pytest.CaptureFixture[str], old: str, 
 def test_each_fact_with_a_changed_wait_is_listed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     spec_lines = [line.strip() for line in AM36.read_text(encoding="utf-8").splitlines()]
     waits = [line for line in spec_lines if re.search(r"at_least_ms: 30\b|at_least_us: 30000\b", line)]
-    assert len(waits) == 10  # Of the register, of seven procedures with one that has two, and of a timing.
+    assert len(waits) == 10  # In the register, in seven procedures, one of which has two, and in a timing.
     listed = paths_of_am36(tmp_path, capsys, "min. 30 ms", "min. 50 ms")
     assert sorted(line for line in listed if line in waits) == sorted(waits)
 

@@ -17,7 +17,7 @@ from rust_harness import Program
 from test_c_codec import encoded_sample, run_time_variants, samples, with_crc
 
 Values = Mapping[str, "int | str | bool"]
-#: Minimum number of frames for an order code, and how many of them are created one by one.
+#: Minimum number of frames for an order code, and the number that are created one by one.
 _LEAST, _POOL = 100, 32
 
 

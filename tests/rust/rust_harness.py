@@ -52,7 +52,7 @@ def _specs() -> Iterator[str]:
                 yield path.relative_to(ROOT).as_posix()
 
 
-#: The spec of every family. The made-up ones use features that others do not.
+#: The spec of every family. The made-up families use features that others do not.
 SPECS = [*_specs()]
 #: Content of a crate: the shipped families of a manufacturer, or one family.
 CRATES = ["specs/lika", *(spec for spec in SPECS if not spec.startswith("specs/lika/"))]
@@ -60,7 +60,7 @@ LIBRARY = ("--crate-type", "rlib", "--crate-name", "encoders")
 
 
 def rust_tool(name: str) -> str:
-    """Return a tool of the version in a plain Debian, or else another one. Skip the test if there is none."""
+    """Return a tool of the version in a plain Debian, or else of another version. Skip the test if there is none."""
     return require([name], ["/usr/bin"])
 
 

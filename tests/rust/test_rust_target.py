@@ -55,7 +55,11 @@ def test_it_uses_what_the_page_on_targets_tells_of() -> None:
 def test_it_is_installed_and_generates(codewheel: Run, tmp_path: Path) -> None:
     help_text = " ".join(codewheel("generate", "--help")[1].split())
     assert "rust crates without the standard library, in Rust 1.56 --option rust.edition=2018|2021: the" in help_text
-    specs = [argument for path in ("ichaus/icmu.yaml", "lika") for argument in ("--specs", f"specs/{path}")]
+    specs = [
+        argument
+        for path in ("ichaus/icmhm.yaml", "ichaus/icmu.yaml", "lika")
+        for argument in ("--specs", f"specs/{path}")
+    ]
     assert codewheel("generate", *specs, "-o", tmp_path, "--target", "rust", "--option", "rust.edition=2018")[0] == 0
     for maker in ("ichaus", "lika"):
         folder = tmp_path / "rust" / f"{maker}-encoders"
@@ -72,14 +76,14 @@ def test_it_is_installed_and_generates(codewheel: Run, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("specs", mostly_exhaustive(CRATES, CRATES[0]))
 def test_it_compiles_in_the_older_edition(specs: str, tmp_path: Path) -> None:
-    """Every other test uses the newer one."""
+    """Every other test uses the newer edition."""
     devices, _ = load_library([ROOT / specs])
     main = write(devices, tmp_path, "2018")
     compiled("--edition", "2018", *LIBRARY, "--emit", "metadata", "--out-dir", tmp_path, main)
 
 
 def test_the_readme(codewheel: Run, tmp_path: Path) -> None:
-    """Its commands write the crate. Its program compiles, and its output is that of the page."""
+    """Its commands write the crate. Its program compiles, and its output matches the page."""
     assert codewheel(*re.findall(r"^codewheel (.*)$", README, re.MULTILINE)[0].split(), "-o", tmp_path)[0] == 0
     crate = tmp_path / "rust" / "lika-encoders" / "src" / "lib.rs"
     compiled("--edition", "2021", "--crate-type", "rlib", "--crate-name", "lika_encoders", "--out-dir", tmp_path, crate)
@@ -94,7 +98,7 @@ def test_the_readme(codewheel: Run, tmp_path: Path) -> None:
 
 # -- order codes of another interface
 
-#: A call with the order code of its interface, and with that of another one.
+#: A call with the order code of its interface, and with the order code of another interface.
 MIXES = [
     ("SingleCycleData::decode(&@, 0)", "Biss::AMM5A17_65KSC1", "Ssi::AMM5A17_65KBG1"),
     ("SingleCycleData::read(&@, &[0])", "Biss::AMM5A17_65KSC1", "Rs485::AMM5A17_65KJP1"),
@@ -191,7 +195,7 @@ def test_what_cannot_be_computed_is_refused(spec: str, rule: str, part: str, cod
 
 
 def test_without_a_bit_that_judges_a_position_its_verdict_is_unknown() -> None:
-    """Only specs with optional flags have such order codes, and the target refuses these for another reason."""
+    """Only specs with optional flags have such order codes, and the target refuses these specs for another reason."""
     devices, _ = load_library([ROOT / "tests" / "specs" / "options.yaml"])
     structs = {struct.layout.name: struct for _, struct in Family(devices[0]).frames}
     assert list(conditions(structs["cycle"], Scope(devices[0]))) == [
@@ -257,7 +261,7 @@ def words() -> list[str]:
     for path in PACKAGE.rglob("*.jinja"):
         statements = re.sub(r"{[{%#].*?[}%#]}|//.*", " ", path.read_text(encoding="utf-8"))
         candidates.update(re.findall(r"\b[a-z]\w*\b", statements))
-    # Every module or struct has these names, so a spec that uses them has a problem.
+    # Every module or struct has these names, so a spec that uses them is rejected.
     reserved = {name.lower() for name in names.OF_MODULE} | {*names.OF_STRUCT, *names.OF_CODE}
     return sorted(word for word in candidates - reserved if re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", word))
 

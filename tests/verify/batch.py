@@ -1,16 +1,16 @@
 """A C program that decodes and encodes by the million: binary in, binary out, for every struct of a header.
 
-It reads chunks until its input ends, and answers each record with one record of a fixed size:
+It reads chunks until its input ends, and answers each record with a record of a fixed size:
 
     operation, codec, count, variant     one byte; two and two bytes; eight bytes for each member of the variant, and
                                          for each answer to an open question of the manual
     count records                        of ``Batch.record`` bytes to be decoded, of ``Codec.size`` bytes to be encoded
 
 A record to be decoded is a length and that many bytes, or eight bytes with a word. The answer is the result, the
-members, and the result of encoding them again with the bytes or the word. The verdict follows in one byte, 255 if there
-is none, and the mask of reports in eight. A record to be encoded consists of the members. The answer is a result and
-the bytes or the word. Numbers are low byte first, words and frames as they are sent. On an error, everything after the
-result is 0. The highest bit of the result is 1 if the struct has changed nevertheless.
+members, and the result of encoding them again with the bytes or the word. The verdict follows in one byte, 255 without
+a verdict, and the mask of reports in eight bytes. A record to be encoded consists of the members. The answer is a
+result and the bytes or the word. Numbers are low byte first, words and frames as they are sent. On an error, everything
+after the result is 0. The highest bit of the result is 1 if the struct has changed nevertheless.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ class Codec:
     def answer(self) -> str:
         """Format of the answer to a record to be decoded.
 
-        It has the result, members, result of encoding them again, word or frame, verdict, reports.
+        It contains the result, members, result of encoding them again, word or frame, verdict, reports.
         """
         return f"<B{self.format}B{self.encoded_bytes}sBQ"
 

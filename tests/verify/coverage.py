@@ -2,7 +2,7 @@
 
 The tests run unchanged. Only ``gcc`` is replaced by a program that compiles with counters instead of sanitizers. A
 header is identified by its bytes, wherever a test has written it. The counts of all programs are added, so a region or
-branch counts as reached if one of them has reached it.
+branch counts as reached if any program has reached it.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Millions of valid, disturbed and random frames from a few frames of the model.
 
 CRCs, parities and constants are sums modulo 2 of the bits of a frame. The sum of three valid frames is therefore a
-fourth one, so a small pool yields as many as needed. Some are disturbed by adding further bits.
+fourth valid frame, so a small pool yields as many as needed. Some are disturbed by adding further bits.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ HERE = Path(__file__).resolve().parent
 _STRUCT = re.compile(r"^typedef struct (\w+) \{(.*?)^\} \w+;", re.MULTILINE | re.DOTALL)
 _TABLE = re.compile(r"^#ifdef \w+_CRC_TABLE\n(.*?)(?:^#else\n(.*?))?^#endif\n", re.MULTILINE | re.DOTALL)
 _MEMBER = re.compile(r"^\s*(?:const )?([\w ]+?) ?(\*?)(\w+)(?:\[(\w+)\])?;", re.MULTILINE)
-#: Names of arguments that give the length of the array before them.
+#: Names of arguments that state the length of the array before them.
 _LENGTHS = ("length", "capacity", "count")
 _NUMBERS = {
     "bool": 1,
@@ -122,7 +122,7 @@ class Header:
     def _pointer(self, index: int, type_: str, count: str) -> tuple[str, str, str]:
         """Return the declaration of an argument that is passed by address, what is passed, and its release.
 
-        ``count`` is the number of elements, or empty for a single one.
+        ``count`` is the number of elements, or empty for a single element.
         """
         local = f"a{index}"
         if type_ == "char":

@@ -1,6 +1,6 @@
 """Machines that run the generated C.
 
-They are the host, with either form of the CRCs, Cortex-M under system emulation, and a big-endian one under user
+They are the host, with either form of the CRCs, Cortex-M under system emulation, and a big-endian machine under user
 emulation.
 """
 

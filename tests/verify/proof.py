@@ -1,8 +1,8 @@
 """Requirements of a proof by CBMC: the header as text, the parameters of all order codes, and the run.
 
 CBMC is a model checker. A harness is a C file whose functions claim something about arbitrary values with
-``__CPROVER_assert``. The parameters of the variant are also arbitrary, but restricted to those of the order codes and
-to the possible contents of registers, so that one proof covers all of them.
+``__CPROVER_assert``. The parameters of the variant are also arbitrary, but restricted to the parameters of the order
+codes and to the possible contents of registers, so that one proof covers all of them.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ UNDEFINED = (
 #: For a loop that carries only an arbitrary index from one round to the next:
 #: a few rounds from any start cover all of them.
 PARTLY = "--no-unwinding-assertions"
-#: Seconds of processor time, far above those of any proof here. A run that does not end is not a proof.
-#: The load of the machine does not matter.
+#: Seconds of processor time, far above the time of any proof here. A run that does not end is not a proof. The load of
+#: the machine does not matter.
 LIMIT_S = 900
 
 
@@ -110,7 +110,7 @@ void *malloc(__CPROVER_size_t size);
 
 
 def in_c(expression: Expression) -> str:
-    """Return an expression over parameters as in the reference: plain signed numbers of 64 bits."""
+    """Return an expression over parameters as the reference computes it: with plain signed numbers of 64 bits."""
     return "(" + expression.render(prefix="p_", power="(1LL << {})", suffix="LL") + ")"
 
 
@@ -126,9 +126,9 @@ class Variants:
 
     @classmethod
     def of_interface(cls, device: Device, interface: str, used: Iterable[str]) -> Variants:
-        """Return those of all order codes of an interface, or of all interfaces if it is empty.
+        """Return the parameters of all order codes of an interface, or of all interfaces if it is empty.
 
-        ``used`` names parameters. Those from which they follow are added.
+        ``used`` names parameters. Parameters from which they follow are added.
         """
         definitions = _definitions(device)
         names = _with_needed(used, definitions)
@@ -175,7 +175,7 @@ class Variants:
         return "".join(f"answer_{alternative.name}, " for alternative in self.alternatives)
 
     def declare(self, prefix: str, header: Header) -> str:
-        """Return C that gives ``variant`` and the parameters ``p_…`` any allowed values.
+        """Return C that sets ``variant`` and the parameters ``p_…`` to any allowed values.
 
         Members of the variant that do not matter may have any value.
         """
@@ -208,7 +208,7 @@ static void any_variant(void)
         return lines + "}\n"
 
     def _assume_answer(self, prefix: str, alternative: Alternative) -> str:
-        """Return C that gives an alternative any answer, and the parameters that it sets the values of that answer."""
+        """Return C that gives an alternative any answer, and the parameters that it sets the answer's values."""
         answer_name = f"answer_{alternative.name}"
         cases = []
         for answer in alternative.answers:
@@ -225,7 +225,7 @@ def _definitions(device: Device) -> dict[str, Expression]:
 
 
 def _with_needed(used: Iterable[str], definitions: Mapping[str, Expression]) -> list[str]:
-    """Return these parameters, each after those from which it follows."""
+    """Return these parameters, each after the parameters from which it follows."""
     names: list[str] = []
 
     def add(name: str) -> None:

@@ -24,12 +24,12 @@ REPLY = 16
 #: Limit of a position in either direction.
 #: In steps of one byte, it fits into 64 bits, as the headers require.
 POSITION = "(1LL << 55)"
-#: Maximum rounds of a loop, plus one: over order codes, over arbitrary steps, every other,
-#: and one whose rounds are arbitrary.
+#: Maximum rounds of a loop, plus one: over order codes, over arbitrary steps, every other loop, and a loop with
+#: arbitrary rounds.
 CODES_ROUNDS, STEPS_ROUNDS, ROUNDS, ANY_ROUNDS = 70, 4, 32, 3
 
 #: A transport in which every function may be missing or fail at any call, with any number except 0.
-#: After a failure, registers are read and written only to close open ones, with a result of its own.
+#: After a failure, registers are read and written only to close open registers, with a separate result.
 _TRANSPORT = """\
 static int32_t failed_with;
 static int32_t fails(void)
@@ -106,8 +106,8 @@ static cw_result any_run(
 def _bounded(step: str) -> str:
     """Return the assumptions about a step that let its loops end within the rounds.
 
-    They are few repetitions, and a reply, whose length replaces an address, that is short or longer than the space for
-    it.
+    The assumptions are few repetitions, and a reply, whose length replaces an address, that is short or longer than its
+    space.
     """
     reply = f"{step}.address <= {TIMES} || {step}.address > {REPLY}"
     return f"__CPROVER_assume({step}.times <= {TIMES}); __CPROVER_assume({reply});"
@@ -127,7 +127,7 @@ class _Arguments:
         for (kind, name), follows in zip(function.arguments, [*kinds[1:], ""], strict=True):
             plain, local = kind.removeprefix("const ").rstrip(" *"), f"a_{name}"
             if (kind, name) == ("const uint8_t *", "first"):
-                # Two buffers have the same length, which follows the second one.
+                # Two buffers have the same length, which follows the second buffer.
                 self._several(plain, kind, local, f"{local}_count")
             elif (kind, name) == ("const uint8_t *", "second"):
                 counted = "a_first_count"
@@ -214,8 +214,8 @@ class CallProof:
     def harness(self) -> str:
         text = "".join(f'#include "codewheel/{name}.h"\n' for name in SHARED) + PRELUDE + _TRANSPORT
         if self.device is not None:
-            # Comparing labels, too, is proved with encoder.h; here it may find anything,
-            # so that the search holds whatever the label.
+            # Comparing labels is proved with encoder.h. Here it may find anything, so that the search holds whatever
+            # the label.
             text += "static size_t any_match(const char *label, const char *code) { return nondet_size(); }\n"
             text += "#define cw_label_match any_match\n"
             text += f'{_RUN}#include "{self.include}"\n'
@@ -252,7 +252,10 @@ class CallProof:
             yield f'__CPROVER_assert(found != {TRANSPORT} || failed_with != 0, "and only then");'
 
     def proofs(self, together: int = 10) -> Iterable[Proof]:
-        """Yield several functions in one run. Those that go through all order codes run alone, as they take longest."""
+        """Yield several functions in one run.
+
+        Proofs that go through all order codes run alone, as they take longest.
+        """
         text = self.harness
         anywhere = [function for function in self.functions if ("size_t *", "next") in function.arguments]
         labels = [function for function in self.functions if function.name.startswith("cw_label")]

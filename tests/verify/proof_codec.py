@@ -40,7 +40,7 @@ def _places(name: str, count: int) -> list[str]:
 
 
 def _unchanged(codec: Codec, names: Iterable[str]) -> str:
-    """Return the claim that members of ``out`` are the same as in ``before``."""
+    """Return the claim that members of ``out`` equal ``before``."""
     members = (member for member in codec.header.structs[codec.type] if member.name in set(names))
     return _all(f"out.{place} == before.{place}" for member in members for place in _places(member.name, member.count))
 
@@ -209,7 +209,7 @@ def _encode_of_decode(codec: Codec, wire: _Wire, decoded_and_encoded: Sequence[s
 
 
 def _writable(codec: Codec) -> Iterator[str]:
-    """Return the further conditions, beyond those of decoding, under which a value can be encoded."""
+    """Return the additional conditions, beyond decoding, under which a value can be encoded."""
 
     def out(name: str) -> str:
         return f"((number)out.{codec.member(name).name})"

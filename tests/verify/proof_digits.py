@@ -1,7 +1,7 @@
 """Decimal digits inside a binary number: every number is tried, because division is too hard for a model checker.
 
-The reference does not divide either. It counts, and carries like an odometer. It reaches every value that an encoder
-accepts.
+The reference does not divide either. It counts, and carries like an odometer. The counter reaches every value that an
+encoder accepts.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from proof_layout import RANGE, Codec
 def program(codec: Codec) -> str:
     """Return a C program for a register whose only field is a number of at most 32 bits with digits.
 
-    It returns 0 if all of them are right.
+    It returns 0 if all of them are correct.
     """
     field = _checked_field(codec)
     limit = 10 ** sum(run.digits for run in field.runs)

@@ -85,12 +85,12 @@ def documented(field: Field) -> int:
 
 
 def ones(field: Field) -> str:
-    """Return the bits of a field as ones."""
+    """Return the bits of a field as 1 bits."""
     return f"received(~(number)0, 0, {in_c(field.width)})"
 
 
 def layout_crc(codec: Codec, word: str = "word") -> str:
-    """Return the CRC in a word, or nothing if it has none."""
+    """Return the CRC in a word, or nothing if the layout has none."""
     fields = codec.layout.crc_fields
     return f"received({word}, {in_c(fields[0].low)}, {in_c(fields[0].width)})" if fields else ""
 

@@ -75,7 +75,7 @@ def _verdict(codec: Codec) -> str:
 
 def _reports(codec: Codec) -> str:
     """Return the mask of reports. The plan defines the names of the bits, and each report has the name of its field."""
-    (frame,) = (reporting for reporting in reportings(codec.device) if reporting.codec.layout.name == codec.layout.name)
+    frame = reportings(codec.device)[codec.layout.name]
     names = {}
     for cause in frame.causes:
         is_unexplained = cause.report.name.endswith("_unexplained")
@@ -97,7 +97,7 @@ def _explained(field: Field) -> str:
 
 
 def _by_answer(field: Field, verdict: Verdict | None) -> Iterator[tuple[str, Verdict | None]]:
-    """Yield each verdict of an active flag with the condition on the user's answer under which it holds."""
+    """Yield each verdict of an active flag with the condition on the user's answer for it."""
     if isinstance(field.kind, Flag) and field.kind.verdict_parameter:
         yield f"variant.{field.kind.verdict_parameter} == 0 && ", verdict
         yield f"variant.{field.kind.verdict_parameter} != 0 && ", field.kind.verdict_if_set
@@ -106,7 +106,7 @@ def _by_answer(field: Field, verdict: Verdict | None) -> Iterator[tuple[str, Ver
 
 
 def _by_code(field: Field) -> Iterator[tuple[bool, str]]:
-    """Yield whether order codes are those without an explanation, and the condition for it."""
+    """Yield whether order codes have no explanation, and the condition for it."""
     yield False, _explained(field)
     if _explained(field):
         yield True, f"!({_explained(field)}1) && "

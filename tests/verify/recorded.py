@@ -1,7 +1,7 @@
 """Requests of the C target's tests to the harness's program, with its answers: recorded once, to be repeated elsewhere.
 
-The tests compare the answers with the manuals' examples, public vectors and the model. A program that gives the same
-answers passes them as well.
+The tests compare the answers with the manuals' examples, public vectors and the model. A program with the same answers
+also passes these tests.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ TESTS = Path(__file__).resolve().parents[1]
 
 
 def every_device() -> dict[str, Device]:
-    """The families and the made-up devices of the C tests."""
+    """The families, and the made-up devices of the C tests."""
     return {**library(), **{device.name: device for path in MADE_UP.values() for device in devices_of(path)}}
 
 

@@ -1,7 +1,7 @@
 """The page in a real browser, with a hundred thousand frames of each layout, valid and disturbed.
 
-Fields, error, verdict and reports are those of the reference codec, and of the generated Python package for each order
-code with its defaults. A tenth as many contents of registers are read. ``CODEWHEEL_FRAMES`` lowers the number.
+Fields, error, verdict and reports equal the reference codec's, and the generated Python package's for each order code
+with its defaults. A tenth as many contents of registers are read. ``CODEWHEEL_FRAMES`` lowers the number.
 """
 
 from __future__ import annotations

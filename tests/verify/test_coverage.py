@@ -47,8 +47,8 @@ class Unreached:
     reason: str
 
 
-#: Results of functions that can refuse only a length, and receive that of an array of their own size. They are still
-#: checked (MISRA C:2012 Dir 4.7). The same lines are needed for a spec whose values can be refused.
+#: Results of functions that can refuse only a length, and receive the length of an array of their own size. They are
+#: still checked (MISRA C:2012 Dir 4.7). The same lines are needed for a spec whose values can be refused.
 UNREACHED = (
     Unreached(
         r"lika_\w+_could_be",
@@ -133,7 +133,7 @@ def coverage(headers: dict[str, Path], tmp_path_factory: pytest.TempPathFactory)
 
 def test_every_line_and_branch_is_reached(coverage: Coverage, headers: dict[str, Path]) -> None:
     with_functions = {name for name, path in headers.items() if "static inline" in path.read_text(encoding="ascii")}
-    # The region in result.h is that of CW_ASSERT, where it is used.
+    # The region in result.h belongs to CW_ASSERT, where it is used.
     assert {place[0] for place in coverage.regions} - {"result.h"} == with_functions
     assert len(coverage.regions) > 2_000
     assert len(coverage.true) > 500

@@ -102,7 +102,7 @@ class Peer:
         return encoder.with_answers(**answers) if answers else encoder
 
     def answers(self, variant: Variant) -> list[Any]:
-        """Return the answers for a decoder, with the first one if the variant has none."""
+        """Return the answers for a decoder, with the first answer if the variant has none."""
         _, state = label_and_state(variant)
         return [answers[int(state.get(name, "0"), 16)] for name, answers in self.open.items()]
 
@@ -145,10 +145,10 @@ class Peer:
         return differences
 
     def encoded(self, codec: Codec, value: Any) -> tuple[int, bytes]:
-        """Return the result and the bytes that C should give for ``value``.
+        """Return the result and the bytes that C should return for ``value``.
 
-        Python also keeps the bits of a register that no field has. C writes 0 there. A copy does not keep the bytes of
-        a register with limits, so it is checked as in C.
+        Python also keeps the bits of a register that belong to no field. C writes 0 there. A copy does not keep the
+        bytes of a register with limits, so it is checked as in C.
         """
         value = value._replace(unused=0) if codec.view.plan.keeps_others else value._replace()
         try:
@@ -249,9 +249,8 @@ class Oracle:
 
     def __init__(self, device: Device, codec: Codec) -> None:
         self.device, self.layout = device, codec.layout
-        reports = next(
-            (reporting.causes for reporting in reportings(device) if reporting.codec.layout.name == codec.name), ()
-        )
+        reporting = reportings(device).get(codec.name)
+        reports = reporting.causes if reporting is not None else ()
         self._bits = {report_key(device, report): 1 << report.report.number for report in reports}
 
     def findings_of(

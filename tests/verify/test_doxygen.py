@@ -9,7 +9,7 @@ from claims import planted
 from tools import tool
 from tree import generated_tree
 
-#: Everything has a comment, and Doxygen accepts each. EXTRACT_ALL would hide missing ones.
+#: Everything has a comment, and Doxygen accepts each. EXTRACT_ALL would hide missing comments.
 SETTINGS = """\
 INPUT = "{include}"
 OUTPUT_DIRECTORY = "{output}"

@@ -239,7 +239,7 @@ def on_socket(folder: Path, encoder: VirtualEncoder, line: Line) -> Iterator[Pat
 
 
 def program(folder: Path, example: str, port: str, main: str) -> Path:
-    """Compile an example for the board, with our port in place of the simulated one."""
+    """Compile an example for the board, with our port instead of the simulated port."""
     for name, text in generate(Library(devices_of())).items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -1,7 +1,7 @@
 """The generated decoders stay as small and fast as recorded: bytes, instructions and cycles are exact.
 
-``python benchmarks/footprint.py --write`` records them again. docs/trust/footprint.md has the same figures next to
-those of others.
+``python benchmarks/footprint.py --write`` records them again. docs/trust/footprint.md shows the same figures next to
+other generators.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ def _is_more(measured: Sequence[int | None], recorded: Sequence[int | None]) -> 
 
 @pytest.mark.parametrize("name", ["cortex-m0plus", "cortex-m4"])
 def test_what_is_around_is_within_its_bounds(name: str, around: Any) -> None:
-    """Bytes of code, and instructions from a buffer to a position. The recorded values are those of the test above."""
+    """Bytes of code, and instructions from a buffer to a position. The recorded values come from the test above."""
     recorded = AROUND[name]["figures"]
     assert {part.title: part.most for part in around.PARTS if 0 < part.most < recorded[part.title][0]} == {}
     bounds = {part.title: part.call.at_most[name] for part in around.PARTS if part.call and name in part.call.at_most}

@@ -1,4 +1,4 @@
-"""The tool as installed in a fresh environment knows every encoder, and gives a user of one nothing of the others.
+"""The tool as installed in a fresh environment knows every encoder, and writes only what a user selects.
 
 Each frame is printed or logged in a public source, which the spec cites with it.
 """

@@ -15,8 +15,8 @@ ROOT = Path(__file__).resolve().parents[2]
 DEVIATIONS = ROOT / "generated" / "c" / "MISRA.md"
 #: For unused types, tags and macros: only in files that do not use them.
 UNUSED = {"2.3", "2.4", "2.5"}
-#: Sizes of int and long: 16 and 32 bits for headers that are only included, 32 and 32 for those of which all is used.
-#: With 32 and 64, what is planted is found.
+#: Sizes of int and long: 16 and 32 bits for headers that are only included, 32 and 32 for headers that are used
+#: completely. With 32 and 64, what is planted is found.
 SMALL, USUAL, LARGE = "avr8", "arm32-wchar_t4", "unix64"
 
 
@@ -61,7 +61,7 @@ def findings(code: str, include: Path, folder: Path, platform: str) -> set[tuple
 
 
 def by_interface(headers: list[str]) -> list[list[str]]:
-    """Return the headers in groups. The others of an interface include the first one.
+    """Return the headers in groups. The other headers of an interface include the first header.
 
     The add-on compares all names of a unit with each other, so all headers at once take minutes.
     """

@@ -78,8 +78,8 @@ int main(void)
 """
 
 
-#: Counts the angles that differ from those of a division: of each position of three turns with few steps, and of
-#: positions and steps of any width, including those next to a multiple of the steps.
+#: Counts the angles that differ from a division: of each position of three turns with few steps, and of positions and
+#: steps of any width, including positions next to a multiple of the steps.
 ANY_STEPS = """
 #include <stdio.h>
 #include "codewheel/angle.h"

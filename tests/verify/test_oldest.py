@@ -17,7 +17,10 @@ LOWEST = re.findall(r'"([\w-]+)>=([\d.]+)"', NEEDED)
 
 
 def python_of_version(version: str) -> str:
-    """Return the Python of a version, on the path or where version managers put it, next to this one. "" if none."""
+    """Return the Python of a version, on the path or where version managers install it, next to this Python.
+
+    "" if none.
+    """
     beside = Path(sys.base_prefix).parent
     candidates = [shutil.which(f"python{version}"), *map(str, sorted(beside.glob(f"{version}.*/bin/python")))]
     return next((path for path in candidates if path and _runs(path)), "")

@@ -1,9 +1,9 @@
 """Proof by a bounded model checker, for all inputs and for every order code.
 
-Every decoder and encoder has no undefined behaviour, and gives the same result and members as a plain reference written
-from the layout. Exactly the values in range are encoded, decode(encode(x)) = x and encode(decode(f)) = f. Every other
-function has no undefined behaviour, leaves its results unchanged on an error, and reports a failure of the transport.
-The errors at the end show that the proofs can fail.
+Every decoder and encoder has no undefined behaviour, and returns the same result and members as a plain reference
+written from the layout. Exactly the values in range are encoded, decode(encode(x)) = x and encode(decode(f)) = f. Every
+other function has no undefined behaviour, leaves its results unchanged on an error, and reports a failure of the
+transport. The errors at the end show that the proofs can fail.
 
 Parameters that registers set at run time are arbitrary, together with every order code. If these are too many for the
 solver at once, as for the single cycle data of AM36, one width is fixed to its minimum, middle and maximum, or to each
@@ -92,7 +92,7 @@ def codecs(device: Device, header: Header) -> Iterator[Codec]:
 
 
 def states(codec: Codec) -> Iterator[Mapping[str, int]]:
-    """Yield the cases that are proved one by one, or an empty one if all parameters are proved at once.
+    """Yield the cases that are proved one by one, or an empty case if all parameters are proved at once.
 
     A case fixes the first width in a register, at its ends and middle or at each value, and all switches. The other
     widths stay arbitrary.
@@ -199,8 +199,8 @@ def test_every_number_with_decimal_digits(include: Path, tmp_path: Path) -> None
     assert count
 
 
-#: Errors like those of a wrong generator: header, function, text in it, its replacement,
-#: and the proof that must fail.
+#: Errors that a wrong generator could make: header, function, text in it, its replacement, and the proof that must
+#: fail.
 SEEDED = {
     "mask": (
         "amm5_biss",
@@ -343,7 +343,7 @@ def proof_called(name: str, stem: str, include: Path) -> Proof:
 def verdicts(checker: Checker, include: Path, tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Result]:
     """The proofs fail if there is an error in a header.
 
-    The tests above show that they hold for the unchanged header.
+    The tests above show that the proofs hold for the unchanged header.
     """
     runs: list[tuple[Proof, Path]] = []
     for stem, function, pattern, instead, name in SEEDED.values():
@@ -356,6 +356,6 @@ def verdicts(checker: Checker, include: Path, tmp_path_factory: pytest.TempPathF
 
 @pytest.mark.parametrize("fault", SEEDED)
 def test_a_seeded_fault_is_refuted(fault: str, verdicts: Mapping[str, Result]) -> None:
-    """The proof that holds for the unchanged header fails for one with this error."""
+    """The proof that holds for the unchanged header fails for a header with this error."""
     assert not verdicts[fault].proved, verdicts[fault].words
     assert "REFUTED" in verdicts[fault].words, verdicts[fault].words

@@ -1,8 +1,7 @@
-"""Many frames at once give the same results as C, single frames and the model, for a million of each layout.
+"""Many frames at once lead to the same results as C, single frames and the model, for a million of each layout.
 
-The first two tests are those of tests/python/test_many.py with more frames. The third takes the frames of the
-comparison of C and Python, and compares columns directly with the answers of C. ``CODEWHEEL_FRAMES`` sets another
-number.
+The first two tests repeat tests/python/test_many.py with more frames. The third uses the frames of the comparison of C
+and Python, and compares columns directly with the answers of C. ``CODEWHEEL_FRAMES`` sets another number.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ HARNESS = Path(__file__).with_name("proof_receive.c")
 MORE = ("--unsigned-overflow-check", "--conversion-check")
 #: Rounds of each loop: 16 bits or bytes, or the 32 bits after the last word of a longer line.
 ROUNDS = defaultdict(lambda: 18, a_start_bit=34, a_frame_in_eight_bytes=34)
-#: Fewer for the loops that store a frame of up to four bytes. Without them, the claims take twenty times as long.
+#: Fewer for the loops that store a frame of up to four bytes. Without them, the proofs take twenty times as long.
 AS_BYTES = ("--unwindset", "cw_received_frame.0:5,cw_received_bits.0:4")
 
 
@@ -29,7 +29,7 @@ def include() -> Path:
 
 
 def header_with(code: str) -> str:
-    """Return the name of the receivers' header that has this code."""
+    """Return the name of the receivers' header that contains this code."""
     headers = (RUNTIME / "codewheel" / name for name in ("receive.h", "receive_frame.h"))
     return next((path.name for path in headers if code in path.read_text(encoding="ascii")), "receive.h")
 

@@ -19,7 +19,8 @@ from tree import number_from_environment
 
 FRAMES = min(number_from_environment("CODEWHEEL_FRAMES", 100_000), 100_000)
 CONTENTS = FRAMES // 10
-#: Versions of clippy whose findings are errors: that of Debian 12, and a current one. Findings of others are warnings.
+#: Versions of clippy whose findings are errors: the version of Debian 12, and a current version. Findings of others are
+#: warnings.
 STRICT = ("0.1.63", "0.1.95")
 
 
@@ -57,7 +58,7 @@ def test_clippy_finds_nothing_in_hostile_texts(hostile: Library, tmp_path: Path)
 
 
 def clippy(main: Path, folder: Path) -> None:
-    """Fail on findings of a strict version, and warn of those of any other."""
+    """Fail on findings of a strict version, and warn about findings of any other."""
     driver = rust_tool("clippy-driver")
     sysroot = _output_of(str(Path(driver).with_name("rustc")), "--print", "sysroot")[0].strip()
     options = ("--sysroot", sysroot, "--edition", "2021", "--emit", "metadata", "--out-dir", str(folder))

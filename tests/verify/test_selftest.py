@@ -1,4 +1,4 @@
-"""The self-test as a user builds it, on each machine. It returns 0, and another number if a header was changed."""
+"""The self-test as a user builds it, on each machine. It returns 0, or another number if a header was changed."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from working_tools import require
 
 ROOT = Path(__file__).resolve().parents[2]
 
-#: Axe checks one of this many pages that are alike.
+#: Axe checks one in this many similar pages.
 SOME = 16
 AXE = ROOT / "build" / "axe" / "axe_playwright_python" / "axe.min.js"
 
@@ -40,8 +40,8 @@ def browser(tmp_path: Path) -> Browser:
 def test_every_page(site: Path, browser: Browser, width: int, dark_last: bool, limit: float) -> None:
     """Nothing is cut off, and axe finds nothing serious on pages with elements that no page before them has.
 
-    It takes longer than everything else together, so it checks only some of the others, which are alike.
-    No table scrolls in its box at 1280 pixels, and fewer than one of twenty do at 375.
+    It takes longer than everything else together, so it checks only some of the similar pages. No table scrolls in its
+    box at 1280 pixels, and fewer than one in twenty scroll at 375.
     """
     script = AXE.read_text(encoding="utf-8") if AXE.exists() else ""
     count, wide, faults_by_page = 0, dict[str, list[str]](), dict[str, list[str]]()

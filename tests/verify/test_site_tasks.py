@@ -2,7 +2,7 @@
 
 The answers are typed from the manuals: AMM5 1.9 (4.1.1 to 4.1.3, 4.3.2, 6.2, 6.4, 7.1, 7.3, 7.6), AM36 1.0 (4, 6.2,
 6.4), ASC85 1.0 (4, 5.3) and SMA21 1.2 (4.1, 4.2, 7.1, 7.3, 9). Durations are counted here: bits, start bit and CDS bit
-at 1 MHz, or bytes of ten bits at 2.5 MBd. Clocks for cables of BiSS are those of AN15 of iC-Haus.
+at 1 MHz, or bytes of ten bits at 2.5 MBd. Clocks for cables of BiSS come from AN15 of iC-Haus.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ QUERIES = {
     "frame at 1 MHz": "frame time",
     "save": "save to eeprom",
 }
-#: Answers of each order code: rows of a page, with the texts that each must contain. Those with ", not " are on the
+#: Answers of each order code: rows of a page, with the texts that each must contain. Answers with ", not " are on the
 #: page of the search, without a click.
 BISS_CABLE = ["10 m | 10 MHz", "25 m | 5 MHz", "60 m | 2 MHz", "100 m | 1 MHz", "200 m | 500 kHz"]
 SSI_CABLE = ["50 m | 400 kHz", "100 m | 300 kHz", "200 m | 200 kHz", "400 m | 100 kHz"]

@@ -13,7 +13,7 @@ import pytest
 from python_path import python_path
 from stream import LIMIT, measured
 
-#: The frame at the beginning of the README: 42 revolutions and 1821973 counts, and one with another CRC.
+#: The frame at the beginning of the README: 42 revolutions and 1821973 counts, and a frame with another CRC.
 GOOD, DAMAGED, POSITION = 0x55BCD15E2, 0x55BCD15E3, 89902357
 FILES, ROWS = 3, 500
 #: Rows for the programs of the README at full size, in files of a million.

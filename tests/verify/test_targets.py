@@ -1,6 +1,6 @@
-"""The same code gives the same results on Cortex-M0, M3, M4, big-endian PowerPC and the host, there also by table.
+"""The same code returns the same results on Cortex-M0, M3, M4, big-endian PowerPC and the host, there also with tables.
 
-Its input is that of all tests of the C target, including the worked examples of the manuals and public vectors, and
+Its input comes from all tests of the C target, including the worked examples of the manuals and public vectors, and
 thousands of random and disturbed frames of each layout, which are also compared with the model's own codec.
 ``CODEWHEEL_TARGET_FRAMES`` sets another number of them.
 """
@@ -88,7 +88,7 @@ def questions(batch: Batch) -> list[tuple[Codec, list[tuple[Variant, bytes]]]]:
 
 
 def values_to_encode(batch: Batch) -> bytes:
-    """Return random members, with few bits as often as with many. Some fit, most do not."""
+    """Return random members, with few bits as often as with many. Some values fit, most do not."""
     random_ = random.Random("members")
     chunk_data = b""
     for codec in batch.codecs:

@@ -1,6 +1,6 @@
 """Virtual encoders against the generated package: frames of each layout, and links with each fault, in virtual time.
 
-The link gets 100,000 requests for each fault, and a tenth of that for each encoder with its own requests.
+The link gets 100,000 requests for each fault, and 10,000 requests for each encoder with its own requests.
 ``CODEWHEEL_FRAMES`` lowers all of these numbers.
 """
 

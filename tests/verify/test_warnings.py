@@ -178,8 +178,8 @@ def test_only_the_three_headers_of_the_standard_are_included(headers: tuple[Path
 #: The macros that identify compilers, and unaligned loads on Arm, which decide how an XOR of bytes is written.
 #: SDCC returns no structures.
 _COMPILER = r"__(GNUC__|SDCC\b|ARM_FEATURE_UNALIGNED\b)"
-#: The only built-in functions are those for words of memory, used where a macro says that they exist, and the one that
-#: keeps C++17 from using them at compile time.
+#: The only built-in functions are functions for words of memory, used where a macro says that they exist, and the
+#: function that keeps C++17 from using them at compile time.
 _PREDEFINED = (
     _COMPILER
     + r"|__(ARM_FEATURE_(UNALIGNED|CLZ)|(BYTE_)?ORDER(_LITTLE_ENDIAN)?__|builtin_(memcpy|bswap32|bswap64|clz|clzll))"
@@ -240,7 +240,7 @@ def test_no_function_calls_itself(headers: tuple[Path, list[str]]) -> None:
     include, header_names = headers
     for header in header_names:
         code = without_texts((include / header).read_text(encoding="ascii"))
-        # A macro calls functions that stand above it.
+        # A macro calls functions that are above it.
         code = re.sub(r"^#define(?:.*\\\n)*.*\n", "", code, flags=re.MULTILINE)
         names = [name for _, name, _ in declared([code]).functions]
         # A macro behind a function may call it.

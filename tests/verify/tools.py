@@ -1,4 +1,4 @@
-"""Tools of the evidence. If one is missing or cannot do its job, its test is skipped with a message that says so."""
+"""Tools of the evidence. If a tool is missing or cannot do its job, its test is skipped with a message that says so."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Subject of the evidence: the C headers and the Python package as generated.
 
-They are generated from the present specs. ``CODEWHEEL_GENERATED`` names a folder to use instead, laid out like
+The headers are generated from the present specs. ``CODEWHEEL_GENERATED`` names a folder to use instead, laid out like
 ``generated/``. A copy that was broken on purpose shows which check detects it.
 """
 
@@ -29,7 +29,7 @@ def library() -> Mapping[str, Device]:
 
 @functools.lru_cache
 def interfaces() -> Mapping[str, Device]:
-    """Return each family with one of its interfaces, as in C, by the stem of its headers."""
+    """Return each family with only one of its interfaces, as in C, by the stem of its headers."""
     return interfaces_of(library().values())
 
 
@@ -55,7 +55,7 @@ def package_of(device: Device, folder: Path) -> ModuleType:
 
 
 def include_of(device: Device, folder: Path) -> Path:
-    """Return the include folder for a device: that of the library's families, or one for a made-up device."""
+    """Return the include folder for a device: of the library's families, or of a made-up device."""
     if device.name in library():
         return (
             (Path(os.environ["CODEWHEEL_GENERATED"]).resolve() if "CODEWHEEL_GENERATED" in os.environ else folder)

@@ -102,7 +102,7 @@ class Bench:
         return fault, data
 
     def received(self, data: int) -> int:
-        """Return the CDS that C finds in the samples. The word is the one that was sent, or nothing is found."""
+        """Return the CDS that C finds in the samples. The word is the sent word, or nothing is found."""
         cds = int(self.library.received(self.rx, SIZE, WORD_BITS, ctypes.byref(self.word)))
         assert cds == LOST or self.word.value >> WORD_BITS - DATA_BITS == data
         return cds
@@ -134,7 +134,7 @@ class RtlSlave:
 
 
 class RtlMaster:
-    """The master in Verilog and the line of its slave, whose registers are those of the slave in C."""
+    """The master in Verilog and the line of its slave, whose registers are the registers of the slave in C."""
 
     def __init__(self, bench: Bench, slave: SlaveInC, late: bool) -> None:
         self.bench, self.slave, self.late = bench, slave, int(late)
@@ -142,7 +142,8 @@ class RtlMaster:
         self.cds = 0
 
     def _run(self, write: bool, address: int, count: int, limit: int) -> str:
-        # It counts how often S was not answered. With one frame of delay, there are 35 frames between two such times.
+        # The driver counts how often S was not answered. With one frame of delay, there are 35 frames between two such
+        # times.
         self.bench.ask(self.late, int(write), address, count, limit // 35 if self.late else limit)
         outcome = "RUNNING"
         while outcome == "RUNNING":

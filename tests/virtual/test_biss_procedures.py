@@ -158,7 +158,7 @@ def test_every_fault_of_a_clocked_line(generated_python: Package) -> None:
             value = decoded.usable_position
             outcome = "right" if value == true_position else "wrong"
             outcomes["none" if value is None else outcome] += 1
-        # A cut leaves ones, and a disturbed start bit moves the word: six bits of CRC miss one in 64.
+        # A cut leaves 1 bits, and a disturbed start bit moves the word: six bits of CRC miss one in 64.
         assert outcomes["wrong"] <= (2000 * 0.3 / 64 if fault in ("short", "brownout", "flip") else 0), fault
         assert outcomes["right"] > 100, fault
         assert outcomes["none"] > 100 or fault in ("late", "busy", "restart"), fault

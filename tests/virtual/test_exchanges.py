@@ -133,7 +133,10 @@ def test_requests_that_cannot_be_exchanged(modules: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize(("code", "counts"), [("AMT212B", 1 << 14), ("SKM36", 1 << 24)])
 def test_a_virtual_encoder_answers(code: str, counts: int, modules: dict[str, Any]) -> None:
-    """Positions arrive, even if a request comes byte by byte or after a broken one. Other addresses get no answer."""
+    """Positions arrive, even if a request comes byte by byte or after a broken request.
+
+    Other addresses get no answer.
+    """
     from codewheel_runtime.link import NoReplyError
 
     chance = random.Random(485)
@@ -152,7 +155,7 @@ def test_a_virtual_encoder_answers(code: str, counts: int, modules: dict[str, An
 
 
 def outcomes(module: Any, code: str, fault: str, total: int) -> tuple[Counter[str], Counter[str], int]:
-    """Return the outcomes without retries and many faults, those with retries and few, and the number of faults."""
+    """Return the outcomes without retries and many faults, with retries and few faults, and the number of faults."""
     counts, injected = [], 0
     for rate, retries in ((0.2, 0), (0.02, 3)):
         seed = crc32(f"{code} {fault}".encode())
@@ -167,7 +170,7 @@ def outcomes(module: Any, code: str, fault: str, total: int) -> tuple[Counter[st
 def check_positions(module: Any, code: str, fault: str, requests: int) -> None:
     """Half of the requests without retries and many faults, half with retries and few: no position is wrong.
 
-    The replies of the AMT21 can begin with any byte, so those with other bytes around them are refused.
+    The replies of the AMT21 can begin with any byte, so replies with other bytes around them are rejected.
     """
     refused = ("DisturbedError",) if fault in ("doubled", "junk") and code == "AMT212B" else ()
     plain, retried, injected = outcomes(module, code, fault, requests)

@@ -1,6 +1,7 @@
 """Replies that arrive twice, and a second device that answers, in virtual time: no position of an earlier request.
 
-The line is a model of its own. It has the transmission times of 2.5 Mbaud and a turnaround, but no virtual encoder.
+The line is a model of its own. The line has the transmission times of 2.5 Mbaud and a turnaround, but no virtual
+encoder.
 """
 
 from __future__ import annotations
@@ -152,7 +153,7 @@ def test_copies_at_any_time(generated_python: Package, turnaround: float, splits
     session = session_on(generated_python[1], line)
     assert count_stale(line, session, 3000) == 0
     assert line.extras > 40
-    # A copy can still be on its way at the end, and one that arrives in two parts is not always recognised.
+    # A copy can still be on its way at the end, and a copy that arrives in two parts is not always recognised.
     assert line.extras - 1 - 10 * splits <= session.statistics.extra_replies <= line.extras
 
 
@@ -240,7 +241,7 @@ def test_a_second_device_is_an_error(generated_python: Package, second: float, p
     line = Line(second=second)
     session = session_on(generated_python[1], line, retries=retries)
     error: Exception = RuntimeError()
-    # If the other one is slow, a few requests are over when its first reply arrives.
+    # If the other encoder is slow, a few requests are over when its first reply arrives.
     calls = 3 + int(second / 0.0003)
     while calls and not isinstance(error, SecondDeviceError):
         try:

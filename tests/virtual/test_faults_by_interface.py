@@ -19,7 +19,7 @@ from codewheel.virtual.clocked_lines import ByLevels
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "specs"
-#: Faults that need a request and a reply as bytes, and one that needs a start bit.
+#: Faults that need a request and a reply as bytes, and a fault that needs a start bit.
 ONLY_BYTES = {"doubled", "repeated", "second", "echo", "junk"}
 NOT_CLOCKED = {"biss": ONLY_BYTES, "ssi": ONLY_BYTES | {"late"}, "spi": ONLY_BYTES | {"late", "busy"}}
 CODES = {"rs485": "AMM5A23/65KJP1", "biss": "AMM5A21/65KSC1", "ssi": "AMM5A21/65KBG1", "spi": "AS5047P"}
@@ -85,7 +85,7 @@ def test_the_page_lists_the_faults_of_each_interface() -> None:
 
 @cache
 def families() -> tuple[Device, ...]:
-    """Return all families, those of the examples included."""
+    """Return all families, including the families of the examples."""
     devices, report = load_library([EXAMPLES])
     assert not report
     return tuple(device for device in devices if not device.base)

@@ -1,4 +1,4 @@
-"""Faults by name, each at a rate, without I/O and in virtual time: every one has its error, none a wrong position."""
+"""Faults by name, at a rate, without I/O and in virtual time: each leads to its error, none to a wrong position."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ ERRORS = {
     "lost": ("NoReplyError",),
     "short": ("DisturbedError", "NoReplyError"),
     "doubled": (),
-    # An extra reply before or after the next one makes that one useless, if they differ.
+    # An extra reply before or after the next reply makes that reply useless, if they differ.
     "repeated": ("DisturbedError", "SecondDeviceError"),
     "second": ("DisturbedError", "SecondDeviceError"),
     # The second part of a late reply looks disturbed.

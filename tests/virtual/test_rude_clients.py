@@ -1,4 +1,4 @@
-"""A client that floods a virtual encoder, goes away or reads nothing does not keep the next one waiting."""
+"""A client that floods a virtual encoder, goes away or reads nothing does not keep the next client waiting."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FLOOD = b"\x02" * (2 << 20)
 
 
 class Counting:
-    """Line that answers each byte with eleven, takes a time for it, and counts the bytes that it has received."""
+    """Line that answers each byte with eleven bytes, takes time for it, and counts the bytes that it has received."""
 
     def __init__(self, pause_s: float = 0) -> None:
         self.received, self._answers, self._pause_s = 0, b"", pause_s

@@ -22,7 +22,7 @@ def ssi_word(encoder: VirtualEncoder, bits: int) -> str:
 
 def test_gray_over_ssi() -> None:
     encoder = VirtualEncoder("ssi,gray:position=13,error=high", 0b1_0110_0000_1111)
-    # Gray code: each bit is that of the number, xor the one in front of it.
+    # Gray code: each bit equals the number's bit, xor the bit before it.
     assert ssi_word(encoder, 14) == "1110100001000" + "0"
     encoder.set_flag("error")
     assert ssi_word(encoder, 14) == "1110100001000" + "1"

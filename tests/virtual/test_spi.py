@@ -32,7 +32,7 @@ def virtual() -> tuple[VirtualEncoder, SpiLine]:
 
 
 def even(word: int) -> int:
-    """The word with bit 15 such that the number of ones is even."""
+    """The word with bit 15 such that the number of 1 bits is even."""
     return word | (word.bit_count() & 1) << 15
 
 
@@ -65,7 +65,7 @@ def test_replies_come_with_the_next_word() -> None:
 
 
 def test_a_register_is_written_in_two_words() -> None:
-    """SETTINGS1 at 18h: the reply to the address has the old value, and that to the data the new one."""
+    """SETTINGS1 at 18h: the reply to the address contains the old value, and the reply to the data the new value."""
     _, line = virtual()
     line.exchange(0x0018)
     assert line.exchange(even(0x0081)) == even(0x0001)
@@ -243,7 +243,7 @@ FRAMES = {
 
 
 def valid(name: str) -> list[int]:
-    """Each word of a frame that is valid: an even number of ones, and its constants."""
+    """Each word of a frame that is valid: an even number of 1 bits, and its constants."""
     mask, value, _ = FRAMES[name]
     return [word for word in range(1 << 16) if not word.bit_count() & 1 and word & mask == value]
 

@@ -33,7 +33,8 @@ procedures:
       - {do: read, register: trimming, meaning: read ET}
     source: "mo: SetConfig; ml: set_et"
 """
-#: Calls for each list of spi_calls.c. Those of the first are in Figure 6-10 on page 72 of the TLE5012B User's Manual.
+#: Calls for each list of spi_calls.c. The words of the first program are in Figure 6-10 on page 72 of the TLE5012B
+#: User's Manual.
 CALLS = {
     "set zero": ["read 09: FE 70", "write 09: 76 00", "read 09: 76 00", "bytes 00: 76 00", OK],
     "neighbours": ["read 10: FE 70", "bytes 00: FE 70", OK],

@@ -28,7 +28,7 @@ READ = bytes.fromhex("80 91 FF FF FF FF")
 
 
 def even(word: int) -> int:
-    """The word with bit 15 such that the number of ones is even."""
+    """The word with bit 15 such that the number of 1 bits is even."""
     return word | (word.bit_count() & 1) << 15
 
 
@@ -111,7 +111,7 @@ def test_bits_of_other_fields_are_kept_in_two_words(load: Callable[[str], Any]) 
 
 
 def test_registers_at_the_next_address_are_not_confused(load: Callable[[str], Any]) -> None:
-    """The bytes of two registers of two bytes at 16h and 17h do not overlap, and a wrong one is found."""
+    """The bytes of two registers of two bytes at 16h and 17h do not overlap, and a wrong byte is found."""
     package, steps = load("ams_encoders"), load("codewheel_runtime.steps")
     encoder = VirtualEncoder("AS5047P", specs=[SPECS])
     bus = package.lookup("AS5047P").pipeline().bus(SpiLine(encoder).exchange)

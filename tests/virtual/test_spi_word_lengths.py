@@ -171,7 +171,7 @@ def test_c_takes_a_word_in_the_smallest_type(outputs: Path, header: str, decoder
 
 
 def test_c_refuses_another_length(outputs: Path, tmp_path: Path) -> None:
-    """A word of 32 bits as one of 16, and the other way round. Both words are then unchanged."""
+    """A word of 32 bits sent as a word of 16 bits, and vice versa. Both words are then unchanged."""
     source, program = tmp_path / "words.c", tmp_path / "words"
     source.write_text(_LENGTHS_C, encoding="ascii")
     strict = "-std=c99 -Wall -Wextra -Wconversion -Werror -fsanitize=undefined,address".split()

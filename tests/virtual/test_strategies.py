@@ -1,4 +1,4 @@
-"""Hypothesis strategies for users: frames of a virtual encoder, valid ones and those with one wrong bit."""
+"""Hypothesis strategies for users: frames of a virtual encoder, valid or with one wrong bit."""
 
 from __future__ import annotations
 

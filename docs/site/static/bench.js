@@ -31,7 +31,7 @@
 
   function cable(table) {
     const rows = rowsOf(table);
-    // SSI has lengths and clocks that must stay below those of the table.
+    // SSI has lengths and clocks that must stay below the table's.
     const isBelow = textOf(table.tHead.rows[0].cells[0]).endsWith("below");
     const holds = (one, metres) => metres < one.metres || (metres === one.metres && !isBelow);
     const lengths = LENGTHS.filter((metres) => rows.some((one) => holds(one, metres)));

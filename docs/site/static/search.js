@@ -95,7 +95,7 @@
 
   // --------------------------------------------------------------------------------------------- questions
 
-  /** Words of which a query has one: exact ones by their stems, and beginnings, which end with an asterisk. */
+  /** Words one of which is in a query: exact words by their stems, and beginnings, which end with an asterisk. */
   function alternativesIn(text) {
     const words = plain(text).split(/\s+/).filter(Boolean);
     const beginnings = words.filter((word) => word.endsWith("*")).map((word) => word.slice(0, -1));
@@ -113,7 +113,7 @@
     const accounted = new Map();
     for (const { page, parts } of asked) {
       const matching = words.filter((word) => parts.some((isOne) => isOne(word)));
-      // One word may be in several parts, but does not stand for all of them.
+      // One word may be in several parts, but counts for one.
       if (matching.length < parts.length || !parts.every((isOne) => words.some(isOne))) continue;
       const { covered, most } = accounted.get(page) ?? { covered: new Set(), most: 0 };
       matching.forEach((word) => covered.add(word));
@@ -155,7 +155,7 @@
     return (read(label).label ? label : text).replace(TASK, "$1");
   }
 
-  /** What was typed: a label or the beginning of one, a family, and the words besides. */
+  /** What was typed: a label or its beginning, a family, and the other words. */
   function read(text) {
     const pieces = text.trim().split(/\s+/).filter(Boolean);
     const asked = { label: null, wrong: "", family: "", manufacturer: "", words: pieces, text: text.trim() };
@@ -188,7 +188,7 @@
     return { words: rest.length ? rest : words, others: [...new Set(others)] };
   }
 
-  /** The page of a listed code, or of the listed code whose numbers an unlisted one has. */
+  /** The page of a listed code, or of the listed code with the same numbers as an unlisted code. */
   function pageOf(label) {
     const code = label.code in INDEX.codes ? label.code : label.family.codes.find((row) => {
       const over = label.family.interfaces[row[1]];
@@ -197,7 +197,7 @@
     return code === undefined ? null : pages[INDEX.codes[code]];
   }
 
-  /** Why a text is not an order code: of the beginning of one, the part that is wrong. */
+  /** Why a text is not an order code: for the beginning of a code, the wrong part. */
   function helpFor(text) {
     const whole = messageFor(text);
     for (const code of Object.keys(INDEX.codes)) {
@@ -238,7 +238,7 @@
     return rows[one.length][other.length];
   }
 
-  /** A word as it is, or the nearest word of titles and synonyms if no page has one that begins like it. */
+  /** A word as it is, or the nearest word of titles and synonyms if no page has a word that begins like it. */
   function corrected(word) {
     const typed = plain(word);
     if (!/^[a-z]{5,}$/.test(typed)) return word;
@@ -301,7 +301,7 @@
         // The upper part of the page of an order code answers most questions at once.
         const isUpper = section.isInSight && section.page === page;
         const weight = section.isExample ? WEIGHTS.aside : isNamedMaster(section, words) ? 1 : WEIGHTS[section.page.kind];
-        // Families of lower grades come after those from manuals, unless their names are among the words.
+        // Families of lower grades come after families from manuals, unless their names are among the words.
         const score = scoreOf(section, words, someAreEnough, isUpper) * weight * (section.page.isLower ? 0.4 : 1);
         return { section, score: isUpper ? 2 * score : score };
       })
@@ -409,7 +409,7 @@
     });
   }
 
-  /** The codes that begin like a wrong one, or else those that its help names. */
+  /** The codes that begin like a wrong code, or else the codes in its help. */
   function codesLike(text, help) {
     const start = squeezed(text);
     const codes = Object.keys(INDEX.codes);

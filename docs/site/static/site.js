@@ -3,7 +3,7 @@
   "use strict";
   const all = (selector) => document.querySelectorAll(selector);
 
-  /** Makes boxes that scroll reachable by the keyboard, and only those. */
+  /** Makes only boxes that scroll reachable by the keyboard. */
   function mark() {
     all(".table-wrapper, pre").forEach(function (item) {
       if (item.scrollWidth > item.clientWidth) {

@@ -88,7 +88,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _print_stored(result: CachedResult, arguments: argparse.Namespace) -> bool:
-    """Print the result of an earlier run with the same specs, and return whether there is one. It has no problems."""
+    """Print the result of an earlier run with the same specs, and return whether there is one.
+
+    A stored result has no problems.
+    """
     from ..cached_result import report_of
 
     specs_read = result.get()
@@ -179,7 +182,7 @@ def as_text(families: Sequence[str], report: Report, form: str = "text") -> str:
     elif families:
         family_count = "1 family" if len(families) == 1 else f"{len(families)} families"
         lines.append(f"no problems in {family_count}: {', '.join(families)}")
-    else:  # Some files define no family, such as those of masters.
+    else:  # Some files define no family, such as descriptions of masters.
         lines.append("no problems")
     return "\n".join(lines)
 

@@ -79,7 +79,7 @@ def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache =
     )
     for family in to_check:
         file = family.document.file
-        # A family whose content is not known is not stored, and neither is one whose files have changed meanwhile.
+        # A family whose content is unknown is not stored, nor is a family whose files have changed meanwhile.
         is_unchanged = family.content and content_of(family_files(Path(file))) == contents_before[file]
         if is_unchanged and is_clean(family, report):
             cache.put(_CLEAN, contents_before[file], True)
@@ -87,7 +87,10 @@ def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache =
 
 
 def _read_second_of(files_to_check: Sequence[str], family: Family, report: Report) -> SecondReading | None:
-    """Return the second reading of a family that must be checked, or None. For others, only list its file as read."""
+    """Return the second reading of a family that must be checked, or None.
+
+    For other families, only list its file as read.
+    """
     if family.document.file in files_to_check:
         return read_beside(family, report)
     second_path = second_reading_path(Path(family.document.file))
@@ -97,7 +100,10 @@ def _read_second_of(files_to_check: Sequence[str], family: Family, report: Repor
 
 
 def _read_sheet_of(files_to_check: Sequence[str], family: Family, report: Report) -> Document | None:
-    """Return the word sheet of a family that must be checked, or None. For others, only list its file as read."""
+    """Return the word sheet of a family that must be checked, or None.
+
+    For other families, only list its file as read.
+    """
     if family.document.file in files_to_check:
         return read_sheet(family, report)
     sheet_path = word_sheet_path(Path(family.document.file))
@@ -115,7 +121,7 @@ def check_families(
 ) -> Checked:
     """Check families against the targets, and against the second readings and sheets of words next to their specs.
 
-    ``read`` and ``read_words`` return the second reading and the sheet of a family, or None if it has none. Problems
+    ``read`` and ``read_words`` return the second reading and the sheet of a family, or None if there is none. Problems
     are added to ``report``. The readings of the result are the coverage of each family with a second reading.
 
     Raises:
@@ -137,7 +143,7 @@ _OUT_OF_DATE = "the counts do not match the readings; update them with codewheel
 def check_counts(checked: Checked, *, write: bool) -> None:
     """Report files with counts of readings, next to the specs, that are out of date. With ``write``, write them all.
 
-    A family without such a file has no counts to report.
+    A family without such a file has no counts.
     """
     for family_coverage in checked.readings:
         counts_path = coverage_path(Path(family_coverage.spec.file))
@@ -154,7 +160,7 @@ def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache = 
     Args:
         families: Families whose specs have no other problems.
         participle: Participle of the refused action, such as ``written``.
-        cache: Cache of families without such problems. They are not checked again until a file changes.
+        cache: Cache of families without such problems. These families are not checked again until a file changes.
 
     Raises:
         Stop: There are problems. The exit code is 1.
@@ -223,7 +229,7 @@ def _fact_data(family_coverage: Coverage, sort: Sort, place: SpecPath) -> dict[s
 def as_text(covered: Sequence[Coverage], checked: Checked) -> str:
     """Return the coverage as text: a table of counts by class and by family, and the facts to read a second time.
 
-    ``covered`` are the families in the table. Other families that were checked are listed as not read twice.
+    ``covered`` are the families in the table. Other checked families are listed as not read twice.
     """
     covered_names = {family_coverage.family.device.name for family_coverage in covered}
     family_names = [family.device.name for family in checked.families]

@@ -63,7 +63,7 @@ def add_arguments(parser: Parser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the frames decoded, and return the exit code, which is that of the worst frame.
+    """Print the decoded frames, and return the exit code of the worst frame.
 
     For an encoder in a line, a command that writes it as a spec follows the frames of the arguments.
 

@@ -63,7 +63,7 @@ class Request:
 
 
 def argument_lines(arguments: Sequence[str]) -> Iterator[Line]:
-    """Yield the frames in the arguments, or for ``-`` those on standard input, one per line.
+    """Yield the frames in the arguments, or for ``-`` the frames on standard input, one per line.
 
     The arguments form one text, in which each line is a frame. A single frame has no line number. Arguments without
     a frame yield their text as it is, which the decoder then rejects.
@@ -234,7 +234,7 @@ class Decoding:
         placed = decoded.layout
         if placed is None or placed.name in self._decided_layouts:
             return
-        # Bytes of the wrong length have no fields, so no answer matters. For a frame of bits, even the length
+        # Bytes of the wrong length contain no fields, so no answer matters. For a frame of bits, even the length
         # depends on the answers.
         if decoded.fields or not placed.layout.in_bytes:
             refuse_undecided(self._request.device, placed.layout, self._request.answers)

@@ -1,6 +1,6 @@
-"""Digits without a prefix, as programs and logs print them: give them the only meaning that they can have.
+"""Digits without a prefix, as programs and logs print them: find the only meaning that they can have.
 
-The page has the same rules.
+The page follows the same rules.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ _PREFIXED_BITS = re.compile(r"0?[bB][01]+")
 
 
 def with_prefix(text: str, bits: int) -> str:
-    """Return the text of a number of ``bits`` bits with the prefix ``0b`` or ``0x`` if its digits have one meaning.
+    """Return the text of a number of ``bits`` bits with the prefix ``0b`` or ``0x`` if its base is certain.
 
-    These are digits with a letter or a leading zero, all bits of the frame, bits in groups, and bytes or words in hex
-    or binary, also without their leading zeros. Other text is returned as it is.
+    The base is certain for digits with a letter or a leading zero, all bits of the frame, bits in groups, and bytes or
+    words in hex or binary, also without their leading zeros. Other text is returned as it is.
     """
     pieces = text.replace("_", "").split()
     are_digits = all(_DIGITS.fullmatch(piece) for piece in pieces)
@@ -43,15 +43,15 @@ def with_prefix(text: str, bits: int) -> str:
 def _binary_digits(pieces: Sequence[str], bits: int) -> str:
     """Return the bits of a number in pieces of zeros and ones, or "" if these may also be hex or decimal.
 
-    They are bits if they are as many as the frame has, or in groups of one or of more than two. Groups of different
-    lengths are bytes without their leading zeros, unless such a zero is written.
+    The digits are bits if there are as many as the frame has, or if they are in groups of one or of more than two.
+    Groups of different lengths are bytes without their leading zeros, unless such a zero is written.
     """
     digits = "".join(pieces)
     byte_count = (bits + 7) // 8
     if len(digits) == bits:
         return digits
     longest = max(map(len, pieces))
-    # Bytes without leading zeros can have one digit, too, but there are no more of them than the frame has.
+    # Bytes without leading zeros can have one digit, too, but not more bytes than the frame has.
     are_single_bits = longest == 1 and len(pieces) > byte_count
     if are_single_bits:
         return digits
@@ -74,7 +74,7 @@ def with_leading_zeros(pieces: Sequence[str]) -> Sequence[str]:
         are_bytes = len(pieces) > 1 and 3 <= longest <= 8
         have_odd_length = any(len(piece) % 2 for piece in pieces)
         have_all_bits = all(len(piece) == 8 for piece in pieces)
-        # Hex bytes have an even number of digits. Pieces of eight zeros and ones are taken for bits.
+        # Hex bytes have an even number of digits. Pieces of eight zeros and ones count as bits.
         cannot_be_hex = have_odd_length or have_all_bits
         if not are_bytes or not cannot_be_hex:
             return pieces
@@ -110,7 +110,8 @@ def possible_meanings(digits: str, bits: int) -> Iterator[str]:
     """Yield how to write digits without a prefix, for each meaning that they can have in a frame of ``bits`` bits.
 
     For ``10``: ``0xA if it is decimal``, ``0x10 if it is hex``, ``0b10 if it is bits``. A decimal or hexadecimal number
-    must fit into the frame. Bits may be of any number, since the length is checked later. The page has the same rule.
+    must fit into the frame. Bits may be of any number, since the length is checked later. The page follows the same
+    rule.
     """
     largest = (1 << bits) - 1
     if _DECIMAL.fullmatch(digits) and int(digits) <= largest:

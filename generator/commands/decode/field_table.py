@@ -24,7 +24,7 @@ class _FieldRow(NamedTuple):
     meaning: str
 
 
-#: Columns in front of the meaning of a field, above which it begins on a line of its own.
+#: Most columns before the meaning of a field. After more, the meaning begins on a separate line.
 _WIDEST_HEAD = 56
 
 
@@ -34,10 +34,10 @@ def field_table(decoded: codec.Decoded) -> list[str]:
     The meaning is next to the columns, or below them if they are wide.
     """
     assert decoded.layout is not None
-    # Each unused field has a line of its own, so the one for all of them, which has no place, is omitted.
+    # Each unused field is listed separately, so the field for all of them, which has no place, is omitted.
     fields = [field for field in decoded.fields if field.name != codec.UNUSED or field.high >= 0]
     rows = [_field_row(decoded.layout, field) for field in fields]
-    # From the cells of each row to those of each column.
+    # Turn the cells of each row into the cells of each column.
     columns = zip(*(row.cells for row in rows), strict=True)
     column_widths = [max(map(len, column)) for column in columns]
     lines = []
@@ -58,7 +58,7 @@ def _field_row(placed_layout: PlacedLayout, field: codec.DecodedField) -> _Field
 
     The raw number of a single bit is in decimal, and that of other fields in hexadecimal.
     """
-    has_place = field.high >= 0  # A joined number has no place of its own.
+    has_place = field.high >= 0  # A joined number has no place.
     place = bit_place(placed_layout.layout, placed_layout.bits, field.high, field.low) if has_place else ""
     is_one_bit = has_place and field.high <= field.low
     number_text = str(field.raw) if is_one_bit else f"{field.raw:#x}"

@@ -40,7 +40,7 @@ _NUMBER = re.compile(r"0[xX][0-9A-Fa-f]+")
 _WHOLE_BYTES = re.compile(r"(?:0x)?((?:[0-9A-F]{2})+)", re.IGNORECASE)
 #: Only a number with its prefix, such as ``0x1F``.
 _BARE = re.compile(r"0[xXbB][0-9A-Fa-f]+")
-#: Spellings of programs and logs, and their replacement. The page has the same list. In this order: ``b'..'`` of
+#: Spellings of programs and logs, and their replacement. The page uses the same list. In this order: ``b'..'`` of
 #: Python, ``\x1F``, brackets and quotes, ``1F-2A``, ``1Fh``, and ``0x1FUL`` of C.
 _PASTED = (
     (re.compile(r"\bb(?=['\"])"), ""),
@@ -108,7 +108,7 @@ def undecorated(frame_text: str) -> str:
 
 
 def frame_bytes(frame_text: str) -> bytes:
-    """Return the bytes of hex text, such as ``1F 2A`` or ``1F2A``. Each piece between spaces has whole bytes.
+    """Return the bytes of hex text, such as ``1F 2A`` or ``1F2A``. Each piece between spaces consists of whole bytes.
 
     A piece may begin with ``0x``. A single digit is a byte after ``0x``, or if all pieces lack their leading zeros.
 
@@ -135,8 +135,8 @@ def frame_bytes(frame_text: str) -> bytes:
 def placed_bytes(placed_layout: PlacedLayout, variant: Variant, frame_text: str) -> bytes:
     """Return the bytes of a frame whose layout is in bytes. The text is hex bytes, or one binary number.
 
-    If the line carries bits, the number must have every bit sent. If it carries bytes, the layout's byte order puts the
-    number into bytes, and its leading zeros may be missing.
+    If the line carries bits, the number must contain every bit sent. If it carries bytes, the layout's byte order puts
+    the number into bytes, and its leading zeros may be missing.
 
     Raises:
         FrameTextError: The text has another form, or another number of bits.
@@ -159,9 +159,9 @@ def placed_bytes(placed_layout: PlacedLayout, variant: Variant, frame_text: str)
 def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exact: bool = False) -> TypedFrame:
     """Return a frame written as one number: ``0b`` and every bit, ``0x`` and hex digits, or bytes such as ``01 2A``.
 
-    ``0b`` gives the exact number of bits. Hex digits do not, because the frame may begin with further zeros. With
-    ``exact``, which means that frames of the sender have different lengths, hex bytes give it too if they are more or
-    fewer than the layout has. Digits without a prefix are accepted if only one reading of them fits.
+    ``0b`` states the exact number of bits. Hex digits do not, because the frame may begin with further zeros. With
+    ``exact``, which means that frames of the sender have different lengths, hex bytes also state it if their number
+    differs from the layout's. Digits without a prefix are accepted if only one reading of them fits.
 
     Raises:
         FrameTextError: The text has another form.
@@ -185,15 +185,15 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
     if _NUMBER.fullmatch(without_gaps):
         number = int(without_gaps, 16)
         hex_digits = len(without_gaps) - len("0x")
-        return TypedFrame(number, number.bit_length(), exact=False, written=4 * hex_digits)
+        return TypedFrame(number, number.bit_length(), exact=False, written=4 * hex_digits, is_bytes=are_bytes)
     meanings = list(possible_meanings(without_gaps, placed.bits)) if len(pieces) == 1 else []
     if meanings == [say_report.if_bits(without_gaps)]:
         bits = len(without_gaps)
         return TypedFrame(int(without_gaps, 2), bits, exact=True, written=bits)
-    # Hex digits with one meaning have a prefix already, unless they may be a misspelt one.
+    # Hex digits with one meaning already have a prefix, unless it is misspelt.
     if len(meanings) == 1 and without_gaps.isdecimal():
         number = int(without_gaps)
-        return TypedFrame(number, number.bit_length(), exact=False, written=number.bit_length())
+        return TypedFrame(number, number.bit_length(), exact=False)
     remedy = say_report.write_number(str(placed.bits))
     if len(pieces) == 1:
         meanings = meanings or list(meanings_of_long_number(without_gaps))
@@ -205,7 +205,7 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
 def _refuse_bits_in_pairs(pieces: Sequence[str], frame_text: str) -> None:
     """Raise FrameTextError if the pieces, such as ``10 01 11``, could be either bits or bytes.
 
-    They may if all of them are two digits without a prefix, and all digits are 0 or 1.
+    This is possible if all pieces are two digits without a prefix, and all digits are 0 or 1.
     """
     have_no_prefix = all(len(piece) == 2 for piece in pieces)
     are_zeros_and_ones = set("".join(pieces)) <= {"0", "1"}
@@ -225,11 +225,11 @@ def decode_text(device: Device, variant: Variant, sender: str, text: str, layout
         sender: ``encoder`` or ``master``.
         text: Hex bytes for a line that carries bytes. For a line that carries bits, one number: ``0b`` with every
             digit, or ``0x``.
-        layout: The layout's name. By default, the one that the frame identifies by its selector or its length, or else
-            the sender's first.
+        layout: The layout's name. By default, the layout that the frame identifies by its selector or its length, or
+            else the sender's first.
 
     Raises:
-        FrameTextError: The text cannot be read as a frame, or there is no such layout.
+        FrameTextError: The text cannot be read as a frame, or the layout does not exist.
     """
     return text_decoder(device, variant, sender, layout)(text)
 
@@ -237,7 +237,7 @@ def decode_text(device: Device, variant: Variant, sender: str, text: str, layout
 def text_decoder(device: Device, variant: Variant, sender: str, layout: str | None) -> Callable[[str], codec.Decoded]:
     """Return a function that decodes the text of one frame, with the layout that ``decode_text`` would choose.
 
-    ``layout`` is the name of the layout, or None to let each frame identify its own. If there is no such layout, the
+    ``layout`` is the name of the layout, or None to let each frame identify its own. If the layout does not exist, the
     function raises FrameTextError for every frame.
     """
     layouts = _layouts_of(device, variant, sender)
@@ -247,7 +247,7 @@ def text_decoder(device: Device, variant: Variant, sender: str, layout: str | No
     is_exact = have_lengths(layouts, sender)
 
     def decode(text: str) -> codec.Decoded:
-        """Return the frame decoded with the named layout or, without a name, with the one that it identifies."""
+        """Return the frame decoded with the named layout or, without a name, with the layout that it identifies."""
         frame_text = undecorated(text)
         if first_placed is None:
             raise FrameTextError(_no_layout_message(device, variant, sender, layout))
@@ -288,7 +288,7 @@ def decode_register_text(device: Device, variant: Variant, name: str, frame_text
 
     Raises:
         FrameTextError: The text is not hex bytes.
-        RegisterError: There is no such register, or it has another length.
+        RegisterError: The register does not exist, or has another length.
     """
     return decode_register(device, variant, name, frame_bytes(undecorated(frame_text)))
 
@@ -296,9 +296,10 @@ def decode_register_text(device: Device, variant: Variant, name: str, frame_text
 def _layout_of_length(
     frame_text: str, first: PlacedLayout, layouts: Sequence[Layout], variant: Variant
 ) -> PlacedLayout:
-    """Return the layout that has the length of the text: ``first`` if it has it, else the only other one that has it.
+    """Return the layout that has the length of the text: ``first`` or else the only other one.
 
-    If no other layout or several have this length, it is also ``first``. The decoder then reports the wrong length.
+    If no other layout or several have this length, the result is also ``first``. The decoder then reports the wrong
+    length.
     """
     if _has_length(first, frame_text):
         return first
@@ -311,9 +312,10 @@ def _has_length(placed_layout: PlacedLayout, frame_text: str) -> bool:
     """Return whether the text can be a frame of this layout by its number of bits.
 
     For a layout of 24 bits, these are ``0b`` with 24 digits, three bytes such as ``1F 2A 3B``, and numbers such as
-    ``0x1F2A`` of at most 24 bits, since their leading zeros may be missing. ``1F 2A`` has 16 bits, so it cannot be one.
+    ``0x1F2A`` of at most 24 bits, since their leading zeros may be missing. ``1F 2A`` has 16 bits, so it cannot have
+    another length.
     """
-    # The sender has frames of different lengths, so another number of hex bytes means another length.
+    # The sender's frames differ in length, so another number of hex bytes means another length.
     frame = frame_number(placed_layout, frame_text, exact=True)
     bits = placed_layout.layout.sent_bits.value(placed_layout.parameters)
     has_known_length = frame.exact
@@ -325,7 +327,8 @@ def decode_as(
 ) -> codec.Decoded:
     """Decode text that ``undecorated`` returned, with a known layout.
 
-    ``exact`` means that frames of the sender have different lengths, so that hex bytes have no further zeros in front.
+    ``exact`` means that frames of the sender have different lengths, so that hex bytes have no additional leading
+    zeros.
 
     Raises:
         FrameTextError: The text cannot be read as a frame.
@@ -343,7 +346,7 @@ def why_text(
 ) -> Diagnosis | None:
     """Return explanations of a frame whose CRC, length or constant is wrong, or None if nothing explains it.
 
-    A frame in bytes whose layout is not known is also explained. ``_why_bits`` has the rule for frames of bits.
+    A frame in bytes whose layout is not known is also explained. ``_why_bits`` implements the rule for frames of bits.
     ``decoded`` is the result of ``decode_text`` for the text. ``with_pairs`` also lists pairs of mistakes if a single
     one matches.
     """
@@ -376,8 +379,8 @@ def _why_bits(
     """Return explanations of a frame of bits, or None if it needs none or nothing explains it.
 
     ``explain_bits`` gets frames with a wrong CRC or length, and those whose bits are all equal, as on a dead line.
-    It also gets valid frames without a CRC, but explains them only if all their bits are equal. ``explain_constant``
-    gets the other frames with a wrong constant. Other faults are not explained.
+    It also gets valid frames without a CRC, but explains only those whose bits are all equal. ``explain_constant`` gets
+    the other frames with a wrong constant. Other faults are not explained.
     """
     faults = {problem.fault for problem in decoded.problems}
     is_valid_without_crc = not faults and decoded.crc is None

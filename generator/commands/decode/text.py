@@ -95,7 +95,7 @@ def _is_corrupted(decoded: codec.Decoded) -> bool:
 
 
 def evidence_lines(device: Device) -> Iterator[str]:
-    """Yield the grade of the evidence, and a sentence about values that stand for unknown ones, if there are any."""
+    """Yield the grade of the evidence, and a sentence about values that replace unknown values, if there are any."""
     yield f"evidence: {device.evidence.grade}"
     if device.evidence.placeholders:
         yield wrapped(placeholders(device), WIDTH, prefix="  ", first="")
@@ -269,14 +269,14 @@ def _report_text(report: Report) -> str:
 def _position_text(device: Device, variant: Variant, decoded: codec.Decoded, verdict: Verdict | None) -> str:
     """Return the position in µm or degrees, such as ``position: 90.0°``, or nothing for one that is not usable.
 
-    If the frame has only a part of the position, it is that of the part with the lowest bits.
+    If the frame has only a part of the position, show the part with the lowest bits.
     """
     measurement = device.measurement_of(variant.interface)
     if verdict in (None, Verdict.NOT_USABLE) or measurement is None or decoded.layout is None:
         return ""
     measurement = measurement.within(decoded.layout.layout.position_range)
     field_name = measurement.of
-    # A frame without the multiturn part of a joined position has only the part with the lowest bits.
+    # A frame without the multiturn part of a joined position contains only the part with the lowest bits.
     if field_name not in decoded.values:
         field_name = _lowest_joined_field(device, variant, field_name)
     counts = decoded.values.get(field_name)
@@ -300,8 +300,8 @@ def _lowest_joined_field(device: Device, variant: Variant, name: str) -> str:
 def _angle_text(measurement: Measurement, variant: Variant, name: str, counts: int) -> str:
     """Return the angle for a position in counts: ``singleturn: 90.0°``, ``position: 90.0° of revolution 3``.
 
-    Only the whole position of a multiturn encoder has its revolution. The text is empty if the counts per turn are not
-    known.
+    Only the whole position of a multiturn encoder includes its revolution. The text is empty if the counts per turn are
+    not known.
     """
     counts_per_turn = _value_or_zero(measurement.counts_per_turn, variant)
     turns = _value_or_zero(measurement.turns, variant)
@@ -309,7 +309,7 @@ def _angle_text(measurement: Measurement, variant: Variant, name: str, counts: i
         return ""
     turn, counts_in_turn = divmod(counts, counts_per_turn)
     degrees = counts_in_turn * 360 / counts_per_turn
-    # One decimal for each digit of the counts per degree, so that neighbouring counts differ.
+    # One decimal for each digit of the counts per degree, so that neighbouring counts look different.
     decimals = len(str(counts_per_turn // 360))
     angle = f"{name}: {degrees:.{decimals}f}°"
     has_revolution = turns > 1 and name == measurement.of
@@ -326,17 +326,20 @@ def _why_lines(diagnosis: Diagnosis, placed_layout: PlacedLayout | None) -> list
     if is_line_stuck:
         explanation = sentence(capitalized(diagnosis.explanations[0].text))
         return ["", wrapped(explanation, WIDTH, prefix="  ", first="")]
-    return [*_disturbed_lines(diagnosis.disturbed, placed_layout), *_mistake_lines(diagnosis)]
+    missing = sentence(capitalized(diagnosis.missing)) if diagnosis.missing else ""
+    missing_lines = ["", wrapped(missing, WIDTH, prefix="  ", first="")] if missing else []
+    return [*missing_lines, *_disturbed_lines(diagnosis.disturbed, placed_layout), *_mistake_lines(diagnosis)]
 
 
 def _disturbed_lines(disturbed: Sequence[int], placed_layout: PlacedLayout | None) -> list[str]:
-    """Return the hint that a bit may have been inverted on the line, one of those in ``disturbed``, or no lines."""
+    """Return the hint that one of the ``disturbed`` bits may have been inverted on the line, or no lines."""
     if not disturbed or placed_layout is None:
         return []
     bits = _bit_name(disturbed[0], placed_layout) if len(disturbed) == 1 else f"one of {len(disturbed)} bits"
+    proof = "the CRC matches" if placed_layout.crc_field else "the frame is valid"
     explanation = (
-        "If only some frames fail, one bit may have been disturbed on the line: the CRC matches with "
-        f"{bits} inverted. In that case, no change is needed. If all frames fail, read on."
+        f"If only some frames fail, one bit may have been disturbed on the line: {proof} with {bits} inverted. "
+        "In that case, no change is needed. If all frames fail, read on."
     )
     return ["", wrapped(explanation, WIDTH, prefix="  ", first="")]
 
@@ -345,18 +348,17 @@ def _bit_name(bit: int, placed_layout: PlacedLayout) -> str:
     """Return ``bit 9`` for a frame of bits, or ``bit 1 of byte 2`` with the first byte as 0. Bit 0 is the last sent."""
     if not placed_layout.layout.in_bytes:
         return f"bit {bit}"
-    last_byte = placed_layout.bits // 8 - 1
-    bytes_from_end = bit // 8  # Bits are counted from the end of the frame, and bytes from its beginning.
-    return f"bit {bit % 8} of byte {last_byte - bytes_from_end}"
+    byte = placed_layout.bits // 8 - 1 - bit // 8  # Bits are counted from the end, and bytes from the beginning.
+    return f"bit {bit % 8} of byte {byte}"
 
 
 def _mistake_lines(diagnosis: Diagnosis) -> list[str]:
-    """Return the mistakes that explain a frame, each with its chance, or that none does, and the hints that follow."""
+    """Return the mistakes that explain a frame, each with its chance, or a line that none does, and then hints."""
     whole_percent = round(100 * diagnosis.coincidence)
     percent = f"{whole_percent}" if whole_percent else "less than 1"
     mistakes = counted(diagnosis.tried, "common mistake")
     chance = f"{mistakes} tried; {percent} of 100 random frames would match at least one"
-    lines = [""]
+    lines = []
     if diagnosis.explanations:
         lines.append(wrapped(_introduction_sentence(diagnosis, chance), WIDTH, prefix="  ", first=""))
     elif diagnosis.tried:
@@ -366,20 +368,18 @@ def _mistake_lines(diagnosis: Diagnosis) -> list[str]:
         for detail in (_chance_and_values(explanation), _parts_of_recording(explanation)):
             if detail:
                 lines.append(wrapped(detail, WIDTH, prefix=" " * 6, first=" " * 6))
-    return [*lines, *_hint_lines(diagnosis)]
+    lines += _hint_lines(diagnosis)
+    return ["", *lines] if lines else []
 
 
 def _hint_lines(diagnosis: Diagnosis) -> list[str]:
-    """Return what a recording lacks, whether another frame would help, and what the CRC cannot detect."""
+    """Return whether another frame would help, and what the CRC cannot detect."""
     lines = []
-    if diagnosis.missing:
-        lines.append(wrapped(sentence(capitalized(diagnosis.missing)), WIDTH, prefix="  ", first=""))
     if diagnosis.explanations and diagnosis.explanations[0].hides_shift:
         lines.append(wrapped(sentence(say_report.HIDDEN_SHIFT), WIDTH, prefix="  ", first=""))
     if diagnosis.equal_readings:
-        lines.append(
-            wrapped(sentence(say_report.equal_readings(f"{diagnosis.equal_readings}")), WIDTH, prefix="  ", first="")
-        )
+        equal_readings = say_report.equal_readings(f"{diagnosis.equal_readings}")
+        lines.append(wrapped(sentence(equal_readings), WIDTH, prefix="  ", first=""))
     if diagnosis.needs_another_frame:
         lines.append(wrapped(ANOTHER_FRAME, WIDTH, prefix="  ", first=""))
     if diagnosis.cannot_see:
@@ -405,7 +405,7 @@ def together_lines(mistakes: Sequence[CommonMistake], failed_frames: int) -> Ite
 
 
 def _introduction_sentence(diagnosis: Diagnosis, chance: str) -> str:
-    """Return the sentence in front of the explanations. Only with a CRC does it give their ``chance``."""
+    """Return the sentence before the explanations. It gives their ``chance`` only for a frame with a CRC."""
     if not diagnosis.has_crc:
         return f"{UNCERTAIN_READINGS}:"
     needs_two = diagnosis.explanations[-1].twice

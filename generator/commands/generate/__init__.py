@@ -189,7 +189,7 @@ def _result_of_earlier_run(arguments: argparse.Namespace, selection: Selection, 
 
 
 def _refuse_misused_options(arguments: argparse.Namespace, targets: Sequence[Target]) -> None:
-    """Refuse a folder of templates that does not exist, and a document type without the target that it is for.
+    """Refuse a folder of templates that does not exist, and a document type without its target.
 
     Raises:
         Stop: The exit code is 2.
@@ -203,7 +203,7 @@ def _refuse_misused_options(arguments: argparse.Namespace, targets: Sequence[Tar
 def _line_about_specs(
     devices: Sequence[Device], report: Report, packaged: Sequence[str], packaged_files: Sequence[Path]
 ) -> str:
-    """Return a line about the specs that were read, and a second one if values are still those of the template.
+    """Return a line about the specs that were read, and a second line if values from the template remain.
 
     ``packaged`` are the names given with ``--packaged``, and ``packaged_files`` the specs of these names.
     """

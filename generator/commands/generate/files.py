@@ -1,4 +1,4 @@
-"""Files that ``generate`` rendered: written, compared with those on the disk, or with those of other specs.
+"""The files that ``generate`` renders: write them, or compare them with the files on the disk or of other specs.
 
 Parts of families with the same model are rendered once for both.
 """
@@ -36,7 +36,7 @@ Families = Mapping[str, Sequence[str]]
 
 
 class Generated(TypedDict):
-    """Result of a run: the line about the specs, the targets, the number of their files, and the digest of these."""
+    """Result of a run: the line about the specs, the targets, and the number and digest of their files."""
 
     read_line: str
     targets: list[str]
@@ -45,7 +45,7 @@ class Generated(TypedDict):
 
 
 def is_unchanged(arguments: argparse.Namespace, generated: Generated | None) -> bool:
-    """Return True if the files on the disk are those of an earlier run, and print what that run printed about them.
+    """Return True if the files on the disk come from an earlier run, and repeat its output.
 
     ``generated`` is the result of that run, or None if there is none with the same input.
     """
@@ -68,7 +68,8 @@ def write_or_compare(
     """Write or, with ``--check``, only compare the files of each target. Return the exit code, which is 0.
 
     ``families`` are those that each target was rendered from. ``gate`` raises ``Stop`` to refuse writing specs that
-    must not be released. It is called if a file would change. Without ``--prune``, ``guard`` refuses to remove outputs.
+    must not be released. ``gate`` is called if a file would change. Without ``--prune``, ``guard`` refuses to remove
+    outputs.
 
     Raises:
         Stop: The disk fails, a compared file differs, ``gate`` or ``guard`` refuses the changes, or an idbiss file is
@@ -217,7 +218,7 @@ def _have_same_model(device: Device, other_device: Device) -> bool:
 
 
 def _rendered_files(devices: Sequence[Device], parts: FamilyParts, filters: FamilyFilters) -> Mapping[str, str]:
-    """Return the files of all built-in targets, as texts by path, without families that a filter does not accept."""
+    """Return the files of all built-in targets, as texts by path, without families that a filter excludes."""
     files: dict[str, str] = {}
     for name in BUILT_IN:
         accepted = accepted_devices(name, devices, filters)

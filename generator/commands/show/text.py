@@ -38,7 +38,7 @@ from ...say.errata import answer as say_answer
 from ...say.errata import needed_answers, question
 from ...say.evidence import grade, origin
 from ...say.names_and_places import bits, field_at, hexadecimal
-from ...say.order_code import open_values, spelling
+from ...say.order_code import not_on_label, open_values, spelling
 from ...say.plain_text import WIDTH, decimal, two_columns, wrapped
 from ...say.text import PLAIN_STYLE, Style, counted, language
 from ..decode.text import label_differences
@@ -50,7 +50,9 @@ def device_text(device: Device) -> str:
     lines = [wrapped(f"{device.title} ({device.manufacturer.title})", WIDTH)]
     lines += [*_manual_lines(device), *_order_code_lines(device)]
     parameters = [(parameter.name, _about_parameter(device, parameter)) for parameter in device.parameters]
-    lines += ["", "Parameters", *two_columns(parameters, indent=2), *alternative_lines(device)]
+    if parameters:
+        lines += ["", "Parameters", *two_columns(parameters, indent=2)]
+    lines += alternative_lines(device)
     measurements = [("", device.measurement)]
     measurements += [(interface.title, interface.measurement) for interface in device.interfaces]
     # Without an order code, there are no parameters, and expressions are shown as text.
@@ -106,6 +108,8 @@ def _order_code_lines(device: Device) -> Iterator[str]:
     """Yield the pattern of the order codes, the values of each part, the rule for others, and other spellings."""
     yield ""
     yield f"Order codes: {device.order_code.pattern}"
+    for statement in not_on_label(device):
+        yield wrapped(PLAIN_STYLE.sentence(statement), WIDTH, prefix="    ", first="  ")
     for part in device.order_code.parts:
         yield wrapped(part.meaning, WIDTH, prefix="    ", first=f"  {part.name}: ")
         yield from two_columns(((option.text, option.meaning) for option in part.values), indent=4)
@@ -127,7 +131,7 @@ def _parameter_lines(device: Device, variant: Variant) -> list[str]:
     """Return a section about the fixed parameters of an order code, and one about those that registers decide."""
     parameters = parameters_of(device, variant.interface)
     run_time_parameter_names = run_time_names(device)
-    # Those read from a register, and those calculated from them.
+    # Parameters read from a register, and parameters calculated from them.
     in_registers = [parameter for parameter in parameters if parameter.name in run_time_parameter_names]
     # The user chooses parameters of alternatives, so they are listed with the questions.
     others = [parameter for parameter in parameters if parameter not in in_registers]
@@ -183,7 +187,7 @@ def alternative_lines(device: Device) -> list[str]:
 def _how_to_choose(alternative: Alternative) -> str:
     """Return a sentence with the option of ``decode`` for an answer: ``… with --choose first_bit=low``.
 
-    The answer is an example, the first one that is not the default.
+    The answer is an example, the first answer that is not the default.
     """
     if alternative.default:
         default_sentence = f"{alternative.default} applies without a choice. "
@@ -234,7 +238,7 @@ def _whole_length(measurement: Measurement, parameters: Mapping[str, int] | None
 
 
 def _range_lines(device: Device, interface: str, parameters: Mapping[str, int] | None) -> list[str]:
-    """Return a line for each layout in which the position has another range, such as ``in short  4,096 counts …``."""
+    """Return a line for each layout with another range of the position, such as ``in short 4,096 counts …``."""
     style = style_with(parameters)
     range_rows = []
     for layout_name, own_range in say_measurement.own_ranges(device, interface):
@@ -256,7 +260,7 @@ def interface_lines(device: Device, interface: Interface) -> list[str]:
 def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[str]:
     """Return the lines about a frame of a family: a row for each field or group of fields, with their widths.
 
-    The row of a group has all of its fields: ``status  error 1, warning 1``.
+    The row of a group contains all of its fields: ``status error 1, warning 1``.
     """
     widths_by_name: dict[str, list[str]] = {}
     for field in layout.fields:

@@ -14,7 +14,6 @@ from . import (
     code_meanings,
     connectors,
     contact_agreement,
-    contact_numbers,
     flag_agreement,
     frames,
     left_behind,
@@ -29,7 +28,6 @@ from . import (
     procedures,
     quantities,
     rates,
-    repeated_identity,
     repetitions,
     requests,
     shapes,
@@ -62,7 +60,8 @@ from .references import (
     check_unused_crc,
 )
 
-#: Rules on order codes and parameters, on which every width depends. If they find an error, the build omits these.
+#: Rules on order codes and parameters, on which every width depends. If they find an error, the build omits order codes
+#: and parameters.
 FOUNDATIONS: tuple[Rule, ...] = (
     check_order_code_references,
     parameters.check_alternative_references,
@@ -76,7 +75,7 @@ FOUNDATIONS: tuple[Rule, ...] = (
     order_code.check_order_code_pattern,
 )
 
-#: Rules on layouts, registers, groups and CRCs. One with an error cannot be built.
+#: Rules on layouts, registers, groups and CRCs. A part with an error cannot be built.
 SHAPES: tuple[Rule, ...] = (
     shapes.check_layout_keys,
     position_verdicts.check_combinations,
@@ -223,7 +222,7 @@ RULES: tuple[Rule, ...] = (
     rates.check_monoflop,
     rates.check_cable_clocks,
     rates.check_timeouts_and_clocks,
-    contact_numbers.check_contact_numbers,
+    connectors.check_contact_numbers,
     numbers_in_texts.check_characters,
     numbers_in_texts.check_constant_bits,
     numbers_in_texts.check_counts,
@@ -231,20 +230,20 @@ RULES: tuple[Rule, ...] = (
     numbers_in_texts.check_equal_numbers,
     numbers_in_texts.check_standards,
     numbers_in_texts.check_figures,
-    repeated_identity.check_description_file,
-    repeated_identity.check_alignment,
-    repeated_identity.check_serial_port,
-    repeated_identity.check_bounds,
+    repetitions.check_description_file,
+    repetitions.check_alignment,
+    repetitions.check_serial_port,
+    repetitions.check_bounds,
     flag_agreement.check_summands,
     flag_agreement.check_summed_verdicts,
     flag_agreement.check_explained_flags,
     flag_agreement.check_read_only_registers,
-    repeated_identity.check_numbers_of_conditions,
-    repeated_identity.check_address_tables,
+    repetitions.check_numbers_of_conditions,
+    repetitions.check_address_tables,
     step_agreement.check_polled_levels,
     flag_agreement.check_returning_registers,
     flag_agreement.check_equal_answers,
-    repeated_identity.check_swapped_letters,
+    repetitions.check_swapped_letters,
     contact_agreement.check_kinds_of_contacts,
     contact_agreement.check_numbered_cables,
     contact_agreement.check_interfaces_of_lines,

@@ -32,7 +32,7 @@ _NUMBERS = ("two", "three", "four", "five", "six", "seven", "eight", "nine", "te
 _REQUESTS = re.compile(rf"\b({'|'.join(_NUMBERS)}|[1-9]\d?) requests\b", re.IGNORECASE)
 #: Cells of two tables that must agree before one that differs is a mistake.
 _CELLS = 8
-#: Letters of a word in which one is likely wrong, and that is not another short word.
+#: Letters that a word needs so that one differing letter is likely a mistake, not another word.
 _LONG = 6
 #: Longest contents and most tables that are compared. A manual has some 50 entries and 10 tables.
 _MOST_ENTRIES, _MOST_TABLES = 200, 50
@@ -62,7 +62,7 @@ def check_misspelt_name(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
         flag = by_name(owner.fields).get(alarm.part.field) if owner is not None else None
         if flag is None:
             continue
-        # The names by their keys, such as ("names", "it"), so that each is compared with that in its language.
+        # The names by their keys, such as ("names", "it"), so that each is compared with the name in its language.
         flag_names = dict(_printed_names(flag))
         for name_path, name in _printed_names(alarm.part):
             flag_name = flag_names.get(name_path, "")
@@ -135,7 +135,7 @@ def check_printed_number(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
 
 
 def _printed_number(printed_name: str, width: int | None) -> int | None:
-    """Return the number if a printed name is one as in ``0x1F``, ``0b01``, ``0Ah`` or ``"01"``, otherwise None.
+    """Return the number if a printed name is a number as in ``0x1F``, ``0b01``, ``0Ah`` or ``"01"``, otherwise None.
 
     Zeros and ones in quotes are a binary number if they have as many digits as the field has bits.
     """
@@ -149,9 +149,9 @@ def _printed_number(printed_name: str, width: int | None) -> int | None:
 
 
 def check_number_in_meaning(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a field with a fixed number does not have another hexadecimal number as the only one in its meaning.
+    """Check that the only hexadecimal number in the meaning of a field with a fixed number is this number.
 
-    A meaning that speaks of a register or an address is not checked, because its number may be that of a place.
+    A meaning that speaks of a register or an address is not checked, because its number may be an address.
     """
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -176,7 +176,7 @@ def _fixed_numbers(field: WrittenField) -> list[tuple[str, int]]:
 
 
 def check_polynomial_in_note(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the polynomial of a CRC is among those in its note, if there are any.
+    """Check that the polynomial of a CRC is among the polynomials in its note, if there are any.
 
     A note gives a polynomial with its top bit, which ``poly`` omits.
     """
@@ -197,13 +197,14 @@ def check_polynomial_in_note(spec: WrittenSpec, as_read: WrittenSpec, report: Do
 def _printed_polynomials(note: str, width: int) -> dict[str, int]:
     """Return the polynomials of this width in a note, with their top bit, by their text: ``{"x^2 + 1": 0x5}``.
 
-    A hexadecimal number is one if it is odd and has one bit more than the CRC, in a note that does not name a place.
+    A hexadecimal number is a polynomial if it is odd and has one bit more than the CRC, in a note that does not name a
+    place.
     """
     polynomials: dict[str, int] = {}
     top_bit = 1 << width
     if not _PLACE.search(note):
         for match in _HEX.finditer(note):
-            number = int(match[1] or match[2], 16)  # One of the groups, for 0x1F and for 1Fh, is empty.
+            number = int(match[1] or match[2], 16)  # The group for 0x1F or the group for 1Fh is empty.
             is_odd = number & 1 == 1  # Every polynomial of a CRC ends in + 1.
             if is_odd and top_bit < number < 2 * top_bit:
                 polynomials[match[0]] = number
@@ -300,7 +301,7 @@ def check_zero_within_limits(spec: WrittenSpec, as_read: WrittenSpec, report: Do
             is_limited = register.limits_of in ("", field.name)
             if not is_limited or not isinstance(zero, int) or not isinstance(highest, int):
                 continue  # Without 'zero_means' or 'max', or with a 'max' that depends on the order code.
-            # 0 can stand for the number after the highest one, such as 65536 in 16 bits.
+            # 0 can stand for the number after the highest number, such as 65536 in 16 bits.
             if zero > highest + 1:
                 message = f"zero stands for {zero}, which is above 'max' ({highest}); one of the two is wrong"
                 report.add("limit-does-not-fit", register.place_of("max"), message)
@@ -331,7 +332,7 @@ def _number_of(cell_text: str) -> int:
 def check_repeated_tables(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Report two tables with common columns whose numbers agree in all cells but one.
 
-    Rows belong together if a column whose cells are all different in each table has the same cell in both.
+    Rows belong together if a column whose cells are all different in each table contains the same cell in both.
     """
     tables = spec.tables[:_MOST_TABLES]
     for index, located_table in enumerate(tables):
@@ -350,7 +351,7 @@ def check_repeated_tables(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 
 @dataclass(frozen=True, slots=True)
 class _CellPair:
-    """Cells of two tables that must agree, with the column and the row of the first one."""
+    """Cells of two tables that must agree, with the column and the row of the first cell."""
 
     row: int
     column: str
@@ -368,7 +369,7 @@ def _only_difference(table: Table, earlier_table: Table) -> _CellPair | None:
     """Return the only pair of numbers that differs in the common columns of two tables, or None.
 
     Rows are paired by each possible key column in turn. A column in which most pairs differ is left out, and enough
-    pairs must be left to compare.
+    pairs must remain for a comparison.
     """
     common_columns = [name for name in table.columns if name in earlier_table.columns]
     for key_column in common_columns:
@@ -391,7 +392,7 @@ def _only_difference(table: Table, earlier_table: Table) -> _CellPair | None:
 
 def _number_pairs(table: Table, earlier_table: Table, key_column: str, column: str) -> list[_CellPair]:
     """Return the pairs of cells in a column that are numbers, from the rows with the same cell in the key column."""
-    earlier_cells: dict[str, str] = {}  # The cells in the column by those in the key column.
+    earlier_cells: dict[str, str] = {}  # The cells in the column by the cells in the key column.
     for row in earlier_table.rows:
         key_cell = _text_of_cell(earlier_table, row, key_column)
         earlier_cells[key_cell] = _text_of_cell(earlier_table, row, column)

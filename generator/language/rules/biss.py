@@ -70,9 +70,9 @@ def check_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 def check_taken_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that no other register is at a place fixed by BiSS, unless an erratum explains it.
 
-    A read-only register inside that place is accepted as a part of it under another name. So is any register inside it
-    whose name begins with the fixed one, such as ``profile_id_low``. Manuals use 40h and 41h for other purposes if
-    there are no banks.
+    A read-only register inside that place is accepted as a part of it under another name. The same applies to any
+    register inside it whose name begins with the fixed name, such as ``profile_id_low``. Manuals use 40h and 41h for
+    other purposes if there are no banks.
     """
     for register in spec.registers:
         name = register.name
@@ -98,7 +98,8 @@ def check_taken_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
 def _taken_place(register: WrittenRegister) -> str | None:
     """Return the name of the register that BiSS has at the addresses of another register.
 
-    Return None if there is none, or if a register may be there: a part of that register, or any register at 41h.
+    Return None if there is no such register, or if the other register may be there: a part of that register, or any
+    register at 41h.
     """
     first_address = register.address
     end_address = register.address + register.length
@@ -133,7 +134,7 @@ def check_biss_frame(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
 
     A frame without either is not checked. An erratum explains what the manual prints differently.
     """
-    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
+    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
     crcs = by_part_name(as_read.crcs)
     for frame in layouts(spec):
         layout = frame.layout
@@ -230,7 +231,7 @@ def _all_ones(width: int) -> int:
 def _crc_faults(located_crc: Located[Crc]) -> Iterator[tuple[str, str]]:
     """Yield the keys of a CRC that contradict BiSS, each with the message: not inverted, or reflected.
 
-    The data may have any shape.
+    The data may have any structure.
     """
     crc = located_crc.part
     is_valid = 0 < crc.width <= 64 and located_crc.is_valid("xorout")
@@ -255,7 +256,7 @@ def check_biss_control(spec: WrittenSpec, as_read: WrittenSpec, report: Document
 
     Every master relies on them, so a spec has these numbers even if an erratum records others that the manual prints.
     """
-    crcs = by_part_name(as_read.crcs)  # Also invalid ones, which ``spec`` lacks.
+    crcs = by_part_name(as_read.crcs)  # Including invalid parts, which ``spec`` lacks.
     interface = spec.interfaces.biss
     control_data = interface.control_data if interface is not None else None
     for field in control_data.fields if control_data is not None else ():

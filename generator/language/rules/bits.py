@@ -35,7 +35,7 @@ def check_missing_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
 
     The flags that an interface itself defines have a known verdict.
     """
-    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
+    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
     positions = {interface: position_names(spec, interface) for interface, _ in interfaces(spec)}
     for frame in layouts(spec):
         has_position = not positions[frame.interface].isdisjoint(field_names(frame, groups))
@@ -84,10 +84,10 @@ def names_error(field_name: str, printed_name: str) -> bool:
 
 
 def check_flag_sums(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the flags combined by another one exist in some list of fields."""
+    """Check that the flags that another flag combines exist in some list of fields."""
     flags: list[str] = []
     for field_list in field_lists(as_read):
-        flags += [field.name for field in field_list.fields if field.has("active") and field.name]
+        flags += [field.name for field in field_list.fields if field.is_flag and field.name]
     for field_list in field_lists(spec):
         for field in field_list.fields:
             other_flags = [name for name in dict.fromkeys(flags) if name != field.name]
@@ -134,7 +134,7 @@ _PLAIN = frozenset(("name", "printed_name", "names", "bits", "at", "meaning", "s
 
 
 def check_plain_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a bit of an encoder's frame that is called error or parity is described as one.
+    """Check that a bit of an encoder's frame that is called error or parity is described as such.
 
     A plain number has no effect on the verdict, and no decoder checks it. A note explains a bit that is neither.
     """
@@ -204,8 +204,8 @@ def _find_contradiction(
 ) -> str:
     """Return how a layout contradicts ``output_code``, such as ``has no 'gray', …``, or an empty string.
 
-    ``gray`` of a layout means that it is in Gray code, always or if the parameter in ``when`` is not 0. ``has_gray``
-    is True if any layout of the interface has it: with ``by_order_code``, another one may then have none.
+    ``gray`` of a layout means that it is in Gray code, always or if the parameter in ``when`` is not 0. ``has_gray`` is
+    True if any layout of the interface has it: with ``by_order_code``, another layout may then have none.
     """
     gray = _gray_of(fields)
     if gray is None:
@@ -229,7 +229,7 @@ def _find_contradiction(
 def check_named_gray_code(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an interface whose order codes name Gray code has a layout in Gray code.
 
-    A value of an order code belongs to the interface that it selects, or to the only one. If it selects none of
+    A value of an order code belongs to the interface that it selects, or to the only interface. If it selects none of
     several interfaces, it is not checked.
     """
     interface_names = [interface_name for interface_name, _ in interfaces(spec)]
@@ -238,7 +238,7 @@ def check_named_gray_code(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
         for label, value in part.values.items():
             if not _names_gray(value):
                 continue
-            # No layout has an empty interface name, so that there are no layouts then.
+            # No layout has an empty interface name, so the result then contains no layouts.
             interface_name = value.interface or only_interface
             position_layouts = _with_position(spec, as_read, interface_name)
             if position_layouts and all(_gray_of(frame) is None for frame in position_layouts):

@@ -63,7 +63,7 @@ def _check_lengths(code_value: WrittenCodeValue, says: str, as_read: WrittenSpec
     if not lengths:
         return
     for name, number in code_value.sets.items():
-        # ``as_read`` also has the parameters that ``spec`` lacks as invalid.
+        # ``as_read`` also contains the parameters that ``spec`` lacks as invalid.
         unit = as_read.parameters[name].unit if name in as_read.parameters else ""
         if unit in _NANOMETRES and number * _NANOMETRES[unit] not in lengths:
             first_length, *_ = lengths.values()
@@ -72,7 +72,7 @@ def _check_lengths(code_value: WrittenCodeValue, says: str, as_read: WrittenSpec
 
 
 def _check_supply(code_value: WrittenCodeValue, says: str, report: DocumentReport) -> None:
-    """Check that the supply of a value is the one that its meaning names."""
+    """Check that the supply of a value is the supply that its meaning names."""
     stated_range = supply_named(code_value.meaning)
     if stated_range is None or code_value.supply is None:
         return
@@ -87,7 +87,7 @@ def _check_supply(code_value: WrittenCodeValue, says: str, report: DocumentRepor
 def _lengths_named(meaning: str) -> dict[Fraction, str]:
     """Return the lengths in a meaning in nanometres, each with its text.
 
-    A quotient such as ``20/1024 mm`` stands for its result and also for its dividend, 20 mm.
+    A quotient such as ``20/1024 mm`` represents its result and also its dividend, 20 mm.
     """
     lengths = {}
     for dividend, number, unit in _LENGTH.findall(meaning):
@@ -152,7 +152,7 @@ def check_named_interface(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
     """
     for part in spec.order_code.parts:
         for label, value in part.values.items():
-            # One spelling for each interface, so that the same one in two spellings counts once.
+            # One spelling for each interface, so that a code in two spellings counts once.
             interface_words = _ANY_INTERFACE.findall(value.meaning)
             interface_names = {word.upper().replace("RS485", "RS-485") for word in interface_words}
             if len(interface_names) != 1 or value.interface is None:

@@ -23,7 +23,7 @@ _SHIELD = re.compile(r"shield|screen|braid|drain", re.IGNORECASE)
 _LINES = {"biss": frozenset(("ma+", "ma-", "slo+", "slo-")), "rs485": frozenset(("rs-485",))}
 #: A connector and a cable for the same interface.
 _Connection = tuple[Located[Connector], Located[Connector]]
-#: Connectors and cables that are compared, and those with the same titles.
+#: Connectors and cables that are compared, and all with the same titles.
 _MOST_CONNECTORS, _MOST_CONNECTIONS = 100, 10
 #: The statement of a note that explains the order of a pair.
 _STATEMENT = re.compile(r"(?P<first>[\w/ ]+?(?: ?[+-])?) is on a lower contact than (?P<second>[\w/ ]+(?: ?[+-])?)")
@@ -55,7 +55,7 @@ class _Pair(NamedTuple):
 
 
 def check_kinds_of_contacts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that wires with colours are those of a cable, and that a contact named after a shield carries no signal."""
+    """Check that only wires of a cable have colours, and that a contact named after a shield carries no signal."""
     for connector in spec.connectors:
         for index, contact in enumerate(connector.part.contacts):
             path = (*connector.path, "contacts", index)
@@ -104,10 +104,10 @@ def check_interfaces_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: D
 
 
 def check_wires_of_contacts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a contact and a wire with the same line have the same one over every interface.
+    """Check that a contact and a wire with the same line have the same line over every interface.
 
-    A signal that a connector and a cable both have once belongs to a contact and a wire of one line. If another
-    connector and cable of the spec have the same titles, these two must have the same signal there too.
+    A signal that occurs once in a connector and once in a cable belongs to a contact and a wire of one line. If another
+    connector and cable of the spec have the same titles, these two must also have the same signal there.
     """
     # A connector and a cable with the same titles occur once for each interface.
     for connections in _connections_by_titles(spec).values():
@@ -134,7 +134,7 @@ def _connections_by_titles(spec: WrittenSpec) -> dict[tuple[str, str], list[_Con
 
 
 def _wires_by_contact(connector: Connector, cable: Connector) -> dict[str, str]:
-    """Return the wire of each contact, by the signals that both have once: ``{"2": "Pink"}``."""
+    """Return the wire of each contact, by the signals that occur once in both: ``{"2": "Pink"}``."""
     counts_of_contacts = Counter(_plain_signal(contact.signal) for contact in connector.contacts)
     counts_of_wires = Counter(_plain_signal(wire.signal) for wire in cable.contacts)
     wire_by_signal = {_plain_signal(wire.signal): wire.contact for wire in cable.contacts}
@@ -174,10 +174,10 @@ def _compare_signals(
 
 
 def check_order_of_pairs(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the two lines of each pair are next to each other, and in the same order as those of the first pair.
+    """Check that the two lines of each pair are next to each other, and in the same order as in the first pair.
 
-    If all of three or more pairs are apart, or the only one is, they are compared by their order alone.
-    A note such as "MA - is on a lower contact than MA +" explains another order. It must be true.
+    If all of three or more pairs are apart, or the only pair is, they are compared by their order alone. A note such as
+    "MA - is on a lower contact than MA +" explains another order. The note must be true.
     """
     if is_second(report.document.file):  # It has no notes.
         return
@@ -198,10 +198,10 @@ def check_order_of_pairs(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
 def _wrong_order(pair: _Pair, pairs: Sequence[_Pair]) -> str:
     """Return why the order of a pair is unusual, or an empty string.
 
-    Its lines are apart unlike those of another pair, or are not in the order of the first pair.
+    Its lines are not adjacent although another pair's lines are, or are not in the order of the first pair.
     """
     first_pair = pairs[0]
-    # If both of two pairs are apart, that is unusual as well.
+    # If both pairs are apart, that is unusual as well.
     is_apart_unusual = any(not other.is_apart for other in pairs) or len(pairs) == 2
     if pair.is_apart and is_apart_unusual:
         return f"{quoted(pair.first)} and {quoted(pair.second)} are not next to each other"

@@ -14,7 +14,7 @@ from ..written_layouts import WrittenField, WrittenFieldGroup
 from ..written_parts import WrittenSpec
 from .parts import FieldList, Has, by_name, field_lists, interface_of, owner_of_alarm, position_names
 
-#: A level that a text of a flag gives.
+#: A level in a text of a flag.
 _LEVEL = re.compile(r"\b(?:[01]|low|high)\b", re.IGNORECASE)
 #: Number of flags with the same level from which another one in the same register is suspicious.
 _SEVERAL = 4
@@ -23,7 +23,7 @@ _FLAGS_OF_GROUP = 4
 
 
 def check_lone_levels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no flag alone has another active level than at least four others of its list, unless a text gives it.
+    """Check that no single flag has another active level than at least four others of its list, unless a text says so.
 
     Flags that combine others are not counted.
     """
@@ -46,7 +46,7 @@ def check_lone_levels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 
 
 def _gives_level(flag: WrittenField) -> bool:
-    """Return True if a text gives the level of a flag, or its name negates what the bit says."""
+    """Return True if a text states the level of a flag, or its name negates the meaning of the bit."""
     if flag.name.startswith("not_"):
         return True
     texts = (flag.meaning, flag.note, flag.when_active, flag.when_inactive)
@@ -56,7 +56,7 @@ def _gives_level(flag: WrittenField) -> bool:
 def check_repeated_flags(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that flags with the same name in groups or in layouts of an interface have the same level and verdict.
 
-    Flags of groups are compared with those of other groups. Verdicts are compared if both flags have one.
+    Flags of groups are compared with flags of other groups. Verdicts are compared if both flags have a verdict.
     """
     first_flags: dict[tuple[str, str], WrittenField] = {}
     for field_list in field_lists(spec):
@@ -112,7 +112,7 @@ def check_implemented_alarms(spec: WrittenSpec, as_read: WrittenSpec, report: Do
 
 
 def _flag_of(spec: WrittenSpec, alarm: Located[Alarm]) -> WrittenField | None:
-    """Return the flag of an alarm in its group or register, or None if it has none there."""
+    """Return the flag of an alarm in its group or register, or None if there is none."""
     owner = owner_of_alarm(spec, alarm)
     for field in owner.fields if owner is not None else ():
         if alarm.part.field and field.name == alarm.part.field:
@@ -161,7 +161,7 @@ def _report_unsummed(
 ) -> None:
     """Report the only flag of a group that no flag of a list combines, if the group has at least four flags.
 
-    ``summed_by`` has the name of the combining flag for each one. A meaning with the word "combine" explains the
+    ``summed_by`` contains the name of the combining flag for each one. A meaning with the word "combine" explains the
     omission.
     """
     flags = [field for field in group.fields if field.active]
@@ -186,7 +186,7 @@ _SEVERITIES = ("usable", "usable_with_warning", "not_usable")
 
 
 def check_summed_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the verdict of a flag that combines others is not milder than theirs, if all of them have one."""
+    """Check that the verdict of a flag that combines others is not milder than theirs, if all have a verdict."""
     flags: dict[str, WrittenField] = {}
     for field_list in field_lists(spec):
         flags |= {field.name: field for field in field_list.fields if field.active and not field.sums_up}
@@ -278,7 +278,7 @@ def check_returning_registers(spec: WrittenSpec, as_read: WrittenSpec, report: D
 
 
 def check_equal_answers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the two answers of an alternative, if it has two, do not set the same numbers."""
+    """Check that the answers of an alternative with two answers do not set the same numbers."""
     for alternative in spec.alternatives:
         answers = list(alternative.values.items())
         if len(answers) != 2:

@@ -50,7 +50,7 @@ def check_parities(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
 
 
 def _parities_sent_together(layout: WrittenLayout) -> Iterator[list[WrittenField]]:
-    """Yield the parity bits that every word has, and then each one that only some order codes have."""
+    """Yield the parity bits that every word has, and then each parity bit that only some order codes have."""
     parity_fields = [field for field in layout.fields if field.parity_of]
     # A width that is a text is an expression over parameters, so some order codes may have no such bit.
     permanent_fields = [field for field in parity_fields if not isinstance(field.bits, str)]
@@ -82,19 +82,19 @@ def _report_uncovered_fields(
 
 
 def _can_change_parity(field: WrittenField) -> bool:
-    """Return True for a field that changes the number of ones. Zeros do not, and the check bits are the result."""
+    """Return True for a field that changes the number of ones. Zeros cannot, and the check bits are the result."""
     is_check = bool(field.crc or field.parity_of)
     return bool(field.name) and not is_check and field.constant != 0
 
 
 def _covered_fields(layout: WrittenLayout, parity_of: Sequence[str]) -> Iterator[str]:
-    """Yield the fields that a parity bit covers. A joined number stands for its fields."""
+    """Yield the fields that a parity bit covers. A joined number represents its fields."""
     for name in parity_of:
         yield from layout.join.get(name, [name])
 
 
 def check_slaves(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a bus has several slaves, and another topology has one, unless an erratum explains it."""
+    """Check that a bus has several slaves, and another topology has one slave, unless an erratum explains it."""
     biss = spec.interfaces.biss
     network = biss.network if biss is not None else None
     if network is None or not network.is_valid("topology") or not network.is_valid("multiple_slaves"):
@@ -156,7 +156,7 @@ def check_purposes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
     rs485 = spec.interfaces.rs485
     if rs485 is None:
         return
-    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
+    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
     for data_id in rs485.data_ids:
         request = _request_with(data_id, rs485)
         if request is None or data_id.part.purpose not in _OF_MEMORY:
@@ -179,7 +179,7 @@ def _request_with(data_id: Located[DataId], rs485: WrittenRs485) -> WrittenLayou
 
 
 def _fields_of(layout: WrittenLayout, groups: Groups) -> Iterator[WrittenField]:
-    """Yield the fields of a layout, with those of its groups."""
+    """Yield the fields of a layout, including the fields of its groups."""
     for _, field in with_groups_expanded(FieldList(Has.LAYOUT, layout, ""), groups):
         yield field
 

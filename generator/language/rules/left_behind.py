@@ -63,7 +63,7 @@ def check_defaults(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
 def _shows_default(example: WrittenExample) -> bool:
     """Return True for an example of a register whose name has the word default, defaults or delivered.
 
-    It also has bytes, and no erratum, which would explain a difference.
+    It also has bytes, but no erratum, which would explain a difference.
     """
     is_called_default = not _AS_DELIVERED.isdisjoint(example.name.split("_"))
     return example.kind == "register" and bool(example.bytes) and is_called_default and not example.erratum
@@ -104,9 +104,9 @@ def _collect_affected(erratum: WrittenErratum, section: str, numbers: _Numbers, 
 def _check_words(
     path: Path, text: str, pattern: re.Pattern[str], key: str, numbers: _Numbers, report: DocumentReport
 ) -> None:
-    """Report the first part whose number differs from the one that ``pattern`` finds in the text.
+    """Report the first part whose number differs from the number that ``pattern`` finds in the text.
 
-    A text without a match says nothing about the number. A part whose number is None has none to compare.
+    A text without a match says nothing about the number. A part whose number is None is not compared.
     """
     match = pattern.search(text)
     if match is None:
@@ -131,7 +131,8 @@ def _parse_number(text: str) -> int:
 def _bytes_of(register: WrittenRegister) -> str:
     """Return the default of a register as hexadecimal digits in byte order: ``"3412"`` for 0x1234, low byte first.
 
-    The result is empty if there is no default, if several bytes have no byte order, or if the default does not fit.
+    The result is empty if there is no default, if there are several bytes without a byte order, or if the default does
+    not fit.
     """
     length = register.length
     default = register.default
@@ -221,10 +222,10 @@ def _split_pattern(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[s
 
     For ``X-{bits}-{output}`` these are ``("", <bits>)`` and ``("-", <output>)``: the text before the first part is
     empty, because the start of the order code is matched separately. The expression is None if the part is unknown, has
-    no labels or an empty one, or is open with an invalid expression. The text is not checked from there on.
+    no labels or an empty label, or is open with an invalid expression. The text is not checked from there on.
     """
     parts = by_name(order_code.parts)
-    literals_and_names = _BRACES.split(order_code.pattern)  # Literals at even indices, names at odd ones.
+    literals_and_names = _BRACES.split(order_code.pattern)  # Literals are at even indices, names at odd indices.
     pieces: list[tuple[str, re.Pattern[str] | None]] = []
     for index in range(1, len(literals_and_names), 2):
         part = parts.get(literals_and_names[index])

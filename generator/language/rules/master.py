@@ -41,7 +41,7 @@ _BRACES = re.compile(r"\{([^{}]*)\}")
 
 
 class _CitedPart(WrittenPart):
-    """A part of a master of any kind, with its source and its places if it has them."""
+    """A part of a master of any kind, with its source and its places, if any."""
 
     source: Prose = described_key("Source.", default="")
     places: tuple[WrittenPlace, ...] = described_key("Places.", default=())
@@ -84,9 +84,9 @@ def _check_files(master: WrittenMaster, report: DocumentReport) -> None:
 
 
 def _written_setting(index: int, report: DocumentReport) -> WrittenSetting:
-    """Return a setting with all its keys, also those with values that the schema check removed.
+    """Return a setting with all its keys, including keys whose values the schema check removed.
 
-    ``index`` is that in the checked data, from which invalid settings may be missing.
+    ``index`` is the index in the checked data, from which invalid settings may be missing.
     """
     original_indices = report.document.kept_indices.get(("settings",))
     if original_indices is not None:
@@ -137,7 +137,7 @@ def _is_item(item_name: str, path: Path, report: DocumentReport, valid_items: tu
 
 
 def _check_limit(condition: WrittenCondition, report: DocumentReport) -> None:
-    """Check that a condition or limit gives words for a word, and bounds or numbers for a number."""
+    """Check that a condition or limit lists words for a text, and bounds or numbers for a number."""
     name = condition.item
     path = condition.path
     if not _is_item(name, condition.place_of("item"), report):
@@ -241,7 +241,7 @@ def _check_place(place: WrittenPlace, master: WrittenMaster, report: DocumentRep
 
 
 def _check_object_and_bits(place: WrittenPlace, report: DocumentReport) -> None:
-    """Check that an index has a subindex, that the type ``bits`` has its bits in ``at``, and the order of limits."""
+    """Check that an index has a subindex, that the type ``bits`` states its bits in ``at``, and the order of limits."""
     has_index, has_subindex = place.index is not None, place.subindex is not None
     if has_index != has_subindex:
         report.add("setting-shape", place.path, "use 'index' and 'subindex' together or not at all")
@@ -255,7 +255,7 @@ def _check_object_and_bits(place: WrittenPlace, report: DocumentReport) -> None:
 
 
 def _check_channels(place: WrittenPlace, master: WrittenMaster, report: DocumentReport) -> None:
-    """Check that a place is on known devices, and that a list has one entry for each channel of each of them."""
+    """Check that a place is on known devices, and that a list has an entry for each channel of each device."""
     channel_counts: dict[str, int] = {}
     for device in master.devices:
         channel_counts[device.name] = 1 if device.channels is None else len(device.channels)
@@ -283,7 +283,7 @@ def _check_devices(names: Sequence[str], path: Path, devices: Sequence[str], rep
 
 
 def _check_file(file: WrittenMasterFile, master: WrittenMaster, report: DocumentReport) -> None:
-    """Check that a file names existing devices and settings, and has names if and only if its format needs them."""
+    """Check that a file names existing devices and settings, and states names if and only if its format needs them."""
     devices = [device.name for device in master.devices] or [master.title]  # Without devices, the master is one.
     _check_devices(file.on, file.place_of("on"), devices, report)
     for key, names in (("names", file.names), ("words", file.words)):
@@ -312,7 +312,7 @@ def _check_setting_name(
 def _check_writing(master: WrittenMaster, report: DocumentReport) -> None:
     """Check that write conditions have one kind, name existing settings, and define an order without cycles.
 
-    A condition says with ``after`` which settings are written before those in ``of``.
+    A condition lists in ``after`` the settings that are written before the settings in ``of``.
     """
     earlier_settings: dict[str, set[str]] = {}  # For each setting, those that are written before it.
     for condition in master.writing:

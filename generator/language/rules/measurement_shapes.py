@@ -19,7 +19,7 @@ def check_measurement_shape(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
     Each needs the size of a count. ``highest`` needs ``turns`` or ``modulus``.
     """
     movement = spec.movement
-    if not spec.has("movement"):
+    if not movement:
         return
     keys_of_movement, foreign_keys = (_ANGLE, _LENGTH) if movement == "rotary" else (_LENGTH, _ANGLE)
     unit_key = keys_of_movement[0]  # 'counts_per_turn' or 'step_um', the size of a count.
@@ -49,7 +49,7 @@ def check_position_range_shape(spec: WrittenSpec, as_read: WrittenSpec, report: 
 
     The layout must carry the position that the measurement of its interface, or else of the device, names.
     """
-    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
+    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
     own_measurements = {name: interface.measurement for name, interface in interfaces(as_read)}
     raw_frames = {frame.owner.path: frame for frame in layouts(as_read)}
     for frame in layouts(spec):
@@ -75,7 +75,7 @@ def check_position_range_shape(spec: WrittenSpec, as_read: WrittenSpec, report: 
 def _check_range_keys(
     own_range: Located[LayoutRange], measurement: Located[Measurement] | None, movement: str, report: DocumentReport
 ) -> None:
-    """Check that the keys of a range belong together: those of the movement, and none next to ``wraps: false``.
+    """Check that a range has only keys of its movement, and none next to ``wraps: false``.
 
     ``highest`` needs a number of turns or a modulus, in the range or in the measurement.
     """

@@ -21,7 +21,7 @@ _OPPOSITES = {
 }
 #: The number of an LED in a name or title.
 _LED_NUMBER = re.compile(r"led[ _]?(\d+)", re.IGNORECASE)
-#: Shortest word that is compared with those of other names, and most names.
+#: Shortest word that is compared with words of other names, and most names.
 _SHORTEST, _MOST = 6, 300
 
 
@@ -40,7 +40,7 @@ def check_names_and_meanings(spec: WrittenSpec, as_read: WrittenSpec, report: Do
 
 
 def check_numbers_of_leds(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the number of an LED in its name, such as ``led_1``, is the one in its title, as in "LED 1"."""
+    """Check that the number of an LED in its name, such as ``led_1``, is the number in its title, as in "LED 1"."""
     for led in spec.leds:
         numbers_of_name, numbers_of_title = _LED_NUMBER.findall(led.part.name), _LED_NUMBER.findall(led.part.title)
         if numbers_of_name and numbers_of_title and numbers_of_name != numbers_of_title:

@@ -25,7 +25,7 @@ class NameResolver:
         self._report = report
         interfaces = list(as_read.interfaces.data)
         self.parameter_names = as_read.names_in("parameters")
-        # Names that are misspelt themselves: unknown interfaces, and those that the schema check rejected.
+        # Names that are themselves misspelt: unknown interfaces, and names that the schema check rejected.
         self._broken = {name for name in interfaces if name not in INTERFACES}
         for path in report.faults():
             # A part in a list has its name under 'name', one in a map is a key itself.
@@ -50,7 +50,7 @@ class NameResolver:
 
         ``thing`` is the kind in the message: ``register``, or ``field of 'preset' called`` with ``known_names``.
         If one of the known names is itself broken, it is reported already, and ``name`` may be the correct spelling.
-        Then the place is only marked as faulty, unless an intact name is similar.
+        Then the place is only marked as faulty, unless a valid name is similar.
         """
         choices = self._known[thing] if known_names is None else known_names
         if name in choices:

@@ -26,7 +26,7 @@ _SECTION_OF_BITS = re.compile(r"\bbits (\d+):(\d+), which are (\d+) bits")
 _STANDARD = re.compile(r"\bRS[- ]?(\d{2,4})\b")
 _STANDARDS = ("232", "422", "423", "449", "485", "530", "562", "644")
 _FIGURES = re.compile(r"\bFigures? (\d+(?:(?:, | and | to )\d+)*)\b")
-#: A longer range of figures is compared only by its first and its last one.
+#: A longer range of figures is compared only by its first and its last number.
 _MOST_FIGURES = 1000
 #: Texts that quote the manual, or are about other documents.
 _ELSEWHERE = frozenset(("documents", "editions", "evidence"))
@@ -34,7 +34,7 @@ _QUOTED = frozenset(("printed", "title", "why"))
 
 
 def check_characters(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the hexadecimal characters in the meaning of a text field are those of its ``equals``."""
+    """Check that the hexadecimal characters in the meaning of a text field match its ``equals``."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
             printed = _CHARACTERS.search(field.meaning)
@@ -105,7 +105,7 @@ def _collect_definitions(spec: WrittenSpec) -> dict[str, Expression]:
 
 
 def _parse_formula(formula: object) -> Expression | None:
-    """Return a number or formula as an expression, or None for anything else. Another rule reports a wrong one."""
+    """Return a number or formula as an expression, or None for anything else. Another rule reports a wrong formula."""
     if not isinstance(formula, (int, str)) or formula == "":
         return None
     try:
@@ -125,15 +125,15 @@ def _evaluate_formula(formula: Expression, parameters: Mapping[str, int]) -> int
 
 
 def check_widths(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the only range of bits in the meaning of a parameter is that of the order codes.
+    """Check that the only range of bits in the meaning of a parameter matches the order codes.
 
-    The order codes set the parameter, or those from which it is derived. Its bounds are those with all at their lowest
-    and with all at their highest.
+    The order codes set the parameter, or the parameters from which it is derived. The bounds are the widths with all of
+    these at their lowest, and with all at their highest.
     """
     ranges = _ranges_set(spec)
     definitions = _collect_definitions(spec)
     parameters_at_bounds = []
-    for bound in (0, 1):  # the index of the lowest number in a range, and that of the highest
+    for bound in (0, 1):  # the index of the lowest number in a range, and of the highest
         set_numbers = {name: bounds_of_name[bound] for name, bounds_of_name in ranges.items()}
         parameters_at_bounds.append(resolve_parameters(set_numbers, definitions))
     for name, parameter in spec.parameters.items():

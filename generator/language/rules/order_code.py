@@ -56,7 +56,7 @@ def _check_combinations(
 #: Largest number of codes of one family. More indicate an error, as the largest catalogue pages list a few hundred.
 MAX_CODES = 10_000
 
-#: The name of a part in a pattern, such as ``{bits}``. Splitting at it gives literals and names in turn.
+#: The name of a part in a pattern, such as ``{bits}``. Splitting at it yields literals and names in turn.
 _BRACES = re.compile(r"\{([^{}]*)\}")
 _LITERAL = re.compile(r"[A-Za-z0-9/_. -]*")
 #: Keys of parameters that are not set by order codes, each with the middle of a message: "'bits' … ('equals'), so …".
@@ -120,7 +120,7 @@ def check_ambiguous_order_codes(spec: WrittenSpec, as_read: WrittenSpec, report:
     has_invalid_expression = any(_expression_fault(part.open) for part in parts)
     names_each_part_once = sorted(_BRACES.findall(pattern)) == sorted(part_names)
     if has_duplicate_names or has_invalid_expression or not names_each_part_once:
-        return  # Other rules report these.
+        return  # Other rules report these mistakes.
     message = _find_ambiguity(spec)
     if message:
         report.add("order-code-ambiguous", ("order_code", "pattern"), message)
@@ -128,7 +128,7 @@ def check_ambiguous_order_codes(spec: WrittenSpec, as_read: WrittenSpec, report:
 
 def _find_ambiguity(spec: WrittenSpec) -> str:
     """Return the message about the first code that occurs twice or can be read in two ways. Empty if none is."""
-    # Literals are at even indices, and names of parts at odd ones. Blanks on a label are ignored.
+    # Literals are at even indices, and names of parts at odd indices. Blanks on a label are ignored.
     parts = spec.order_code.parts
     pieces = _BRACES.split(spec.order_code.pattern)
     names_of_parts = pieces[1::2]
@@ -273,7 +273,7 @@ def _check_values(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _other_origin(spec: WrittenSpec, parameter: WrittenParameter) -> str | None:
-    """Return the key ('equals', …) because of which an order code cannot set a parameter, or None if it can.
+    """Return the key ('equals', …) that prevents an order code from setting a parameter, or None if there is none.
 
     It can set a parameter that is read from a register, if the register has no default.
     """
@@ -291,13 +291,13 @@ def _has_no_default(spec: WrittenSpec, parameter: WrittenParameter) -> bool:
 
 
 def _expression_fault(regular_expression: str) -> str:
-    """Return the reason that an expression cannot be that of an open part, or an empty string if it can."""
+    """Return the reason that an expression cannot describe an open part, or an empty string if it can."""
     try:
         re.compile(regular_expression)
     except (re.error, OverflowError) as error:
         return str(error)
     # Each repetition multiplies the ways to match a label. Three are more than any catalogue needs.
-    expression_without_classes = _CLASS.sub("", regular_expression)  # In [+*], the signs stand for themselves.
+    expression_without_classes = _CLASS.sub("", regular_expression)  # In [+*], the signs represent themselves.
     repetitions = _COUNT.findall(expression_without_classes)
     return "more than three repetitions" if len(repetitions) > 3 else ""
 
@@ -341,7 +341,7 @@ def _parameter_fault(parameter_name: str, code: _Code, parameters: Mapping[str, 
     count = set_parameters.count(parameter_name)
     if count > 1:
         return f"{count} parts of {code.text} set {quoted(parameter_name)}; only one may"
-    # A misspelt name, which another rule reports, may be meant as this one.
+    # A misspelt name, which another rule reports, may mean this name.
     has_unknown_name = any(set_name not in parameters for set_name in set_parameters)
     if count == 0 and not has_unknown_name:
         return (
@@ -352,7 +352,7 @@ def _parameter_fault(parameter_name: str, code: _Code, parameters: Mapping[str, 
 
 
 def _required_parameters(spec: WrittenSpec, codes: Sequence[_Code]) -> list[str]:
-    """Return the parameters that every code must set: those without another origin, or read and set by some code."""
+    """Return the parameters that every code must set: without another origin, or read and set by some code."""
     set_by_codes = {name for code in codes for name in code.set_parameters}
     names = []
     for name, parameter in spec.parameters.items():
@@ -426,8 +426,9 @@ def _yield_readings(
 ) -> Iterator[tuple[str, ...]]:
     """Yield every way to split a label from ``start`` into the pattern's ``pieces`` from ``index``, as the labels.
 
-    Pieces at even indices are literals, those at odd indices are names of parts. The last piece is a literal. A reading
-    has one label for each part: ``("24", "S")`` for ``X-24S`` with the pieces ``["X-", "bits", "", "output", ""]``.
+    Pieces at even indices are literals, and pieces at odd indices are names of parts. The last piece is a literal. A
+    reading has one label for each part: ``("24", "S")`` for ``X-24S`` with the pieces ``["X-", "bits", "", "output",
+    ""]``.
     """
     literal = pieces[index].upper()
     if not label_text.startswith(literal, start):

@@ -75,7 +75,7 @@ _Expressions = Iterator[tuple[Path, int | str]]
 
 
 def expressions(spec: WrittenSpec) -> _Expressions:
-    """Yield every expression of a spec, those of groups once."""
+    """Yield every expression of a spec, with the expressions of groups once."""
     for part in spec.order_code.parts:
         yield from _expressions_under(part, ("label_is",))
     for parameter in spec.parameters.values():
@@ -108,7 +108,7 @@ def parameter_uses(spec: WrittenSpec, as_read: WrittenSpec | None = None) -> Ite
 
     A field of a group is yielded for each layout or register that uses the group.
     """
-    spec_of_groups = as_read if as_read is not None else spec  # ``as_read`` also has the invalid groups.
+    spec_of_groups = as_read if as_read is not None else spec  # ``as_read`` also contains the invalid groups.
     groups = by_name(spec_of_groups.field_groups)
     field_owners = list(layouts(spec))
     field_owners += [FieldList(Has.REGISTER, register, interface_of(register)) for register in spec.registers]
@@ -179,7 +179,7 @@ _MOST_TERMS = 256
 
 
 def all_parameters(expression_text: object, parameters: Mapping[str, WrittenParameter]) -> Iterator[str]:
-    """Yield the parameters in an expression, and those in the expressions that define them, each once."""
+    """Yield the parameters in an expression, and in the expressions that define these parameters, each once."""
     factors_to_visit = _list_factors(expression_text)
     visited_names: set[str] = set()
     # The list grows during the loop, so that parameters named directly come before those that define them.
@@ -235,7 +235,7 @@ def _count_of_terms(parameter_name: str, parameters: Mapping[str, WrittenParamet
 
 
 def check_parameter_origin(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the value of a parameter has at most one origin, and that ``by_code`` is next to ``read_from`` alone.
+    """Check that the value of a parameter has at most one origin, and that ``by_code`` occurs only with ``read_from``.
 
     ``by_code`` lists the value for each code in the register, so it excludes limits.
     """
@@ -316,7 +316,7 @@ def check_alternative_use(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 
     Those with a default affect only verdicts, which do not need a choice. So their parameters are in no expression.
     """
-    alternatives = by_name(as_read.alternatives)  # Also invalid ones, which ``spec`` lacks.
+    alternatives = by_name(as_read.alternatives)  # Including invalid parts, which ``spec`` lacks.
     set_by_alternative = {name: parameter for name, parameter in as_read.parameters.items() if parameter.alternative}
     used_texts = list(expressions(spec))
     # The parameter under 'when', which turns Gray code on, is not an expression.
@@ -341,8 +341,8 @@ def check_alternative_use(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 def check_units(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the units of fields that equal a parameter, and of the parameters in expressions.
 
-    A field and its parameter have units of the same quantity, and an unknown unit is a quantity of its own. Exponents
-    and widths are in bits, and numbers of a measurement in its units. There, unknown units are not checked.
+    A field and its parameter have units of the same quantity, and each unknown unit counts as a separate quantity.
+    Exponents and widths are in bits, and numbers of a measurement in its units. There, unknown units are not checked.
     """
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -376,7 +376,7 @@ def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: Documen
 
 
 def check_parameter_cycle(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no parameter is defined by itself, directly or through others."""
+    """Check that no parameter is defined by itself, directly or through other parameters."""
     definitions: dict[str, tuple[str, ...]] = {}
     for name, parameter in spec.parameters.items():
         if parameter.equals is not None:
@@ -396,7 +396,7 @@ def _find_cycle(start: str, definitions: Mapping[str, tuple[str, ...]], settled:
     Every parameter that is visited is added to ``settled``, because each cycle is reported once.
     """
     # Depth first, without recursion: a long chain of parameters must not exhaust the stack.
-    # ``trail`` has the open definitions, and ``pending`` an iterator for each of them and for the start.
+    # ``trail`` contains the open definitions, and ``pending`` an iterator for each of them and for the start.
     trail: list[str] = []
     pending = [iter((start,))]
     while pending:

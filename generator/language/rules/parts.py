@@ -36,7 +36,8 @@ Groups = Mapping[str, WrittenFieldGroup]
 _INTERFACE_CLASSES: Mapping[str, type[WrittenInterface]] = MappingProxyType(
     {"ssi": WrittenSsi, "biss": WrittenBiss, "rs485": WrittenRs485, "spi": WrittenSpi}
 )
-#: Largest number of fields of a layout or register, with those of its groups. Without these, the schema limits it.
+#: Largest number of fields of a layout or register, including the fields of its groups. Without groups, the schema
+#: limits it.
 MAX_FIELDS = 512
 _RANGE = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
 
@@ -264,7 +265,7 @@ def measurements(spec: WrittenSpec) -> Iterator[Located[Measurement]]:
 
 
 def measurement_of(spec: WrittenSpec, interface: str) -> Located[Measurement] | None:
-    """Return the measurement of an interface or, if it has none, that of the device. None if there is neither."""
+    """Return the measurement of an interface or, if it has none, of the device. None if there is neither."""
     own_measurement = dict(interfaces(spec))[interface].measurement if interface in spec.interfaces.data else None
     return own_measurement if own_measurement is not None and own_measurement.is_given else spec.measurement
 
@@ -284,9 +285,9 @@ def position_names(spec: WrittenSpec, interface: str) -> set[str]:
 
 
 def constant_width(field: WrittenField) -> int | None:
-    """Return the width of a field if it is constant, or None if it depends on others or another rule reports it.
+    """Return the width of a field if it is constant, or None if it depends on parameters or another rule reports it.
 
-    A flag has one bit, and so has a field at the number of a bit.
+    A flag has one bit, and so has a field whose place is a single bit.
     """
     if field.has("bits"):
         # A width that is a text is an expression over parameters.
@@ -295,8 +296,7 @@ def constant_width(field: WrittenField) -> int | None:
     if bit_range is not None:
         width = int(bit_range[1]) - int(bit_range[2]) + 1
         return width if width > 0 else None
-    is_one_bit = field.has("active") or isinstance(field.at, int)
-    return 1 if is_one_bit else None
+    return 1 if field.is_flag or isinstance(field.at, int) else None
 
 
 def bits_of(register: WrittenRegister, groups: Groups) -> list[str]:
@@ -307,19 +307,19 @@ def bits_of(register: WrittenRegister, groups: Groups) -> list[str]:
 
 
 def owner_of_alarm(spec: WrittenSpec, alarm: Located[Alarm]) -> WrittenFieldGroup | WrittenRegister | None:
-    """Return the group of an alarm's flag or, if it names none, the register. None if it does not exist."""
+    """Return the group of an alarm's flag or, if it names none, the register. Return None if there is no such owner."""
     if alarm.part.group:
         return by_name(spec.field_groups).get(alarm.part.group)
     return by_name(spec.registers).get(alarm.part.register)
 
 
 def has_other_bits(register: WrittenRegister, groups: Groups) -> bool:
-    """Return True if a register has more bits than those of one field."""
+    """Return True if a register has bits outside a single field."""
     return len(bits_of(register, groups)) > 1 or register.has("other_bits")
 
 
 def value_names(field: WrittenField) -> list[str]:
-    """Return the names of the values of a field, even of those with a wrong shape."""
+    """Return the names of the values of a field, even of values with a wrong shape."""
     return field.names_in("values")
 
 

@@ -36,9 +36,9 @@ Fields = Mapping[str, WrittenField]
 def check_value_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a value has a verdict only where a frame with a position has it, and that an error has one there.
 
-    A group is in such a frame if one of them uses it. An error is a value whose name says so.
+    A group is in such a frame if one of them uses it. An error is a value named as an error.
     """
-    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
+    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
     position_frames = [field_list for field_list in layouts(spec) if _has_position(spec, field_list, groups)]
     position_paths = {field_list.owner.path for field_list in position_frames}
     used_groups = {field.use for field_list in position_frames for field in field_list.fields}
@@ -82,7 +82,7 @@ def _no_verdict(fields: FieldList, field: WrittenField, has_verdict: bool) -> st
 
 def _reason_without_verdict(fields: FieldList) -> str:
     """Return the reason that a list of fields has no verdict on a position."""
-    owner = quoted(fields.name or Has.CONTROL.value)  # Only the control data have no name.
+    owner = quoted(fields.name or Has.CONTROL.value)  # Only the control data are unnamed.
     match fields.kind:
         case Has.REGISTER | Has.CONTROL:
             return f"{owner} is not a frame, so no value in it has a verdict on the position"
@@ -106,7 +106,7 @@ def check_combinations(spec: WrittenSpec, as_read: WrittenSpec, report: Document
     A combination gives the verdict while several fields have certain values. It never decides if one of its conditions,
     or a combination with some of them, already gives the same verdict or a worse one.
     """
-    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
+    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
     for frame in layouts(spec):
         listed_combinations = frame.layout.combinations if frame.layout is not None else ()
         if listed_combinations and not _has_position(spec, frame, groups):
@@ -116,7 +116,7 @@ def check_combinations(spec: WrittenSpec, as_read: WrittenSpec, report: Document
         fields_by_name = field_names(frame, groups)
         for index, combination in enumerate(listed_combinations):
             if not _check_conditions(frame, fields_by_name, combination, report):
-                continue  # Its conditions are reported, and there may be no verdicts to compare.
+                continue  # Its conditions are reported elsewhere, and there may be no verdicts to compare.
             # A combination decides only if no part of it makes the position at least as bad by itself.
             earlier_combinations = listed_combinations[:index]
             later_combinations = listed_combinations[index + 1 :]
@@ -129,7 +129,7 @@ def check_combinations(spec: WrittenSpec, as_read: WrittenSpec, report: Document
 
 def check_report_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the reports of values with a verdict and of combinations have names that are unique in the frame."""
-    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
+    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
     for frame in layouts(spec):
         used_names = set(readable_names(frame, groups))
         for path, name in _report_names(frame, groups):
@@ -181,7 +181,7 @@ def _check_conditions(
             report.add("undefined-reference", condition_path, problem)
     if len(combination.when) == 1 and len(report) == problems_before:
         (field_name,) = combination.when
-        is_flag = fields_by_name[field_name].has("active")
+        is_flag = fields_by_name[field_name].is_flag
         verdict_place = f"the flag {quoted(field_name)}" if is_flag else f"the value of {quoted(field_name)}"
         problem = (
             f"{quoted(combination.name)} has only one condition; write 'makes_position' at {verdict_place} instead"
@@ -193,7 +193,7 @@ def _check_conditions(
 def _obstacle_to_combination(fields: FieldList, field_name: str, field: WrittenField) -> str:
     """Return the reason that a combination cannot contain a field, and the fix. Empty if it can."""
     name = quoted(field_name)
-    if not field.has("active") and not value_names(field):
+    if not field.is_flag and not value_names(field):
         return f"{name} is neither a flag nor a field with 'values'; give names to its values with 'values'"
     if field.has("only"):
         return f"the manual explains {name} only for some order codes; a combination applies to all of them"
@@ -210,7 +210,7 @@ def _words_of(field: WrittenField) -> list[str]:
     These are ``active`` and ``inactive`` for a flag, and the names of values for another field. If ``others`` gives a
     meaning to the unlisted numbers, a narrow field also has ``reserved_5`` and the like for each of them.
     """
-    if field.has("active"):
+    if field.is_flag:
         return list(_FLAG_WORDS)
     value_words = value_names(field)
     width = constant_width(field)
@@ -226,7 +226,7 @@ def _check_can_decide(
 ) -> None:
     """Report a combination that never decides, since a part of it already has the same verdict or a worse one.
 
-    ``verdicts`` has the text for each part and its verdict: ``("'battery' alone", "not_usable")``.
+    ``verdicts`` contains the text for each part and its verdict: ``("'battery' alone", "not_usable")``.
     """
     for part_text, verdict in verdicts:
         is_as_bad = bool(verdict) and _WORST_FIRST.index(verdict) <= _WORST_FIRST.index(combination.makes_position)
@@ -243,12 +243,11 @@ def _own_verdicts(
 ) -> Iterator[tuple[str, str]]:
     """Yield the verdict of each flag and value of a combination by itself, with a text that names it.
 
-    The verdict is empty if there is none. An inactive flag has none and is omitted.
+    The verdict is empty if there is none. An inactive flag has no verdict and is omitted.
     """
     for name, value_name in combination.when.items():
         field = fields_by_name[name]
-        is_flag = field.has("active")
-        if not is_flag:
+        if not field.is_flag:
             value = field.values.get(value_name)
             yield f"{quoted(name)} alone", value.makes_position if value is not None else ""
         elif value_name == "active":
@@ -273,7 +272,7 @@ def _verdicts_of_parts(
 
 
 def _is_part(other_combination: WrittenCombination, combination: WrittenCombination) -> bool:
-    """Return True if all conditions of another combination, at least two, are also conditions of this one."""
+    """Return True if all conditions of another combination, at least two, are also conditions of ``combination``."""
     conditions = other_combination.when.items()
     return len(conditions) > 1 and conditions <= combination.when.items()
 
@@ -326,7 +325,7 @@ def _check_settings(alternative: WrittenAlternative, report: DocumentReport) -> 
 
 
 def check_verdicts_by_answer(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check the verdicts in ``makes_position_if``, which a flag has instead if an answer sets a parameter to 1.
+    """Check the verdicts in ``makes_position_if``, which replaces ``makes_position`` for some answers.
 
     Each belongs to a parameter of an alternative with a default, and differs from the verdict without a choice.
     """

@@ -131,7 +131,7 @@ def _field_faults(
 
 
 def _parse_bit_range(at: int | str | None) -> tuple[int, int] | None:
-    """Return the highest and the lowest bit of a place such as ``7:6`` or 5, or None if it is not one."""
+    """Return the highest and the lowest bit of a place such as ``7:6`` or 5, or None if it is not a place."""
     if isinstance(at, int):
         is_bit_number = 0 <= at < 1024  # No register has more bits.
         return (at, at) if is_bit_number else None
@@ -183,7 +183,7 @@ def _compare_writes(
     step_writes: list[_Write | None],
     report: DocumentReport,
 ) -> None:
-    """Report each printed write that is not that of the step with the same number, and each further step."""
+    """Report each printed write that differs from the step with the same number, and each further step."""
     for index, text in enumerate(procedure.printed_writes):
         printed_write = _printed_write(text)
         printed_path = (*procedure.path, "printed_writes", index)
@@ -200,7 +200,7 @@ def _compare_writes(
 def _printed_write(write_text: str) -> _Write:
     """Return the write that a text of ``printed_writes`` describes, such as ``0x49 bit 2 = 0`` or ``0x50-0x54``."""
     match = _WRITE.fullmatch(write_text)
-    assert match is not None  # The schema has the same pattern.
+    assert match is not None  # The schema uses the same pattern.
     first, last, bit, value = match.group("first", "last", "bit", "value")
     return _Write(
         first=int(first, 16),
@@ -221,7 +221,7 @@ def _step_write(step: WrittenStep, registers: Mapping[str, WrittenRegister], gro
         return None
     register_fields = list(fields_of(register, groups))
     possible_fields = [field for field in register_fields if step.field in ("", field.name)]
-    # The field that has the value. Without one, the value is an argument, whose number the caller supplies.
+    # The field that has the value. Without such a field, the value is an argument, whose number the caller supplies.
     fields_with_value = [field for field in possible_fields if step.value in field.values]
     number = None
     if fields_with_value:

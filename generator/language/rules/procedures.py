@@ -23,12 +23,12 @@ from .parts import (
 )
 from .shapes import KeysOfKind, check_keys
 
-#: Stands for a register that does not exist.
+#: Represents a register that does not exist.
 _NO_REGISTER = WrittenRegister({})
 Registers = Mapping[str, WrittenRegister]
 #: Access of a register that makes a kind of step impossible.
 _REFUSED = {"write": "read_only", "read": "write_only", "poll": "write_only"}
-#: Keys of each kind of step, and those of all kinds.
+#: Keys of each kind of step, and keys of all kinds.
 _STEPS: dict[str, KeysOfKind] = {
     "write": (("register", "value"), ("field",)),
     "read": (("register",), ("field",)),
@@ -68,7 +68,7 @@ def check_step_access(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 
     To write one field of a register with other bits, a step reads the register first.
     """
-    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
+    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
     groups = by_name(as_read.field_groups)
     for procedure in spec.procedures:
         for step in procedure.steps:
@@ -88,7 +88,7 @@ def check_step_access(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 
 
 def _register_of(step: WrittenStep, registers: Registers) -> WrittenRegister:
-    """Return the register of a step, or one without keys if it has none that exists."""
+    """Return the register of a step, or an empty register if it has no existing register."""
     return registers.get(step.register, _NO_REGISTER)
 
 
@@ -139,10 +139,12 @@ def check_step_waits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
 
 
 def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], needed_ms: int) -> tuple[Path, str] | None:
-    """Return the place of a wait that is too short or missing after a write, and what is there. None if it is enough.
+    """Return the place of a wait that is too short or missing after a write, and a text about the wait.
 
-    All waits before the next write count together. Polling is enough, and without a wait so is the end of a procedure.
-    The text is ``there is no wait here`` or ``the wait here is 5 ms``.
+    None if it is enough.
+
+    All waits before the next write count together. Polling is enough, and without a wait, the end of a procedure is
+    enough as well. The text is ``there is no wait here`` or ``the wait here is 5 ms``.
     """
     until_write = list(takewhile(lambda step: step.do != "write", later_steps))
     waits = [step for step in until_write if step.do == "wait"]
@@ -196,7 +198,7 @@ def _writes_opening_value(step: WrittenStep, opener: WrittenOpenedBy) -> bool:
 
 def check_written_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that some step of a procedure writes each of its arguments."""
-    procedures = by_name(as_read.procedures)  # Also invalid ones, which ``spec`` lacks.
+    procedures = by_name(as_read.procedures)  # Including invalid parts, which ``spec`` lacks.
     for procedure in spec.procedures:
         # A step rejected by the schema may be the one that writes it.
         raw_procedure = procedures.get(procedure.name, procedure)
@@ -211,8 +213,8 @@ def check_written_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
 
 
 def check_procedure_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a procedure with the name of a value of a register writes this value if it writes named ones there."""
-    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
+    """Check that a procedure named after a value of a register writes this value if it writes named values there."""
+    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
     groups = by_name(as_read.field_groups)
     for procedure in spec.procedures:
         name = procedure.name
@@ -241,7 +243,7 @@ def check_saves_before_writes(spec: WrittenSpec, as_read: WrittenSpec, report: D
     """
     if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
         return
-    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
+    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
     for procedure in spec.procedures:
         if procedure.note:
             continue
@@ -298,7 +300,7 @@ def check_named_bank(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
 
 def check_selected_bank(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure selects the bank before it accesses a register in it. An argument may select any bank."""
-    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
+    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
     select = bank_select(as_read)
     if not select:
         return
@@ -318,7 +320,7 @@ def check_selected_bank(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
 
 
 def _number_by_name(register: WrittenRegister, as_read: WrittenSpec) -> dict[str, int | None]:
-    """Return the numbers of all named values of a register by their names. Invalid ones are None."""
+    """Return the numbers of all named values of a register by their names. Invalid numbers are None."""
     numbers_by_name: dict[str, int | None] = {}
     for field in fields_of(register, by_name(as_read.field_groups)):
         numbers_by_name |= dict.fromkeys(value_names(field))  # None for each, also for invalid ones.

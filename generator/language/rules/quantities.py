@@ -51,7 +51,7 @@ _ANY_TIME = re.compile(_TIME)
 #: A time that the reader or the encoder must keep.
 _KEPT_TIME = re.compile(rf"\b(?:[Ww]ait|[Pp]ause|[Ww]ithin|[Aa]t least|[Aa]t most)\w*\b[^.;:,]{{0,40}}?{_TIME}")
 _NO_TEXTS = frozenset(("source", "bytes", "bits", "name", "address"))
-#: A quantity that a text gives in two units, as in ``10 °C is 50 °F``.
+#: A quantity in two units in a text, as in ``10 °C is 50 °F``.
 _SAME = re.compile(
     r"(?<![\w.,±])(?P<one>[−+-]?\d+(?:\.\d+)?) ?(?P<one_unit>°[CF]|mm|in)(?:,? which)? (?:is|=) "
     r"(?P<two>[−+-]?\d+(?:\.\d+)?) ?(?P<two_unit>°[CF]|mm|in)\b"
@@ -125,7 +125,7 @@ def _plain_numbers(characteristic_text: str, unit: str) -> Iterator[Decimal]:
 
 
 def _possible_numbers(characteristic_text: str, unit: str) -> Iterator[Decimal]:
-    """Yield each number with a unit in a text, and the bounds that its tolerances, in the unit or in percent, give."""
+    """Yield each number with a unit in a text, and the bounds of its tolerances, in the unit or in percent."""
     plain_numbers = list(_plain_numbers(characteristic_text, unit))
     yield from plain_numbers
     tolerances = [number for sign, number in _signed_numbers(characteristic_text, unit) if sign == "±"]
@@ -206,11 +206,11 @@ def _flags_of(spec: WrittenSpec, alarm: Alarm) -> list[WrittenField]:
 
 
 def check_repeated_times(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a text does not contradict the times of its item, nor an erratum those of the facts it affects.
+    """Check that neither a text nor an erratum contradicts the times that it concerns.
 
-    A text is compared with the times next to it, or else with those of its register, procedure, timing or input. It may
-    also repeat one of the ``timings``, or a time of another item. Overlays and older editions change times without
-    changing every text, so specs with either are not checked.
+    A text is compared with the times next to it, or else with the times of its register, procedure, timing or input. An
+    erratum is compared with the facts that it affects. It may also repeat one of the ``timings``, or a time of another
+    item. Overlays and older editions change times without changing every text, so specs with either are not checked.
     """
     if report.document.other_files or report.document.family:
         return
@@ -245,7 +245,7 @@ def _compare_symbols(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _compare_errata(spec: WrittenSpec, named_times: set[int], report: DocumentReport) -> None:
-    """Report each erratum with times of which none is that of a fact it affects, or of its only timing."""
+    """Report each erratum none of whose times occurs in a fact it affects, or in its only timing."""
     affected_places, times_below = Affected(spec.data), _TimesBelow()
     for erratum in spec.errata:
         used_matches = list(_ANY_TIME.finditer(erratum.used))
@@ -286,7 +286,7 @@ def _is_timing(fact: object) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class _Elsewhere:
-    """The times of a spec outside one part: the named ones, and those of other parts.
+    """The times of a spec outside one part: the named times, and the times of other parts.
 
     ``parts_with`` counts the parts that have a time, and ``own_times`` contains the times of the one part.
     """
@@ -297,7 +297,7 @@ class _Elsewhere:
 
     def have(self, time: Decimal) -> bool:
         """Return True if a time is named, or occurs in another part."""
-        # If the part itself has the time, it is one of those counted.
+        # If the part itself has the time, it is among the parts counted.
         parts_to_exceed = 1 if time in self.own_times else 0
         return time in self.named or self.parts_with.get(time, 0) > parts_to_exceed
 
@@ -305,7 +305,7 @@ class _Elsewhere:
 def _compare_times(
     text: str, expected_times: set[int], elsewhere: _Elsewhere, path: Path, report: DocumentReport
 ) -> None:
-    """Report the first time to keep in a text that is neither expected nor elsewhere, if any times are expected."""
+    """Report the first time in a text that is neither expected nor elsewhere, if any times are expected."""
     if not expected_times:
         return
     for match in _KEPT_TIME.finditer(text):
@@ -316,7 +316,7 @@ def _compare_times(
 
 
 def _report_time(match: re.Match[str], expected_times: set[int], path: Path, report: DocumentReport) -> None:
-    """Report a time in a text, as matched by ``_TIME``, that is not one of the expected ones."""
+    """Report a time in a text, as matched by ``_TIME``, that is not expected."""
     times_text = listed([nanoseconds(time) for time in sorted(expected_times)], "or")
     number, unit = match.group("number", "unit")
     message = (
@@ -391,7 +391,7 @@ def _compare_bounds(quantity: Quantity, first: Quantity, path: Path, report: Doc
 
 
 def _compare_numbers(measured: _Number, printed: _Number, path: Path, report: DocumentReport) -> None:
-    """Report a number that differs from another one, in another unit, by more than rounding.
+    """Report a number that differs from another number, in another unit, by more than rounding.
 
     It may differ by 1 %, or by half of the last printed digit in either unit. A temperature may also be a difference,
     which is converted without the offset. Two numbers whose units have no conversion are not compared.

@@ -100,7 +100,8 @@ def check_rates_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
 def check_monoflop(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the monoflop time of SSI is between half a period of the slowest clock and the pause.
 
-    The shortest time that a timing gives counts, for the pause only a guaranteed one. An erratum explains others.
+    The shortest time that a timing gives counts, for the pause only a guaranteed time. A time outside this range needs
+    an erratum.
     """
     ssi = spec.interfaces.ssi
     if ssi is None:
@@ -262,7 +263,7 @@ def _check_clocks_of_timeouts(timeout: Located[Timeout], clock: Clock, report: D
 
 
 def _check_timeout_rule(timeout: Located[Timeout], report: DocumentReport) -> None:
-    """Check that a time-out has the numbers for its rule: a time if it is fixed, or half clock periods.
+    """Check that a time-out has the numbers for its rule: a fixed time, or half clock periods.
 
     Without half clock periods, a time-out that follows the clock needs a time or printed examples.
     """

@@ -60,7 +60,7 @@ def _data_ids(as_read: WrittenSpec, interface: str) -> object:
 def _check_layout(fields: FieldList, names: Sequence[str], resolver: NameResolver) -> None:
     """Check the names in the Gray code, the identification and the joined numbers of a layout or register.
 
-    ``names`` are its fields, with those of groups.
+    ``names`` are its fields, including fields of groups.
     """
     layout = fields.layout
     path = fields.owner.path
@@ -81,7 +81,7 @@ def _check_field(field: WrittenField, names: Sequence[str], joins: Sequence[str]
     resolver.refer_if_given(field.place_of("crc"), "CRC", field.crc)
     siblings = [name for name in names if name != field.name]
     parity_path = field.place_of("parity_of")
-    # A single name may be written without a list. Then its path has no index.
+    # A single name may be written without a list. In this case, its path has no index.
     is_single_name = isinstance(field.data.get("parity_of"), str)
     for index, name in enumerate(field.parity_of):
         name_path = parity_path if is_single_name else (*parity_path, index)
@@ -111,7 +111,7 @@ def check_register_references(spec: WrittenSpec, as_read: WrittenSpec, report: D
 
 
 def _check_opener(opener: WrittenOpenedBy, resolver: NameResolver) -> None:
-    """Check the register, the field and the value that open another register, each if the one before exists."""
+    """Check the register, the field and the value that open another register, each if the previous one exists."""
     name = opener.register
     resolver.refer_if_given(opener.place_of("register"), "register", name)
     if name not in resolver.registers:
@@ -139,7 +139,7 @@ def _check_meaning(meaning: WrittenRegisterMeaning, resolver: NameResolver) -> N
 def check_device_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of parameters, hardware inputs, measurements and the register that selects banks.
 
-    A measurement names a field or joined number that some frame has.
+    A measurement names a field or joined number that occurs in some frame.
     """
     resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
     for parameter in spec.parameters.values():
@@ -413,7 +413,7 @@ def check_connector_references(spec: WrittenSpec, as_read: WrittenSpec, report: 
 
 
 def check_unused_crc(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that each CRC is that of a field in some list of fields, or has a note."""
+    """Check that each CRC is used by a field in some list of fields, or has a note."""
     used_crcs: set[str] = set()
     for field_list in field_lists(as_read):
         used_crcs |= {field.crc for field in field_list.fields if field.crc}

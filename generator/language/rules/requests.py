@@ -40,7 +40,7 @@ def check_exchanges(
     """Check that the frames of exchanges exist, and that no two have the same request.
 
     A request for the position needs a measurement, because without one no output has a position. Problems are reported
-    under ``rule``. ``raw_interface`` and ``as_read`` also have the parts that were removed as invalid.
+    under ``rule``. ``raw_interface`` and ``as_read`` also contain the parts that were removed as invalid.
     """
     _check_layouts(interface.exchanges, by_name(raw_interface.layouts), report)
     has_measurement = as_read.has("measurement") or raw_interface.has("measurement")
@@ -72,7 +72,7 @@ def _check_layouts(exchanges: Exchanges, layouts: Layouts, report: DocumentRepor
 
 
 def report_unused(layout: WrittenLayout, exchanges: Exchanges, rule: str, report: DocumentReport) -> None:
-    """Report a frame that no exchange contains: one of the master as request, one of the encoder as reply."""
+    """Report a frame that no exchange contains: as the request of the master, or as the reply of the encoder."""
     key = KEYS.get(layout.from_, "")  # 'request' or 'reply'
     names_in_exchanges = [_frame_name(exchange, key) for exchange in exchanges] if key else []
     if key and layout.name not in names_in_exchanges:
@@ -88,7 +88,7 @@ _OF_DATA_IDS = ("data_ids", "memory_access")
 def check_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an RS-485 interface describes its requests: by data IDs, or by exchanges of a request and its reply.
 
-    A character of a frame has 8 data bits.
+    A character of a frame must have 8 data bits.
     """
     interface, raw_interface = spec.interfaces.rs485, as_read.interfaces.rs485
     if interface is None or raw_interface is None or not interface.is_given:
@@ -133,7 +133,7 @@ def _check_frames_of_rs485(interface: WrittenRs485, report: DocumentReport) -> N
             report.add(_RULE, layout.place_of("carried_as"), message)
 
 
-#: Fields that access a register, by purpose: those of the request, and those of the reply.
+#: Fields that access a register, by purpose: in the request, and in the reply.
 _NEEDED = {"read": (("address",), ("data",)), "write": (("address", "data"), ())}
 
 
@@ -164,7 +164,7 @@ def _check_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
             if field.equals is not None:
                 message = "an encoder cannot be identified by its registers over SPI; use 'constant' or 'meaning'"
                 report.add("spi-exchange", field.place_of("equals"), message, at_key=True)
-    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
+    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
     for name, parameter in spec.parameters.items():
         register_name, _, _ = parameter.read_from.partition(".")  # ``register`` or ``register.field``
         if interface_of(registers.get(register_name)) == Spi.name:
@@ -176,7 +176,7 @@ def _check_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
 
 
 def _check_lengths(interface: WrittenSpi, report: DocumentReport) -> None:
-    """Check that only exchanges with another length than the interface give it, and that all writes have one length.
+    """Check that only exchanges whose length differs from the interface give it, and that all writes have one length.
 
     The second rule applies if each word carries the reply to the word before it.
     """
@@ -233,7 +233,7 @@ def _check_accesses(
 
     Only one exchange may read registers.
     """
-    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
+    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
     layouts = by_name(raw_interface.layouts)
     spi_registers = [register for register in as_read.registers if interface_of(register) == Spi.name]
     for purpose, (needed_in_request, needed_in_reply) in _NEEDED.items():
@@ -298,14 +298,14 @@ def check_requests_that_write(spec: WrittenSpec, as_read: WrittenSpec, report: D
     """Check that constants distinguish each request from those that write, unless a note of its layout explains it.
 
     Two words can be equal if they have the same length and no constant bit differs. Only a write with constants and an
-    address that the user chooses is compared: a second word of a write has no address, and the encoder knows it by the
-    word before.
+    address that the user chooses is compared: a second word of a write has no address, and the encoder recognises it by
+    the word before.
     """
     interface = spec.interfaces.spi
     # A second reading repeats printed facts, without the notes that may explain them.
     if interface is None or is_second(report.document.file):
         return
-    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
+    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
     layouts = by_name(interface.layouts)
     bits_by_layout = {name: _constant_bits(layout, groups) for name, layout in layouts.items()}
     write_requests = [exchange.request for exchange in interface.exchanges if exchange.purpose == "write"]

@@ -39,7 +39,7 @@ _OF_PARITIES = ("parity", "over")
 _OF_NUMBERS = ("signed", "zero_means", "power_of_two", "scale", "unit")
 #: Kinds of fields that can have the key ``equals``, apart from numbers.
 _EXPECTED_ON_DEVICE = ("values", "text")
-#: Keys that are not allowed next to ``scale``: one gives 0 another meaning, the other gives a unit of its own.
+#: Keys that are not allowed next to ``scale``: the first changes the meaning of 0, the second states a separate unit.
 _NOT_SCALED = ("zero_means", "unit")
 #: Keys allowed next to ``use``.
 _BESIDE_USE = frozenset(("use", "note", "source"))
@@ -97,7 +97,7 @@ def _check_field(field: WrittenField, report: DocumentReport) -> None:
 
 
 def _check_kind(field: WrittenField, report: DocumentReport) -> None:
-    """Check that a field has one of ``KIND_KEYS`` or none, which makes it a number, and only keys of that kind."""
+    """Check that a field has at most one of ``KIND_KEYS`` (none makes it a number), and only keys of that kind."""
     name = quoted(field.name)
     kinds = [key for key in KIND_KEYS if field.has(key)]
     if len(kinds) > 1:
@@ -167,8 +167,8 @@ def _check_others(fields: FieldList, field: WrittenField, report: DocumentReport
 def _problem_with_others(fields: FieldList, field: WrittenField) -> str:
     """Return the reason that a field cannot have ``others``, and the fix. Empty if it can.
 
-    It needs listed values and a small constant width, cannot be written by a master, and gives the unlisted values
-    names such as ``reserved_5``. A listed value may only have such a name if it has this number.
+    It needs listed values and a small constant width, must not be written by a master, and names the unlisted values,
+    for example ``reserved_5``. A listed value may only have such a name with this number.
     """
     name = quoted(field.name)
     width = constant_width(field)
@@ -356,7 +356,7 @@ def _check_frame(example: WrittenExample, report: DocumentReport) -> None:
 
 def check_example_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that an example of a procedure has a value for each argument of the procedure."""
-    procedures = by_name(as_read.procedures)  # Also invalid ones, which ``spec`` lacks.
+    procedures = by_name(as_read.procedures)  # Including invalid parts, which ``spec`` lacks.
     for example in spec.examples:
         procedure = procedures.get(example.procedure)
         if example.kind != "procedure" or procedure is None:

@@ -94,9 +94,9 @@ def _find_citations(source: str) -> list[re.Match[str]]:
 
 
 def _first_pages(spans: Mapping[str, tuple[int, int]], own_names: list[str]) -> set[int]:
-    """Return the page on which the entry of an item begins or, without one, those of its section and all its entries.
+    """Return the page on which the entry of an item begins, or else the first pages of its section and all its entries.
 
-    ``spans`` is that of one section, and ``own_names`` are the printed names of the item. The result is empty if the
+    ``spans`` belongs to one section, and ``own_names`` are the printed names of the item. The result is empty if the
     item has no entry, and the contents do not say where the section begins.
     """
     for name in own_names:
@@ -113,7 +113,7 @@ def _find_spans(contents: Mapping[str, WrittenSection]) -> dict[str, dict[str, t
     """Return the first and the last page of each section, under an empty name, and of its entries by name.
 
     For a section 4 with the entry Preset these are ``{"4": {"": (12, 24), "preset": (13, 15)}}``. The last page is the
-    one on which the next section or entry begins. Without pages, a section lasts from ``_FIRST`` to ``_END``.
+    page on which the next section or entry begins. Without pages, a section lasts from ``_FIRST`` to ``_END``.
     """
     sections = list(contents.items())
     page_spans: dict[str, dict[str, tuple[int, int]]] = {}
@@ -139,16 +139,16 @@ def _page_of_section(section: WrittenSection, default: int) -> int:
 
 
 def _printed_names(root: object, path: Path) -> tuple[list[str], list[str]]:
-    """Return the printed names of the item with a source, and those of all items around it, the innermost first.
+    """Return the printed names of the item with a source, and of all items around it, the innermost first.
 
-    The first list is empty if the innermost map has none. Names are in lower case, for comparison.
+    The first list is empty if the innermost map has no printed names. Names are in lower case, for comparison.
     """
     enclosing_names: list[str] = []
     own_names: list[str] = []
     for end in range(1, len(path)):
         node = value_at(root, path[:end])
         if isinstance(node, dict):
-            # The name in the language of the manual, and those in others.
+            # The name in the language of the manual, and the names in other languages.
             printed_names = (node.get("printed_name"), *mapping(node, "names").values())
             own_names = [name.casefold() for name in printed_names if isinstance(name, str)]
             enclosing_names = own_names + enclosing_names
@@ -160,7 +160,7 @@ def _is_in_section(
 ) -> bool:
     """Return True if a page is given and is in its section, and report a section or page that cannot be right.
 
-    If one of the names around the source is an entry of the section, the page must be that of the entry.
+    If one of the names around the source is an entry of the section, the page must be the page of the entry.
     """
     if section not in spans:
         if _NUMBERED.fullmatch(section):
@@ -189,18 +189,18 @@ def _pages_text(start: int, end: int) -> str:
 
 
 _CORROBORATED = ("corroborated", "corroborated, no hardware frame seen")
-#: Grades that need data from real hardware, and the remedy if there are none.
+#: Grades that need data from real hardware, and the advice if there are no such data.
 _WITH_FRAME = ("quoted", "corroborated")
 _OR = "or write 'corroborated, no hardware frame seen'"
 _WHOLE = "all pages"
-#: A source: the key of the document that it cites, and the place in it.
+#: A source: the key of the cited document, and the place in it.
 _SOURCE = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?(.*?)\s*", re.DOTALL)
 
 
 def check_evidence(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the evidence supports the grade and lists each source once, and that each fact cites enough of them.
 
-    Only the grades ``quoted`` and ``corroborated`` make demands on the source of each fact.
+    Only the grades ``quoted`` and ``corroborated`` require a source for each fact.
     """
     stated = spec.evidence.part
     for index, key in enumerate(stated.implementations):
@@ -274,7 +274,7 @@ def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
         needed_sources.append(f"two sources among {listed(implementations)}")
     for path, source in sources(leaves({**spec.data, "errata": [], "examples": []})):
         if is_corroborated and "clock" in path:
-            continue  # One program is enough for its own clock. Limits have a rule of their own.
+            continue  # One program is enough for its own clock. Another rule checks limits.
         # ``errata: 2`` has the key errata and the place 2, and ``6.4`` no key and the place 6.4.
         matches = [_SOURCE.fullmatch(piece) for piece in source.split(";")]
         keys_and_places = [(match[1], match[2]) for match in matches if match is not None]
@@ -289,7 +289,7 @@ def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _suggest_source(cited_place: str, documents: Collection[str]) -> str:
-    """Return how to write a source whose place has no key of a document, or an empty string without such a place."""
+    """Return how to write a source whose place lacks the key of a document, or an empty string without such a place."""
     if not cited_place:
         return ""
     if cited_place in documents:
@@ -327,7 +327,7 @@ class _LimitKeys:
 
 @dataclass(frozen=True, slots=True)
 class _Limited:
-    """A part of a spec that can have limits, with its source, or that of the part around it."""
+    """A part of a spec that can have limits, with its source or the source of the part around it."""
 
     part: PlacedPart
     source: str
@@ -342,7 +342,7 @@ _SUPPLY = _LimitKeys(("min_mv", "max_mv"), "list the voltage in use under 'chara
 
 
 def check_limit_sources(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that limits cite a document of the manufacturer if the grade does not demand it of every fact."""
+    """Check that limits cite a document of the manufacturer if the grade does not require it for every fact."""
     grade = spec.evidence.part.grade
     documents_read = spec.evidence.part.documents
     if not spec.evidence.is_valid("grade") or grade in _IN_THE_MANUFACTURERS_WORDS:
@@ -355,7 +355,7 @@ def check_limit_sources(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
         for piece in limited.source.split(";"):
             document = _DOCUMENT.match(piece)
             if document is not None:
-                cited_keys.add(document[1] or "manual")  # A place without a key is in the manual.
+                cited_keys.add(document[1] or "manual")  # A place without a key refers to the manual.
         given_limits = [key for key in limited.kind.keys if key in limited.part.data]
         if given_limits and cited_keys.isdisjoint(documents_read):
             problem = f"{quoted(given_limits[0])} needs {needed_source}, because it is a limit"
@@ -364,7 +364,7 @@ def check_limit_sources(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
 
 
 def _yield_limited(spec: WrittenSpec) -> Iterator[_Limited]:
-    """Yield each part of a spec that can have limits, with its own source or else that of its interface."""
+    """Yield each part of a spec that can have limits, with its own source or else its interface's source."""
     if spec.supply is not None:
         yield _Limited(spec.supply, _source_of_part(spec.supply), _SUPPLY)
     for timing in spec.timings:
@@ -393,7 +393,7 @@ def _source_of_part(located_part: Located[object]) -> str:
 
 def check_revision_in_history(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the history of a manual lists its own revision, unless an erratum explains it."""
-    # A revision that is not text is reported by the schema, and can still be the right one.
+    # A revision that is not text is reported by the schema, and can still be the right revision.
     revisions = [str(history_row.data.get("revision")) for history_row in as_read.manual.history]
     revision = spec.manual.revision
     is_repeated = len(set(revisions)) < len(revisions)  # Reported by another rule.

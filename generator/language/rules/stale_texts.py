@@ -42,10 +42,10 @@ _ELSEWHERE = frozenset(("documents", "manual", "editions", "evidence", "lost_fig
 
 
 def check_erratum_quantities(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the quantities that an erratum uses are those of the facts that it affects.
+    """Check that the quantities in an erratum's ``used`` match the facts that it affects.
 
-    An erratum without quantities under 'used' uses those that are printed. A quantity is compared with all of its kind
-    in the facts, if there are any. Overlays and older editions change facts without changing every text.
+    An erratum without quantities under 'used' uses those that are printed. A quantity is compared with all quantities
+    of its kind in the facts, if there are any. Overlays and older editions change facts without changing every text.
     """
     if report.document.family or report.document.other_files:
         return
@@ -69,9 +69,9 @@ def check_erratum_quantities(spec: WrittenSpec, as_read: WrittenSpec, report: Do
 
 
 def _contradiction_of(quantity: re.Match[str], stated_by_kind: Mapping[str, Mapping[Decimal, str]]) -> str:
-    """Return the message about a quantity that differs from those of its kind in the facts, or an empty string.
+    """Return the message about a quantity that differs from all of its kind in the facts, or an empty string.
 
-    ``stated_by_kind`` has the quantities of the facts: their numbers in the smallest unit, with their texts.
+    ``stated_by_kind`` contains the quantities of the facts: their numbers in the smallest unit, with their texts.
     """
     number_text, unit = quantity.group("number", "unit")
     text_by_number = stated_by_kind.get(_KIND_OF_UNIT[unit], {})
@@ -85,7 +85,7 @@ def _stated_quantities(facts: Iterable[object]) -> Iterator[tuple[str, Decimal, 
     """Yield the kind of each quantity in facts, its number in the smallest unit, and its text.
 
     For the key ``min_mv`` these are ``("voltage", Decimal(4500), "'min_mv: 4500'")``. The values of characteristics
-    have their unit under a key of its own.
+    state their unit under a separate key.
     """
     for fact in facts:
         for path, value in leaves(fact):
@@ -117,7 +117,9 @@ def check_repeated_waits(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
 
 
 def _check_wait(timing: Located[Timing], registers: Mapping[str, WrittenRegister], report: DocumentReport) -> None:
-    """Check that a timing about writes to a register has its wait. ``registers`` has those with one by printed name.
+    """Check that a timing about writes to a register has its wait.
+
+    ``registers`` contains the registers with a wait, by printed name.
 
     The meaning of such a timing says ``write to the … register``.
     """
@@ -255,7 +257,7 @@ _TEXTS_ON_LEDS = frozenset(("meaning", "when_active", "when_inactive", "low", "h
 
 
 def check_led_states(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a state in the text of a flag or an LED, such as ``the LED is off``, is among those of the LEDs.
+    """Check that a state in the text of a flag or an LED, such as ``the LED is off``, is a state of the LEDs.
 
     A spec without LEDs is not checked.
     """

@@ -38,7 +38,7 @@ def check_interface_of_steps(spec: WrittenSpec, as_read: WrittenSpec, report: Do
 
 def check_register_of_argument(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the register whose limits apply to an argument is one of those to which steps write the argument."""
-    registers = by_name(as_read.registers)  # Also invalid ones, which ``spec`` lacks.
+    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
     for procedure in spec.procedures:
         for argument in procedure.arguments:
             writes = [step for step in procedure.steps if step.do == "write" and step.value == argument.name]
@@ -54,7 +54,7 @@ def check_register_of_argument(spec: WrittenSpec, as_read: WrittenSpec, report: 
 def check_polled_values(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a poll waits for a value that its field can have."""
     registers = by_name(spec.registers)
-    groups = by_name(as_read.field_groups)  # Also invalid ones, which ``spec`` lacks.
+    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
     for procedure in spec.procedures:
         for step in procedure.steps:
             register = registers.get(step.register)
@@ -115,9 +115,9 @@ def _waits_after_writes(procedure: WrittenProcedure) -> Iterator[tuple[WrittenSt
 
 
 def check_wait_at_end(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Report a procedure that ends with a wait and a write, if the wait is exactly the one that this write needs.
+    """Report a procedure that ends with a wait and a write, if the write needs exactly this wait.
 
-    Then the wait is likely on the wrong side of the write, unless the step before it needs one too.
+    The wait is then likely on the wrong side of the write, unless the step before it needs a wait, too.
     """
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
@@ -188,7 +188,7 @@ def _counts_in_texts(part_data: Mapping[str, object]) -> Iterator[tuple[Path, in
 def check_polled_levels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a meaning such as ``0 until the value is saved`` agrees with the value for which the poll waits.
 
-    The bit has the stated level until, while or during something, so the poll waits for the other one. With ``when``,
+    The bit has the stated level until, while or during something, so the poll waits for the other level. With ``when``,
     it waits for the stated level.
     """
     for procedure in spec.procedures:

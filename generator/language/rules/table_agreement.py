@@ -22,8 +22,8 @@ _NANOMETRES = {"nm": 1, "µm": 1_000, "mm": 1_000_000}
 def check_edges_and_periods(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a table with frequencies of periods and of edges has four edges a period.
 
-    The signals A and B have two edges each in one period. An erratum about the table that has both numbers explains
-    others.
+    The signals A and B have two edges each in one period. Other ratios need an erratum about the table with both
+    numbers.
     """
     for table in spec.tables:
         periods, edges = (_frequency_column(table.part, word) for word in ("periods", "edges"))
@@ -48,7 +48,7 @@ def _numbers_of_errata(spec: WrittenSpec, affected_path: str) -> set[str]:
 
 
 def _frequency_column(table: Table, word: str) -> int | None:
-    """Return the only column of frequencies with this word in its heading, if its unit is that of the others."""
+    """Return the only column of frequencies with this word in its heading, if it has the unit of the other columns."""
     columns: list[int] = []
     for index, (heading, unit) in enumerate(zip(table.columns, table.units, strict=False)):
         if unit in _FREQUENCIES and re.search(rf"\b{word}\b", heading, re.IGNORECASE):
@@ -59,7 +59,7 @@ def _frequency_column(table: Table, word: str) -> int | None:
 
 
 def _number_in_cell(row: tuple[str, ...], column: int) -> Decimal | None:
-    """Return the number in a cell, or None if the cell is missing or has another text."""
+    """Return the number in a cell, or None if the cell is missing or contains other text."""
     cell = row[column] if column < len(row) else ""
     return Decimal(cell) if _NUMBER.fullmatch(cell) else None
 

@@ -91,7 +91,7 @@ def check_value_widths(spec: WrittenSpec, as_read: WrittenSpec, report: Document
                 continue
             for path, subject, number in _numbers_in(field):
                 is_too_wide = number < 0 or number >> width > 0
-                # The number for which zero stands is sent as zero. A constant is sent as it is.
+                # The number represented by zero is sent as zero. A constant is sent as it is.
                 is_sent_as_zero = number == field.zero_means and path != field.place_of("constant")
                 if is_too_wide and not is_sent_as_zero:
                     message = f"{subject} {number:#x}, which does not fit into {counted(width, 'bit')}"
@@ -138,7 +138,7 @@ def check_timing_bounds(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
 
 def check_clock_range(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a clock has a highest limit or clocks in use, in ascending order and within the limits."""
-    # No document may give a clock. Then the outputs say that it is not known.
+    # Documents must not give a clock. Then the outputs say that it is not known.
     may_be_unknown = spec.evidence.part.grade == "uncorroborated"
     raw_clocks = {name: clocks_of(interface) for name, interface in interfaces(as_read)}
     for name, interface in interfaces(spec):
@@ -171,8 +171,8 @@ def _check_clock(clock: Located[Clock], report: DocumentReport) -> None:
 def _report_missing_limit(clock: Located[Clock], raw_clock: Located[Clock] | None, report: DocumentReport) -> None:
     """Report that a clock has no highest frequency, which a clock without frequencies in use needs.
 
-    ``raw_clock`` is the clock as read. A key rejected by the schema was removed. It must not be reported as missing,
-    too.
+    ``raw_clock`` is the clock as read. A key rejected by the schema was removed. Such a key must not be reported as
+    missing, too.
     """
     is_complete = raw_clock is not None and clock.data.keys() == raw_clock.data.keys()
     is_known = clock.part.max_hz is not None or bool(clock.part.used_hz)
@@ -201,7 +201,7 @@ def check_cable_order(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 def _check_cable_order(
     shorter: CableLength, row: Located[CableLength], affected_path: str, report: DocumentReport
 ) -> None:
-    """Report the row of a longer cable whose clock is not slower than that of a shorter one."""
+    """Report the row of a longer cable whose clock is not slower than the clock of a shorter cable."""
     longer = row.part
     is_slower = longer.below_hz < shorter.below_hz
     if not is_slower or shorter.shorter_than_m == longer.shorter_than_m:
@@ -214,7 +214,7 @@ def _check_cable_order(
 
 
 def check_dates(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that dates exist, that revisions are in order, and that the transcribed one has the manual's date."""
+    """Check that dates exist, that revisions are in order, and that the transcribed revision has the manual's date."""
     _check_that_dates_exist(spec.manual, report)
     dated_history = [revision for revision in spec.manual.history if _parse_date(revision.part.date)]
     _check_order_of_revisions(dated_history, report)
@@ -262,7 +262,7 @@ def _parse_date(date_text: str) -> datetime.date | None:
 
 
 def check_supply_range(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that not both the device and order code values have a supply, and that each has its voltages in order."""
+    """Check that only the device or only order code values have a supply, and that the voltages are in order."""
     supplies: list[Located[Supply]] = []
     if spec.supply is not None and spec.supply.is_given:
         supplies.append(spec.supply)
@@ -295,7 +295,7 @@ def check_source_format(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
 
 
 def document_names(as_read: WrittenSpec) -> list[str]:
-    """Return the keys of the documents, even of those with a wrong shape."""
+    """Return the keys of the documents, even of documents with a wrong shape."""
     return as_read.names_in("documents")
 
 
@@ -383,7 +383,8 @@ _LEADING_ZERO = re.compile("[-+]?0[0-9]+")
 def check_number_base(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that numbers printed in hexadecimal are written with 0x, and that no number has leading zeros.
 
-    A JSON file may use decimal numbers, because JSON has no others. A single digit is the same in both bases.
+    A JSON file may use decimal numbers, because JSON has no hexadecimal numbers. A single digit is the same in both
+    bases.
     """
     is_json = report.document.line(1).startswith("{")
     for path, number in leaves_of(spec.data, report):

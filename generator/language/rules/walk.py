@@ -1,6 +1,6 @@
 """Iterators over the plain data of a spec, for rules about any text or number.
 
-The data may have any shape, so every function here checks shapes. ``parts.py`` has the iterators over typed parts.
+The data may have any structure, so every function here checks it. ``parts.py`` contains the iterators over typed parts.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def items(root: object, *keys: str) -> Iterator[tuple[Path, Data]]:
 def leaves_of(spec: Data, report: DocumentReport) -> Sequence[tuple[Path, object]]:
     """Return the leaves of a whole spec, each with its path.
 
-    The report keeps those of the last spec, because one rule after another needs them.
+    The report keeps the leaves of the last spec, because one rule after another needs them.
     """
     spec_of_leaves, _ = report.leaves
     if spec_of_leaves is not spec:

@@ -59,7 +59,7 @@ def check_threshold_words(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 
 
 def check_latch_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no text of an alarm that latches says that it clears itself, and of another one that it stays."""
+    """Check that no text says that a latching alarm clears itself, or that another alarm stays."""
     for alarm in spec.alarms:
         latch = alarm.part.latch
         if latch is None:

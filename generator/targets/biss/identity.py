@@ -104,7 +104,10 @@ def _holds_identity(register: Register) -> bool:
 
 
 def _register_bits(register: Register) -> Iterator[IdBits]:
-    """Yield the fixed bits of a register, at their places in the 64-bit identity."""
+    """Yield the fixed bits of a register, at their places in the 64-bit identity.
+
+    A field whose place or width depends on the order code is left out.
+    """
     # The registers after this one have the lower bits of the identity.
     bits_below = 8 * (LAST - register.last_address)
     for field in register.layout.fields:
@@ -155,7 +158,7 @@ def single_cycle_data(device: Device) -> Layout | None:
 
 
 def only_crc(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> Crc | None:
-    """Return the CRC of the single cycle data, or None if order codes differ."""
+    """Return the CRC of the single cycle data, or None if order codes differ in it, or if none of them has one."""
     if layout.always_has_crc:
         return device.crcs_of(layout)[0]
     crcs = {length.crc for length in lengths}
@@ -213,7 +216,7 @@ def _is_stated(layout: Layout, field: Field) -> bool:
 
 
 def _stated_value(layout: Layout, field: Field, variant: Variant) -> int:
-    """Return the value that the spec gives for a field and this order code, or 0."""
+    """Return the value that the spec gives for a field and this order code, or 0 if it gives none."""
     if isinstance(field.equals, Expression):
         return field.equals.value(variant.parameters)
     if isinstance(field.equals, int):
@@ -224,7 +227,10 @@ def _stated_value(layout: Layout, field: Field, variant: Variant) -> int:
 def _data_length(
     device: Device, placed_layout: PlacedLayout, order_codes: tuple[str, ...], answers: tuple[str, ...]
 ) -> DataLength:
-    """Return the data and status bits of a placed frame, and its CRC. The CRC field counts as neither."""
+    """Return the data and status bits of a placed frame, and its CRC.
+
+    The CRC field counts as neither data nor status bits.
+    """
     status_names = [field.name for field in placed_layout.layout.status_fields]
     fields_before_crc = [field for field in placed_layout.fields if field != placed_layout.crc_field]
     data_widths = {field.name: field.width for field in fields_before_crc if field.name not in status_names}

@@ -1,6 +1,6 @@
 """Browser target: a page and a script that decode frames and registers, with the data of each family.
 
-Regular expressions are those of ``order_codes.labels`` in the notation of JavaScript.
+Regular expressions come from ``order_codes.labels``, in the notation of JavaScript.
 
 The script contains the plan of every frame as a table, and the runtime that interprets it. Other pages can embed the
 decoder box.
@@ -61,6 +61,7 @@ from ...why.texts import START_BITS, TEXTS
 from .. import NO_OPTIONS, Library, Options, Target
 from ..palette import palette_css
 from ..registry import licence_in, our_runtime
+from .example_link import LinkedFrame, linked_frame
 from .layouts import (
     Data,
     SharedParts,
@@ -78,8 +79,8 @@ from .layouts import (
 def label_grammar(device: Device) -> Data:
     """Return the notations of the order codes of a family.
 
-    ``written`` are the spellings, the listed one first. ``wrong`` has a regular expression for each of the ``parts``,
-    which accepts any text for this part.
+    ``written`` are the spellings, the listed spelling first. ``wrong`` contains a regular expression for each of the
+    ``parts``, which accepts any text for this part.
     """
     order_code = device.order_code
     listed_spelling = as_listed(order_code)
@@ -128,8 +129,8 @@ def javascript_pattern(expression: str) -> str:
 def family_data(device: Device) -> Data:
     """Return all data of a family for the script.
 
-    ``given`` are the parameters that order codes set, ``derived`` those computed from them, and ``held`` those in
-    registers. ``shared`` are the parts to which the indexes in ``interfaces`` refer.
+    ``given`` are the parameters that order codes set, ``derived`` the parameters computed from them, and ``held`` the
+    parameters in registers. ``shared`` are the parts to which the indexes in ``interfaces`` refer.
     """
     parameter_names = [parameter.name for parameter in device.parameters if parameter.equals is None]
     interface_names = [interface.name for interface in device.interfaces]
@@ -164,7 +165,7 @@ def _order_code_row(variant: Variant, interface_names: Sequence[str], parameter_
 
 
 def _held_parameter_data(device: Device, register_parameter: HeldParameter) -> Data:
-    """Return a parameter that is held in a register: the register, its limits, and the values that codes stand for."""
+    """Return a parameter held in a register: the register, its limits, and the values of its codes."""
     parameter = register_parameter.parameter
     return without_empty(
         name=parameter.name,
@@ -192,9 +193,9 @@ def _answer_data(answer: Answer) -> list[Any]:
 
 
 def _crc_data(device: Device, crc: Crc) -> Data:
-    """Return the parameters of a CRC, and those of similar CRCs that may be used by mistake.
+    """Return the parameters of a CRC, and of similar CRCs that may be used by mistake.
 
-    ``others`` are the similar ones over bits, and ``byte_others`` those over bytes, if such frames have the CRC.
+    ``others`` are similar CRCs over bits, and ``byte_others`` similar CRCs over bytes, if such frames have the CRC.
     """
     carriers_of_crc = carriers(device, crc)
     similar_crcs = {
@@ -223,15 +224,15 @@ def _crc_parameters(crc: Crc) -> Data:
 
 
 def _interface_data(device: Device, interface: Interface, shared: SharedParts) -> Data:
-    """Return an interface with its frames and registers. Their parts are in ``shared``, and indexes in place of them.
+    """Return an interface with its frames and registers. Their parts are in ``shared``, and indexes refer to them.
 
-    ``exact`` has the senders whose frames differ in length: a number of bytes then stands for a frame of this length,
-    not for a longer one without its leading zeros. ``told`` has the selectors that distinguish frames.
+    ``exact`` contains the senders whose frames differ in length: a number of bytes then stands for a frame of this
+    length, not for a longer frame without its leading zeros. ``told`` contains the selectors that distinguish frames.
     """
-    reportings_by_name = {reporting.codec.layout.name: reporting for reporting in reportings(device)}
+    reporting_by_frame = reportings(device)
     frames: list[Data] = []
     for layout in interface.layouts:
-        frames.append(frame_data(device, interface.name, layout, reportings_by_name.get(layout.name)))
+        frames.append(frame_data(device, interface.name, layout, reporting_by_frame.get(layout.name)))
     registers = [register_data(device, register) for register in device.registers_over(interface.name)]
     return without_empty(
         name=interface.name,
@@ -247,7 +248,7 @@ def _interface_data(device: Device, interface: Interface, shared: SharedParts) -
 
 
 def _position_unit(device: Device, interface: Interface) -> Data:
-    """Return the unit of the position, empty if the manual has none.
+    """Return the unit of the position, empty if the manual gives none.
 
     If the position is a join, ``part`` is its last field, the angle within a turn.
     """
@@ -284,6 +285,7 @@ def _dispatch_data(interface: Interface, dispatch: Dispatch) -> Data:
 #: Error messages, with placeholders for numbers and names: ``{0} is {1}``.
 _MESSAGES = {
     "length": report.length("{0}", "{1}", "{2}"),
+    "length_of_channels": report.length_of_channels("{0}", "{1}", "{2}", "{3}"),
     "crc": report.crc("{0}", "{1}"),
     "constant": report.constant("{0}", "{1}", "{2}"),
     "parity": report.parity("{0}", "{1}", "{2}", "{3}"),
@@ -345,7 +347,7 @@ _MESSAGES = {
 class Page(TypedDict):
     title: Annotated[str, "the manufacturers on one line"]
     codes: Annotated[int, "number of order codes"]
-    example: Annotated[str, "an order code"]
+    example: Annotated[LinkedFrame, "an order code, and a valid frame if there is one"]
     table: Annotated[Data, "data of the script: messages, mistakes with a frame, and the families"]
     runtime: Annotated[Mapping[str, str], "the parts of the script that are the same for all encoders, by name"]
     palette: Annotated[str, "style sheet with the colours as custom properties"]
@@ -357,7 +359,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     page: Page = {
         "title": listed(plain(manufacturer.title) for manufacturer, _ in library.by_manufacturer()),
         "codes": len(set(codes)),
-        "example": codes[0] if codes else "",
+        "example": linked_frame(library.devices),
         "table": script_table(library),
         "runtime": {path.stem: _code_without_comment(path) for path in our_runtime("browser").glob("*.js")},
         "palette": palette_css().rstrip("\n"),

@@ -57,7 +57,7 @@ _ESCAPES = {ord(mark): f"\\u{ord(mark):04x}" for mark in "<>&\u2028\u2029"}
 
 
 def without_empty(**members: Any) -> Data:
-    """Return those members that are not 0, empty or False. A name such as ``is_`` loses its underscore."""
+    """Return those members that are not None, 0, empty or False. A name such as ``is_`` loses its underscore."""
     return {name.rstrip("_"): value for name, value in members.items() if value not in (None, 0, "", (), [], {})}
 
 
@@ -90,9 +90,10 @@ def optional_expression_data(value: Expression | None) -> Any:
 
 
 def plain_data(value: Any) -> Any:
-    """Return any part of the plan's description as plain data, a dataclass by the names of its members.
+    """Return any part of the plan's description as plain data that JSON can express.
 
-    Members that have their default or are 0, empty or False are left out. So are those that ``==`` ignores.
+    A dataclass becomes a dictionary by the names of its members. Members that have their default, or are None, 0, empty
+    or False, are left out. So are those that ``==`` ignores. A tuple becomes a list, and so does a scale.
     """
     match value:
         case Expression():
@@ -129,7 +130,7 @@ class SharedParts:
         self._indexes: dict[str, int] = {}
 
     def with_indexes(self, layout: Data) -> Data:
-        """Return the layout with indexes in place of its fields, checks and reports: ``{"fields": [0, 4], …}``."""
+        """Return the layout with indexes instead of its fields, checks and reports: ``{"fields": [0, 4], …}``."""
         names = [name for name in ("fields", "checks", "tells") if name in layout]
         return layout | {name: list(map(self._index_of_part, layout[name])) for name in names}
 
@@ -144,10 +145,10 @@ class SharedParts:
 
 
 def channel_data(device: Device, interface: Interface) -> Data:
-    """Return the frame with all data channels of an interface, empty if there is none. Indexes are those of its frames.
+    """Return the frame with all data channels of an interface, empty if there is none. Indexes refer to its frames.
 
-    ``order`` has the frames of the channels, ``position`` is the index in it of the one with the position, and
-    ``compared`` has the index in it and the name of each compared field.
+    ``order`` contains the frames of the channels, ``position`` is the index in it of the frame with the position, and
+    ``compared`` contains the index in it and the name of each compared field.
     """
     frame = channel_frame(interface)
     if frame is None:
@@ -165,7 +166,7 @@ def channel_data(device: Device, interface: Interface) -> Data:
 def frame_data(device: Device, interface: str, layout: Layout, reporting: Reporting | None) -> Data:
     """Return a frame with its verdict and reports (``tells``). ``reporting`` is None if it has neither.
 
-    ``usual`` has the values that fields usually have, which are evidence for the frame.
+    ``usual`` contains the values that fields usually have, which are evidence for the frame.
     """
     usual_values = usual_values_of(device, interface, layout)
     codec = codec_of(device, layout)
@@ -174,7 +175,7 @@ def frame_data(device: Device, interface: str, layout: Layout, reporting: Report
     reports = []
     for described_cause, cause in zip(description.report_causes, causes, strict=True):
         reports.append(_report_data(device, described_cause, cause))
-    # Use the order of the frame, without flags first. Values with a verdict come last.
+    # The reports have the order of the fields in the frame. Those about several fields with a verdict come last.
     flags = (*layout.fields, *(sign.flag for sign in layout.signs))
     flag_names = [flag.name for flag in flags]
     return _layout_data(device, codec, description) | without_empty(
@@ -192,7 +193,7 @@ def frame_data(device: Device, interface: str, layout: Layout, reporting: Report
 def register_data(device: Device, register: Register) -> Data:
     """Return a register with its alarms (``tells``), limits and default.
 
-    ``strange`` are digits whose values show that another edition of the manual applies.
+    ``strange`` are digits whose values show that an older edition of the manual applies.
     """
     meanings: tuple[RegisterMeaning | None, ...] = register.meanings or (None,)
     default = register.default_bytes()
@@ -208,7 +209,7 @@ def register_data(device: Device, register: Register) -> Data:
         source=cite(register.source),
         place=register_at(register),
         length=register.length,
-        # The script gives the limits in numbers of the order code.
+        # The script states the limits in numbers of the order code.
         about=[PLAIN_STYLE.sentence(statement) for statement in statements if statement.label != "Limits"],
         writable=register.writable,
         default=default.hex(" ").upper() if default is not None else "",
@@ -265,7 +266,10 @@ def _layout_data(device: Device, codec: Codec, description: Description) -> Data
 
 
 def _parameters_in_registers(device: Device, layout: Layout, codec: Codec) -> list[str]:
-    """Return those parameters that registers hold and that the layout needs, for places, widths or its Gray code."""
+    """Return the names of those parameters that registers hold and that the layout needs.
+
+    It needs them for its length, for the places and widths of fields, or for its Gray code.
+    """
     names_in_layout = set(layout.bits.parameters)
     for field in layout.fields:
         names_in_layout.update(field.low.parameters, field.width.parameters)
@@ -321,7 +325,7 @@ def _without_empty_end(*row: Any) -> list[Any]:
 def _documented_value(field: Field) -> Any:
     """Return the documented value of a field: a string, or a number or expression in a list such as ``[27]``, or None.
 
-    A 0 of its own would be left out as empty, unlike ``[0]``.
+    A plain 0 would be left out as empty, unlike ``[0]``.
     """
     value = field.equals
     if value is None or isinstance(value, str):
@@ -333,7 +337,7 @@ def _documented_value(field: Field) -> Any:
 def _encoding_data(value: object) -> Data:
     """Return the data for encoding a field that users do not provide, empty for a field that they do provide.
 
-    ``value`` is that of the field's term. A CRC has no term.
+    ``value`` is the value of the field's term. A CRC has no term.
     """
     match value:
         case Fixed(constant):
@@ -351,7 +355,7 @@ def _encoding_data(value: object) -> Data:
 def _check_message(layout: Layout, check: Check) -> Data:
     """Return the message of a check that fails: ``says`` selects it. The other members fill it in.
 
-    ``always`` is 1 if the bits have one valid value in every such frame, so that they tell it from other frames.
+    ``always`` is 1 if the bits have one valid value in every such frame, so that they distinguish it from other frames.
     """
     field_name = check.field.name
     always = False

@@ -48,7 +48,7 @@ _PLACE = 30
 
 
 def _paragraphs_with_heading(name: str, items: Iterable[Statement]) -> list[Paragraph]:
-    """Return the statements, with the name before the first one. Without statements, it is the name alone."""
+    """Return the statements, with the name before the first statement. Without statements, it is the name alone."""
     sentences = list(map(HEADER_STYLE.sentence, items))
     if not sentences:
         return [f"{name}."]
@@ -59,9 +59,9 @@ def _paragraphs_with_heading(name: str, items: Iterable[Statement]) -> list[Para
 
 
 def about_order_codes(device: Device) -> list[Paragraph]:
-    """Return the comment on the order codes, with the parts of which only the listed values are known.
+    """Return the comment on the order codes, with the parts for which only the listed values are known.
 
-    For these, the statements about other values are left out.
+    For these parts, the statements about other values are left out.
     """
     names_of_unknown_parts = unknown_parts(device)
     statements_on_unknown_parts: list[Statement] = []
@@ -121,7 +121,7 @@ def _explain_derivation(crc: Crc) -> str:
     Without a middle term, the polynomial is x^width + 1.
     """
     width = crc.width
-    # The exponent of the middle term. ``poly`` has the terms below x^width.
+    # The exponent of the middle term. ``poly`` contains the terms below x^width.
     middle = (crc.poly >> 1).bit_length()
     if not middle:
         return (
@@ -147,7 +147,7 @@ def _format_power(exponent: int) -> str:
 def about_layout(device: Device, interface: Interface, struct: Struct) -> list[Paragraph]:
     """Return the purpose of the frame, the positions of its bits, and finally its errata, which few readers need."""
     frame_layout = struct.layout
-    statements_on_joins = list(say_layout.joins(frame_layout))  # The comments on their members have them.
+    statements_on_joins = list(say_layout.joins(frame_layout))  # The comments on their members contain them.
     errata = list(say_layout.errata_of(device, interface, frame_layout))
     head = say_layout.head(interface, frame_layout, Code(frame_layout.name), device.alternatives)
     paragraphs: list[Paragraph] = [HEADER_STYLE.sentence(head)]
@@ -158,7 +158,10 @@ def about_layout(device: Device, interface: Interface, struct: Struct) -> list[P
 
 
 def about_member(struct: Struct, member: Field) -> str:
-    """Return the facts of a field that its enumeration does not show, or its title if there are none."""
+    """Return the facts of a field that its enumeration does not show, or its title if there are none.
+
+    For a string, a remark on the missing terminator follows.
+    """
     choice = struct.enumeration(member)
     shown_statements = choice.statements if choice is not None else ()
     statements = say_field.field(struct.device, member)
@@ -183,7 +186,7 @@ def place_of_field(frame_layout: Layout, placed_field: Field) -> str:
 def _facts_without_member(struct: Struct, field: Field) -> str:
     """Return the facts of a field that no member shows, and its width unless its place shows it.
 
-    The comment on a member has the facts of that field. Constants and the selector have no member.
+    The comment on a member contains the facts of its field. Constants and the selector have no member.
     """
     is_member = field.carries_data and field is not struct.plan.selector
     about = () if is_member else say_field.field(struct.device, field)
@@ -207,7 +210,7 @@ def table(struct: Struct) -> Iterator[Paragraph]:
     An example is ``  bits 46:31  position  Absolute position.``
     """
     rows = list(_table_rows(struct))
-    # The text of a long place goes below it, so that it does not widen the column for the others.
+    # The text of a long place goes below it, so that it does not widen the column of places.
     place_widths = (len(place_text) for place_text, _, _ in rows)
     place_width = max((width for width in place_widths if width <= _PLACE), default=0)
     name_width = max((len(name) for _, name, _ in rows), default=0)
@@ -276,9 +279,11 @@ def about_run(device: Device, run: Run, read_state: str) -> Iterator[Paragraph]:
 
 
 def note_of_step(device: Device, operation: Operation) -> str:
-    """Return the purpose of a step, if the spec has one. Its row already has the address, the bytes and the times.
+    """Return the purpose of a step. Its row already has the address, the bytes and the times.
 
-    Without one, it is the place in the register, the value written, or the time.
+    For a wait and a write, it is the meaning of the step in the spec, or else the time, or the place and the value
+    written. A read and a poll have the title of their field or register before the meaning, and a request its data ID.
+    A request without either has an empty note.
     """
     meaning = operation.step.meaning
     match operation:

@@ -1,6 +1,6 @@
 """Expressions that extract the bits of fields, and the unused bits of a layout.
 
-In bytes, each bit keeps its place in its byte, so that only whole bytes are shifted.
+In bytes, each bit stays at its place in its byte, so that only whole bytes are shifted.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def of_bytes(pieces: tuple[Piece, ...]) -> tuple[str, Expr]:
     """Return the type and the bits in these pieces of ``bytes``, as one number.
 
     For one piece, this is ``uint8_t`` and ``(uint8_t)(bytes[1] >> 4)``. Without pieces, when no order code has such
-    bits, it is 0.
+    bits, the number is 0.
     """
     if not pieces:
         return unsigned(1), Number(0)
@@ -69,6 +69,7 @@ class Reader:
     scope: Scope
     #: Number of bits in the type of the word that a decoder takes.
     word_size: int = 64
+    #: Whether the bits are those of the word as sent, rather than those after the conversion of Gray code.
     as_sent: bool = False
 
     @property
@@ -111,7 +112,7 @@ class Reader:
         if not bits.on_top:
             low_and_width = (self.scope.expression_of(bits.low), self.scope.expression_of(bits.width))
             return Call("cw_field", (self.word, *low_and_width))
-        # There are no bits above it: the length has been checked.
+        # No bits are above it: the length has been checked.
         if bits.low.is_constant:
             return shifted_right(self.lower(self.word_size), bits.low.constant)
         return Call("cw_above", (self.word, self.scope.expression_of(bits.low)))
@@ -146,7 +147,7 @@ class Reader:
         return number if joined_number.widest > 32 else Cast(unsigned(joined_number.widest), number)
 
     def number_from_fields(self, joined_number: JoinedNumber, name_of: Callable[[Field], Expr]) -> Expr:
-        """Return the fields of a join as one number of the join's type. The first field has the highest bits."""
+        """Return the fields of a join as one number of the join's type. The first field forms the highest bits."""
         highest_field, *lower_fields = joined_number.fields
         type_ = unsigned(joined_number.widest)
         is_short = size_of(joined_number.widest) < 32
@@ -186,7 +187,7 @@ class Reader:
         if mask:
             combined = masked(combined, mask)
         if widest > 32:
-            # The parity of a number is that of its halves XORed, and the runtime takes 32 bits.
+            # The parity of a number equals the parity of its halves XORed, and the runtime takes 32 bits.
             lower_half = Cast("uint32_t", combined)
             upper_half = Cast("uint32_t", shifted_right(combined, 32))
             combined = Operation("^", (lower_half, upper_half))
@@ -207,16 +208,16 @@ _MEMBER = Name("in->unused")
 
 
 class Unused:
-    """The member ``unused`` of a struct. It is false if the layout has no unused bits."""
+    """The member ``unused`` of a struct. The object is false if the layout has no unused bits."""
 
     def __init__(self, reader: Reader) -> None:
         self.reader = reader
         self.plan = reader.plan
         self.width = self.plan.layout.unused_width
         are_fixed = all(reserved.bits.are_fixed for reserved in self.plan.reserved)
-        #: Unused fields that are extracted one by one: all of them if the place of one depends on the order code.
+        #: Unused fields that are extracted one by one: all of them if the place of a field depends on the order code.
         self.single = () if are_fixed else self.plan.reserved
-        #: Otherwise all unused bits, grouped by the distance from their places in the frame to those in the member.
+        #: Otherwise all unused bits, grouped by the distance between their places in the frame and in the member.
         self.moved = moved_bits(self.plan) if are_fixed else ()
 
     def __bool__(self) -> bool:
@@ -239,9 +240,9 @@ class Unused:
 
         The bits come from the word, or from bytes if the fields are extracted one by one.
         """
-        # One of ``moved`` and ``single`` is empty.
+        # Either ``moved`` or ``single`` is empty.
         all_bits = (*map(self._moved_bits, self.moved), *map(self._single_bits, self.single))
-        # The values have no common bits. Those of single fields are already inverted in ``_single_bits``.
+        # The values have no common bits. Bits of single fields are already inverted in ``_single_bits``.
         documented = _express_documented_value(sum(moved.value for moved in self.moved))
         return Cast(self.type, _with_inverted(join_operands("|", all_bits), documented))
 
@@ -264,7 +265,7 @@ class Unused:
 
     def _moved_bits(self, moved: ShiftedBits) -> Expr:
         """Return bits of the word, shifted to their places in the member."""
-        # The mask has the places of the member. Bit 0 of the member is bit ``shift`` of the word.
+        # The mask is in the position of the member. Bit 0 of the member is bit ``shift`` of the word.
         word = self.reader.lower(moved.mask.bit_length() + moved.shift)
         if moved.shift >= 0:
             return masked(shifted_right(word, moved.shift), moved.mask)
@@ -286,9 +287,11 @@ class Unused:
 
     @property
     def refusal_condition(self) -> Expr | None:
-        """The condition that the member has a bit other than the unused ones, or None if its type has no such bit.
+        """The condition that the member has a bit other than the unused ones, or None if that is not possible.
 
-        With fields whose width depends on the order code, that is ``(in->unused & mask) != in->unused``.
+        It is not possible if the unused bits fill the type of the member, or if there are none.
+
+        If the width of fields depends on the order code, this is ``(in->unused & mask) != in->unused``.
         """
         fixed_mask = sum(reserved.mask for reserved in self.plan.reserved if reserved.bits.width.is_constant)
         varying_fields = [reserved for reserved in self.single if not reserved.bits.width.is_constant]
@@ -337,7 +340,7 @@ class Unused:
                 yield piece.byte, _shift_bits(_masked_byte(bits, piece.mask), -piece.low_in_byte)
 
     def _moved_bits_to_send(self, moved: ShiftedBits) -> Expr:
-        """Return bits of the member, shifted to their places in the frame and combined with the documented ones."""
+        """Return bits of the member, shifted to their places in the frame and combined with the documented bits."""
         # In bytes, ``shift`` is 0 or negative: bit -shift of the member is bit 0 of the byte.
         bit_in_member = -moved.shift
         bits = _masked_byte(shifted_right(_MEMBER, bit_in_member), moved.mask >> bit_in_member)

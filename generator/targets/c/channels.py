@@ -13,7 +13,7 @@ from .names import Declared, Expr, c_name
 class ChannelCode:
     """The values that the template prints for the frame of an interface that carries several data channels.
 
-    ``compared`` has the member and the width of each compared field.
+    ``compared`` contains the member and the width of each compared field.
     """
 
     def __init__(self, context: Context, frame: ChannelFrame, codecs: Sequence[StructCodec]) -> None:

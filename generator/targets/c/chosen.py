@@ -32,7 +32,7 @@ from ...say.evidence import document
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """A frame as a number, its source, and the values of its fields as far as these are given."""
+    """A frame as a number, its source, and the values of its fields, as far as they are known."""
 
     layout: Layout
     wire: int
@@ -47,7 +47,7 @@ class NoFrame(Exception):
 def chosen_variant(device: Device, interface: Interface) -> Variant:
     """Return the order code of an interface with the most examples that are used as printed, without an erratum."""
     examples = (example for example in device.examples if _is_over_interface(device, interface, example))
-    # An example without an order code holds for every one.
+    # An example without an order code holds for every one, and counts for none.
     number_of_examples = Counter(getattr(example, "order_code", "") for example in examples if not example.erratum)
     variants = device.variants_over(interface.name) or device.variants
 
@@ -61,7 +61,8 @@ def chosen_variant(device: Device, interface: Interface) -> Variant:
 def _is_over_interface(device: Device, interface: Interface, example: Example) -> bool:
     """Return True if a program for this interface can show the example.
 
-    It is then a readable register, a valid reply that depends on no open question, a procedure or a measurement.
+    The example is then a readable register, a valid reply that depends on no open question, a procedure or a
+    measurement.
     """
     if example_variant(device, example).interface != interface.name:
         return False
@@ -93,13 +94,14 @@ class Chosen:
         self.measurement = device.measurement_of(interface.name)
         self.variant = chosen_variant(device, interface)
         examples = (example for example in device.examples if _is_over_interface(device, interface, example))
-        #: The examples for the chosen order code. One without an order code is for the first of the family.
+        #: The examples for the chosen order code. An example without an order code applies to the first code of the
+        #: family.
         self.examples = [example for example in examples if example_variant(device, example).code == self.variant.code]
         self.frame = self._choose_frame()
 
     @property
     def registers(self) -> Mapping[str, tuple[Register, RegisterExample]]:
-        """The registers with an example, by name, each with its first one. Those in banks cannot be simulated."""
+        """The registers with an example, by name, each with its first example. Those in banks cannot be simulated."""
         registers: dict[str, tuple[Register, RegisterExample]] = {}
         for example in self.examples:
             if isinstance(example, RegisterExample):
@@ -110,9 +112,10 @@ class Chosen:
 
     @property
     def procedure(self) -> tuple[Procedure, ProcedureExample | None] | None:
-        """Worked procedure with the most writes and its example, or the first one that clears an alarm by a request.
+        """Worked procedure with the most writes and its example, or the first that clears an alarm by a request.
 
-        The latter has None in place of an example. The result is None if there is neither.
+        The latter has None in place of an example. The result is None if there is neither. A worked procedure that
+        polls does not count.
         """
         examples = (example for example in self.examples if isinstance(example, ProcedureExample))
         procedures_and_examples: list[tuple[Procedure, ProcedureExample]] = []
@@ -139,9 +142,12 @@ class Chosen:
     # -- the frame
 
     def _choose_frame(self) -> Frame:
-        """Return a worked frame, or a made-up one if there is none.
+        """Return a worked frame, or a made-up frame if there is none.
 
         A frame used as printed is preferred, and then a frame from the manual to one from another source.
+
+        Raises:
+            NoFrame: There is neither.
         """
         worked_frames = [example for example in self.examples if isinstance(example, FrameExample)]
         if not worked_frames:
@@ -159,7 +165,7 @@ class Chosen:
         """Return a made-up frame, if possible one with the position.
 
         Raises:
-            NoFrame: The device has no sample of the frame.
+            NoFrame: The device provides no sample of the frame.
         """
         layouts = [layout for layout in self.interface.layouts if layout.sender == "encoder"]
         # Prefer one with the position, and then one that needs no choice by the user. Order codes have the first answer
@@ -184,7 +190,7 @@ class Chosen:
 
 
 def _rate_unreliability(example: FrameExample) -> tuple[bool, bool]:
-    """Return a key that is lower for examples used as printed, and then for those from the manual."""
+    """Return a key that is lowest for examples used as printed, and then for examples from the manual."""
     return bool(example.erratum), any(source.document for source in example.source)
 
 

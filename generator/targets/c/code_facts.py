@@ -155,7 +155,7 @@ class CodeFacts:
 
 
 def _repeated_times(times: Sequence[Timing]) -> list[Timing]:
-    """Return the times that share their name with others. Each of them applies to other order codes."""
+    """Return the times that share their name with others. Each of them applies to different order codes."""
     shared_names = repeated_names(times)
     return [time for time in times if time.name in shared_names]
 

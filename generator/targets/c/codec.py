@@ -77,7 +77,7 @@ class StructCodec:
     def position_member(self) -> str:
         """The field or join with the position that a function returns, or an empty string if there is no such function.
 
-        A frame has it if its verdict is known.
+        A frame has this function if its verdict is known.
         """
         context = self.struct.context
         layout = self.struct.layout
@@ -90,7 +90,10 @@ class StructCodec:
 
     @property
     def receiver(self) -> str:
-        """The function of the runtime that extracts the frame from a buffer, empty if a port receives its bytes."""
+        """The function of the runtime that extracts the frame from a buffer.
+
+        It is empty for a register, for a frame that the master sends, and if a port receives the bytes of the frame.
+        """
         if self.struct.register is not None or not self.decodes:
             return ""
         match self.struct.context.interface:
@@ -114,7 +117,7 @@ class StructCodec:
 
     @cached_property
     def whole_frame(self) -> ChannelFrame | None:
-        """The frame with several data channels to which this one belongs, or None."""
+        """The frame with several data channels to which this frame belongs, or None."""
         frame = channel_frame(self.struct.context.interface) if self.struct.register is None else None
         is_channel = frame is not None and self.struct.layout in frame.layouts
         return frame if is_channel else None
@@ -126,7 +129,7 @@ class StructCodec:
 
     @property
     def word_has_length(self) -> bool:
-        """True if the decoder takes a word with its length, because not all words of the frame have the same length."""
+        """True if the decoder takes a word with its length, because the length of the frame varies."""
         return self.is_received and not self.plan.layout.bits.is_constant
 
     @property
@@ -152,7 +155,7 @@ class StructCodec:
     def order_of_bytes(self) -> str:
         """The order of several bytes, for the comments on the decoder and the encoder. Empty for a single byte.
 
-        Only frames have a comment of their own (``about``), so that without one it is a register.
+        Only frames have their own comment (``about``), so without one it is a register.
         """
         if self.plan.length < 2:
             return ""
@@ -227,7 +230,7 @@ class StructCodec:
     def encoder_depends(self) -> bool:
         """True if the encoder uses the variant: for Gray code, terms, unused bits, limits or a CRC.
 
-        It does not if the layout depends on an answer alone.
+        It does not use the variant if the layout depends on an answer alone.
         """
         if self.alternatives and not self.plan.depends:
             return False
@@ -290,7 +293,10 @@ class StructCodec:
         return join_operands("&&", tuple(conditions))
 
     def _has_expected_value(self, field: Field) -> Iterator[Expr]:
-        """Yield the conditions under which a member has the value in the manual. A string has one per character."""
+        """Yield the conditions under which a member equals the value in the manual.
+
+        A string has one piece per character.
+        """
         member = f"in->{c_name(field.name)}"
         macro = self.expected_macro(field)
         match field.equals:

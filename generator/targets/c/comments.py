@@ -41,9 +41,10 @@ def _separate_comment_marks(text: str) -> str:
 
 
 def comment(paragraphs: Sequence[Paragraph] | str, indent: int = 0) -> str:
-    """Format paragraphs as a comment, on one line if it fits. Empty paragraphs are omitted.
+    """Format paragraphs as a comment, on one line if it fits. In a sequence, empty paragraphs are omitted.
 
-    ``indent`` is the number of spaces before each line. A long lead has its text on the lines below.
+    ``indent`` is the number of spaces before each line. A long lead has its text on the lines below. An empty line
+    separates the first lead with ``@``, of a parameter, from the text above it.
     """
     if isinstance(paragraphs, str):
         leads_and_texts = [("", paragraphs)]
@@ -138,7 +139,7 @@ def call_in_lines(parts: Sequence[str], indent: int) -> str:
 
 def literals(text: object, indent: int) -> str:
     """Return text as a string literal, or as several literals on separate lines if it is too long."""
-    # 4 characters are the quotes, the space at the end of a literal, and what follows the last one.
+    # 4 characters are the quotes, the space at the end of a literal, and the character after the last literal.
     lines = textwrap.wrap(ascii_text(text), COLUMNS - indent - 4, break_long_words=False, break_on_hyphens=False)
     *other_lines, last_line = lines or [""]
     literals_of_lines = [string(f"{line} ") for line in other_lines]
@@ -147,7 +148,7 @@ def literals(text: object, indent: int) -> str:
 
 
 def mark_for_doxygen(text: str) -> str:
-    """Mark the comments of a header for Doxygen: those above a declaration, and those after one.
+    """Mark the comments of a header for Doxygen: comments above a declaration, and comments after one.
 
     A comment that becomes too long for the end of its line moves above it.
     """
@@ -159,7 +160,7 @@ def mark_for_doxygen(text: str) -> str:
         if in_body:
             lines.append(line)
         elif line == "/*" and not lines:
-            # The first comment is that on the file.
+            # The first comment describes the file.
             lines.append("/** @file")
         else:
             lines += _mark_for_doxygen(line)
@@ -214,7 +215,8 @@ def break_lines(text: str) -> str:
 def _broken_lines(line: str, *, continues_previous: bool) -> Iterator[str]:
     """Yield a long line of code as several, with the comment at its end, as in ``x = y; /* why */``, above them.
 
-    No line that is only a comment comes here. The head of a function has its parameters on the next line.
+    Lines that are only comments are not passed to this function. The parameters of a function's head are on the next
+    line.
     """
     code, mark, note = line.rpartition(" /*") if line.endswith("*/") else (line, "", "")
     margin = " " * (len(code) - len(code.lstrip()))
@@ -234,8 +236,8 @@ def _broken_lines(line: str, *, continues_previous: bool) -> Iterator[str]:
 def _broken_code(c_code: str, margin: str, further_margin: str) -> Sequence[str]:
     """Break code after a question mark or an assignment if that is enough, else between conditions or anywhere.
 
-    ``further_margin`` begins all lines but the first. A question mark inside two or more brackets does not count, and
-    neither does any if parts are joined by ``|``.
+    ``further_margin`` begins all lines but the first. A question mark inside two or more brackets does not count. If
+    parts are joined by ``|``, neither a question mark nor an assignment counts.
     """
     # It has the length of the code, so that places in it are places in the code.
     without_strings = _STRING.sub(lambda string: "x" * len(string[0]), c_code)

@@ -45,7 +45,10 @@ class Context:
         self.reports = Reports(device, self.prefix, self.choices, self.scope)
 
     def crc_name(self, crc: Crc, carried_as: str) -> str:
-        """Return the name of the function of a CRC over bits or bytes. A CRC needed for both has two functions."""
+        """Return the name of the function of a CRC over bits or bytes.
+
+        A CRC needed for both bits and bytes has two functions.
+        """
         is_second_function = carried_as == "bits" and len(carriers(self.device, crc)) > 1
         ending = "_bits" if is_second_function else ""
         return f"{self.prefix}_crc_{crc.name}{ending}"
@@ -133,7 +136,7 @@ class Macro:
 def timing_macros(timing: Timing, stem: str) -> Iterator[Macro]:
     """Yield the bounds of a time in microseconds, such as ``ACME_X_STARTUP_AT_MOST_US``.
 
-    The comment on the first one describes all of them, and the others refer to it.
+    The comment on the first describes all of them, and the other comments refer to it.
     """
     note = HEADER_STYLE.sentence(say_timing(timing))
     bounds = {"AT_LEAST": timing.at_least_us, "TYPICAL": timing.typical_us, "AT_MOST": timing.at_most_us}
@@ -144,7 +147,7 @@ def timing_macros(timing: Timing, stem: str) -> Iterator[Macro]:
 
 
 def scale_macros(layout: Layout, stem: str) -> Iterator[Macro]:
-    """Yield the numbers of each scale. They have 64 bits, so that no product overflows."""
+    """Yield the numbers of each scale. The numbers have 64 bits, so that no product overflows."""
     for field in layout.fields:
         scale = field.scale
         name = f"{stem}_{field.name}".upper()

@@ -72,8 +72,10 @@ class CrcCode:
 
 
 def crc_code(context: Context, function: CrcFunction, codecs: Sequence[StructCodec]) -> CrcCode:
-    """Return the function of a CRC, with a table if a codec uses it. A codec with a CRC for words does not call it."""
-    # Those with a CRC for words use only the table.
+    """Return the function of a CRC. It has a table only if its form needs one and a codec uses it.
+
+    A codec with a CRC for words does not call the function, and uses only the table.
+    """
     users = [codec for codec in codecs if _uses_function(codec, function)]
     return CrcCode(
         name=context.crc_name(function.crc, function.carrier.value),
@@ -100,7 +102,10 @@ def _uses_function(codec: StructCodec, function: CrcFunction) -> bool:
 
 
 def _table_entries(function: CrcFunction) -> tuple[int, ...]:
-    """Return the entries of the table of a CRC, if it has one. A folded CRC has one only for frames that are words."""
+    """Return the entries of the table of a CRC, if it has one.
+
+    A folded CRC has a table only for frames that are words.
+    """
     crc = function.crc
     if function.form is Form.TABLE:
         is_reflected = function.carrier is Carrier.BYTES and crc.refin

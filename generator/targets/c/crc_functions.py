@@ -1,7 +1,7 @@
 """CRC functions in C, as templates/c/crcs.h.jinja prints them: in folding steps, or with a table look-up per byte.
 
-Such processors are slow at shifting wider numbers. The step after which the number fits in 32 bits therefore takes the
-bits above and below its place from the halves of the wide number.
+Processors of 32 bits are slow at shifting wider numbers. The step after which the number fits in 32 bits therefore
+takes the bits above and below its place from the halves of the wide number.
 """
 
 from __future__ import annotations
@@ -106,7 +106,7 @@ class BitsCrc:
 
 @dataclass(frozen=True)
 class WordCrc:
-    """The function that computes the CRC of a whole word. ``function`` is the one for any number of bits."""
+    """The function that computes the CRC of a whole word. ``function`` is the function for any number of bits."""
 
     name: str
     function: str
@@ -143,7 +143,7 @@ class WordCrc:
 
     @property
     def last_steps(self) -> tuple[FoldStep, ...]:
-        """The steps that reduce a byte to a CRC of fewer bits."""
+        """The steps that reduce a byte to a CRC of fewer bits, none for a CRC of at least 8 bits."""
         return fold_plan(self.crc.width, self.crc.poly, 8) if self.crc.width < 8 else ()
 
     @property

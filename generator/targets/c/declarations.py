@@ -97,7 +97,8 @@ def declarations_in(header: str) -> list[Declaration]:
 def _parse_declarations(lines: Sequence[str]) -> Iterator[Declaration]:
     """Yield the declarations in these lines, each with the comment directly above it.
 
-    A comment with a blank line or another comment below it is an item of its own, without code.
+    A comment with a blank line or another comment below it is an item of its own, without code. A comment in the last
+    line is left out.
     """
     comment = ""
     index = 0
@@ -147,7 +148,7 @@ def _end_of_code(lines: Sequence[str], start: int) -> int:
 
 
 def _end_of_macro(lines: Sequence[str], start: int) -> int:
-    """Return the index after the last line of a macro that begins at ``start``: the first one without a backslash."""
+    """Return the index after the last line of a macro that begins at ``start``: the first line without a backslash."""
     end = start
     while lines[end].endswith("\\\n"):
         end += 1
@@ -176,7 +177,7 @@ class _OpenCondition:
 def without_settings(text: str, settings: Collection[str]) -> str:
     """Return a text in which no macro of ``settings`` is defined, so that its conditions on them are gone.
 
-    Lines between ``#ifndef`` and ``#else`` or ``#endif`` stay, and so do those after the ``#else`` of an ``#ifdef``.
+    Lines between ``#ifndef`` and ``#else`` or ``#endif`` stay, and so do lines after the ``#else`` of an ``#ifdef``.
     """
     kept_lines: list[str] = []
     conditions: list[_OpenCondition] = []
@@ -215,7 +216,7 @@ def declarations_needed_by(roots: Iterable[str], declarations: Sequence[Declarat
 
 
 def _select_titled(declarations: Iterable[Declaration], needed_names: Set[str]) -> Iterator[Declaration]:
-    """Yield the needed declarations, and each title that has one of them below it."""
+    """Yield the needed declarations, and each title above one of them."""
     title: Declaration | None = None
     for declaration in declarations:
         if declaration.is_title:

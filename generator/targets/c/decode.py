@@ -34,7 +34,7 @@ from .names import (
 )
 from .structs import Struct
 
-#: Names of arguments and locals in the generated functions. The locals of fields have other names.
+#: Names of arguments and locals in the generated functions. The locals of fields have different names.
 _LOCALS = frozenset("variant word received plain bytes length out in crc index v wide value flags".split())
 
 
@@ -50,7 +50,7 @@ class ByteIs:
 
 @dataclass(frozen=True, slots=True)
 class FlagsIn:
-    """The byte of the next flags. ``is_first`` and ``is_only`` show whether there are others."""
+    """The byte of the next flags. ``is_first`` and ``is_only`` show whether there are other such bytes."""
 
     byte: int
     is_first: bool
@@ -107,8 +107,8 @@ class Decoder:
     def fields_with_local(self) -> tuple[Field, ...]:
         """The fields whose bits the decoder keeps in a local.
 
-        Those without one are constants, CRCs, texts, flags that are read from their byte, unused fields that are only
-        reported, and parity bits that are checked in the word.
+        Those without one are constants, CRCs, texts, unused fields that are only reported, and parity bits that are
+        checked in the word. Flags that no join and no parity uses are tested in place, in their byte or in the word.
         """
         names_without_local = self._plain_flags | self._only_reported | self.plan.constants.keys()
         names_without_local |= self._word_parities.keys()
@@ -177,7 +177,7 @@ class Decoder:
                 yield check
 
     def is_of_other_frame(self, parity: ParityIs) -> Expr:
-        """Return the condition that the selector or its parity bit is not that of this frame.
+        """Return the condition that the selector or its parity bit differs from this frame's.
 
         A byte that holds both is compared once, together with the constants in it, such as
         ``(bytes[0] & 0x9FU) != 0x1AU``.
@@ -208,7 +208,7 @@ class Decoder:
         return Operation("!=", (compared_bits, Number(expected_value, hexadecimal=True)))
 
     def _selector_or_parity_differs(self, parity: ParityIs, known_parity: int) -> Expr:
-        """Return the condition that the local of the selector or that of its parity bit has another value."""
+        """Return the condition that the local of the selector or of its parity bit has another value."""
         selects = self.plan.layout.selects
         selector = parity.selector
         other_value = self.struct.is_none_of(selector, self.local(selector), selects, is_raw=True)
@@ -216,9 +216,10 @@ class Decoder:
         return join_operands("||", (other_value, other_parity))
 
     def _mask_in_word(self, parity: ParityIs) -> int:
-        """Return the mask of a parity bit and all bits that it covers, 0 if they are not always in the lower 32 bits.
+        """Return the mask of a parity bit and all bits that it covers, or 0 if it cannot be checked by such a mask.
 
-        A selector with a known parity is compared instead.
+        The frame must be a word without Gray code, in which these bits are the same for all order codes, registers and
+        answers, and are in the lower 32 bits. A selector with a known parity is compared instead.
         """
         if not self.plan.by_word or self.plan.gray is not None or parity.known_parity is not None:
             return 0
@@ -228,12 +229,12 @@ class Decoder:
             return 0
         masks = {_mask_for_code(parity, variant.parameters) for variant in self.struct.device.variants}
         mask = masks.pop()
-        # No further mask is left in the set if all order codes have the same.
+        # If all order codes have the same mask, no further mask remains in the set.
         is_same_for_all_codes = not masks
         return mask if is_same_for_all_codes and mask.bit_length() <= 32 else 0
 
     def _names_beyond_codes(self) -> set[str]:
-        """Return the names of the parameters that an order code alone does not set."""
+        """Return the names of the parameters that need more than an order code."""
         device = self.struct.device
         names = {parameter.name for parameter in device.run_time_parameters}
         for alternative in device.alternatives:
@@ -280,7 +281,7 @@ class Decoder:
     ) -> Iterator[UnusedIn | UnusedAre]:
         """Yield the unused bits of a byte, and after the last such byte the whole member.
 
-        The byte is removed from ``ungathered``, which has the unused bits of each byte that is still to come.
+        The byte is removed from ``ungathered``, which contains the unused bits of each remaining byte.
         """
         unused = self.struct.unused
         # None of the bytes has been removed.
@@ -306,7 +307,7 @@ class Decoder:
     def _first_flags_of_bytes(self) -> dict[str, FlagsIn]:
         """Return the bytes of flags, by the name of the first flag of each run of flags in the same byte.
 
-        A byte comes again if flags of another byte are between its flags.
+        A byte occurs again if flags of another byte are between its flags.
         """
         byte_by_first_flag: dict[str, int] = {}
         previous_byte = -1
@@ -354,9 +355,9 @@ class Decoder:
                 assert_never(never)
 
     def _is_active(self, part: Part, bit: Expr, *, low_is_active: bool) -> Expr:
-        """Return the condition that a flag is active. A flag that the order code does not have is inactive.
+        """Return the condition that a flag is active. A flag that does not exist for the order code is inactive.
 
-        An active-low flag is compared with its width, which is 1, or 0 if there is no flag.
+        An active-low flag of which only some order codes have the bit is compared with its width, which is 1 or 0.
         """
         if low_is_active and not part.field.width.is_constant:
             return Operation("!=", (bit, self.struct.scope.expression_of(part.field.width)))
@@ -410,9 +411,9 @@ def _mask_for_code(parity: ParityIs, parameters: Mapping[str, int]) -> int:
 
 
 def _bits_mask(bits: Bits, parameters: Mapping[str, int], mask: int) -> int:
-    """Return the mask of bits in the word, or of those in ``mask`` if it is not 0.
+    """Return the mask of bits in the word, or of the bits in ``mask`` if it is not 0.
 
-    ``mask`` is relative to the lowest of the bits: at bit 8, a mask of 0b11 gives 0x300.
+    ``mask`` is relative to the lowest of the bits: at bit 8, a mask of 0b11 becomes 0x300.
     """
     all_bits = (1 << bits.width.value(parameters)) - 1
     selected_bits = all_bits & mask if mask else all_bits

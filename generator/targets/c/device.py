@@ -48,7 +48,7 @@ class _Declaring(Protocol):
 class Usage:
     """The names for reading a position: the frame, its verdict function, the member, and the request for the frame.
 
-    The request is a macro, or a frame of its own, ``request_for_reply``. ``reads_twice`` is true if no CRC protects the
+    The request is a macro, or a separate frame, ``request_for_reply``. ``reads_twice`` is true if no CRC protects the
     frame, so that two frames must agree.
     """
 
@@ -71,9 +71,9 @@ class Part:
 
 
 class DeviceView:
-    """One interface of a family: the parts of its headers, each built from the ones before it.
+    """One interface of a family: the parts of its headers, each built from the previous parts.
 
-    ``device`` has only this interface, and only its order codes.
+    ``device`` contains only this interface, and only its order codes.
     """
 
     def __init__(self, device: Device, passing: Passing = BY_VALUE) -> None:
@@ -140,13 +140,18 @@ class DeviceView:
         return _with_path_in_errors(build, "procedures", procedure.name)
 
     @property
+    def order_code_kind(self) -> str:
+        """Name of its order codes in a sentence, which says whether they are on a label."""
+        return "made-up order code" if self.device.order_code.not_on_label else "order code from the label"
+
+    @property
     def header(self) -> str:
         """Include path of the header for reading positions."""
         return f"{self.maker.name}/{self.stem}.h"
 
     @property
     def parts(self) -> list[Part]:
-        """The other headers. Each includes the first one, and what else it needs."""
+        """The other headers. Each includes the first header, and its other dependencies."""
         first_header = self.header
         encoder_header = "codewheel/encoder.h"
         transport_header = "codewheel/transport.h"
@@ -217,7 +222,10 @@ class DeviceView:
 
     @property
     def position_member(self) -> str:
-        """The field or join with the position, in the only frame of the interface. Empty if there is none."""
+        """The field or join with the position, in the only frame of the interface.
+
+        It is empty if there are several frames, or if the only one has no position or no verdict.
+        """
         codecs = self.interface.codecs
         return codecs[0].position_member if len(codecs) == 1 else ""
 
@@ -266,12 +274,16 @@ class DeviceView:
 
     @property
     def received_codec(self) -> StructCodec:
-        """The frame whose lengths the header has, if it is the only one."""
+        """The first frame whose lengths the header has.
+
+        Raises:
+            LookupError: There is no such frame.
+        """
         codecs = (codec for codec in self.interface.codecs if codec.struct.layout.name in self.lengths.layouts)
         return first_of(codecs, f"frame received over {self.context.interface.title}")
 
     def modulus(self, encoder: str, layout: Layout | None = None) -> str:
-        """Return the call for the counts after which the position wraps around, or ``0U`` if it does not or may not.
+        """Return the call for the counts after which the position wraps around, or ``0U`` if it may never wrap around.
 
         ``encoder`` is the argument for the order code. Without a frame, the first range that wraps counts.
         """
@@ -304,7 +316,7 @@ class DeviceView:
         return None
 
     def _is_read_twice(self, codec: StructCodec, member: str) -> bool:
-        """Return True if no CRC protects the position, and it is not negative, so that two words can agree."""
+        """Return True if no CRC protects a position over SSI, and it is never negative, so that two words can agree."""
         meanings = (part.meaning for part in codec.plan.parts if part.field.name == member)
         is_signed = any(isinstance(meaning, TwosComplement) for meaning in meanings)
         is_unprotected = (
@@ -323,7 +335,7 @@ def _bank_selectors_first(device: Device) -> list[Register]:
 
 
 def _has_source_with_key(text: str, key: str) -> bool:
-    """Return True if a text has a source such as ``data sheet: page 4`` with this key."""
+    """Return True if a text cites a source such as ``data sheet: page 4`` with this key."""
     # The first test is much faster, and few documents pass it.
     return f"{key}:" in text and re.search(rf"\b{key}:", text) is not None
 
@@ -364,7 +376,7 @@ _LATEST: deque[tuple[Device, Passing, Sequence[DeviceView]]] = deque(maxlen=8)
 
 
 def _views_of(device: Device, passing: Passing) -> Iterator[DeviceView]:
-    """Yield each interface with its own order codes, registers and parameters only."""
+    """Yield each interface with only its own order codes, registers and parameters."""
     for interface in device.interfaces:
         codes = {variant.code for variant in device.variants_over(interface.name)}
         narrowed_device = for_codes(device, codes)
@@ -374,15 +386,15 @@ def _views_of(device: Device, passing: Passing) -> Iterator[DeviceView]:
 
 
 def _with_known_register(parameter: Parameter, known_registers: Set[str]) -> Parameter:
-    """Return a parameter, without its register if only another interface reaches that.
+    """Return a parameter, without its register if only another interface reaches the register.
 
-    ``known_registers`` are those of this interface, and the empty name of a parameter without a register.
+    ``known_registers`` are the registers of this interface, and the empty name of a parameter without a register.
     """
     return parameter if parameter.register in known_registers else replace(parameter, read_from="")
 
 
 def _with_path_in_errors(build: Callable[[], _Built], *path: str) -> _Built:
-    """Return the result of ``build``. An error from it gets this path in the spec, unless it has one already."""
+    """Return the result of ``build``. An error from it gets this path in the spec, unless it already has a path."""
     try:
         return build()
     except TargetError as error:

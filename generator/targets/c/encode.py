@@ -74,7 +74,7 @@ class Encoder:
         return Cast("uint32_t", self.member_of(field)) if needs_cast else self.member_of(field)
 
     def number_from_members(self, joined_number: JoinedNumber) -> Expr:
-        """Return the number that the members of a join form, the first one in its highest bits."""
+        """Return the number that the members of a join form, the first member in its highest bits."""
         return self.reader.number_from_fields(joined_number, self._unsigned_bits_of_member)
 
     def total(self, field: Field) -> Expr:
@@ -106,7 +106,7 @@ class Encoder:
         terms: list[Expr] = []
         for term in self.plan.terms:
             is_added_later = self.plan.parity_covers_gray and isinstance(term.value, ParityOf)
-            # ``unused.in_word`` has the terms of unused fields.
+            # ``unused.in_word`` contains the terms of unused fields.
             is_unused = isinstance(term.value, ReservedBits)
             if not is_added_later and not is_unused and not self._is_always_zero(term):
                 terms.append(self._term_in_word(term))
@@ -158,7 +158,7 @@ class Encoder:
             even_parity = self._parity_of_members(parity)
         bit = Operation("^", (even_parity, Number(1))) if parity.odd else even_parity
         width = term.field.width
-        if self.plan.parity_covers_gray or width.is_constant:
+        if width.is_constant:
             return bit
         # The width is 1 or 0 by order code, which makes it the mask of the bit.
         return Operation("&", (bit, self.struct.scope.expression_of(width)))
@@ -166,7 +166,8 @@ class Encoder:
     def _parity_of_members(self, parity: ParityOf) -> Expr:
         """Return the parity of the members that a parity bit covers, 1 for an odd number of ones.
 
-        An example is ``cw_parity((uint32_t)in->position)``. ``parity.mask`` has the bits that count, or is 0 if all do.
+        An example is ``cw_parity((uint32_t)in->position)``. ``parity.mask`` contains the bits that count, or is 0 if
+        all do.
         """
         bits_and_widths = [(self._bits_of_member(field), field.widest) for field in parity.of]
         # The reader casts several members to one type, and a wide one when it splits it into halves of 32 bits.
@@ -178,7 +179,7 @@ class Encoder:
         return self.reader.parity(bits_and_widths, parity.mask)
 
     def _unsigned_bits_of_member(self, field: Field) -> Expr:
-        """Return the bits of a member as an unsigned number. Some compilers give an enumeration a sign."""
+        """Return the bits of a member as an unsigned number. Some compilers make an enumeration signed."""
         bits = self._bits_of_member(field)
         return Cast(unsigned(field.widest), bits) if isinstance(meaning_of(field), Named) else bits
 
@@ -264,7 +265,7 @@ class Encoder:
     def _variable_bits(self, term: Term) -> Iterator[tuple[int, Expr]]:
         """Yield the index of each byte of a term, with the bits at their places in it. Constant terms have none.
 
-        Reserved bits have none either, because ``unused.in_bytes`` has them.
+        Reserved bits have none either, because ``unused.in_bytes`` contains them.
         """
         match term.value:
             case ReservedBits() | Fixed():
@@ -294,7 +295,7 @@ class Encoder:
                 for piece in field.pieces:
                     yield piece.byte, self._piece_in_byte(field, piece, bits, may_be_wider=True)
             case Raw() | ZeroMeans() | Named() | DigitRuns():
-                # A single piece has all bits of the member, so that none are above it.
+                # A single piece contains all bits of the member, so that no bits are above them.
                 is_split = len(field.pieces) > 1
                 for piece in field.pieces:
                     # Bits above the type of the member are 0.
@@ -307,7 +308,7 @@ class Encoder:
     def _piece_in_byte(self, field: Field, piece: Piece, bits: Expr, *, may_be_wider: bool) -> Expr:
         """Return one piece of the bits of a field, shifted to its place in its byte.
 
-        ``may_be_wider`` is True if ``bits`` can have ones above the piece, which must be masked.
+        ``may_be_wider`` is True if ``bits`` can have 1 bits above the piece, which must be masked.
         """
         bits_of_piece = shifted_right(bits, piece.low_in_number)
         if may_be_wider and piece.mask != 0xFF:
@@ -339,7 +340,7 @@ def _as_byte(value: Expr) -> Expr:
 def _with_powers_first(unordered: Iterable[Refusal]) -> list[Refusal]:
     """Move each check for a power of two before the check that it follows. Both give the same error.
 
-    The check that it follows is whether the number fits in the same field.
+    That check tests whether the number fits in the same field.
     """
     ordered: list[Refusal] = []
     for refusal in unordered:

@@ -76,9 +76,11 @@ class Enumeration:
 
 
 class Enumerations:
-    """The enumerations of a family. Fields of one name and the same values share one, except a register's only field.
+    """The enumerations of a family.
 
-    ``choices`` has them by owner and field. The owner is a layout, or ``reg_`` and a register.
+    Fields of one name and the same values share an enumeration, except a register's only field.
+
+    ``choices`` contains them by owner and field. The owner is a layout, or ``reg_`` and a register.
     """
 
     def __init__(self, device: Device, prefix: str) -> None:
@@ -106,8 +108,8 @@ class Enumerations:
     def _add_enumeration(self, owner: str, field: Field, path: Path, sole: str = "") -> None:
         """Add the enumeration of a field, or share an earlier one of a field with the same name and the same values.
 
-        The first one is ``PREFIX_FIELD``. With other values it is ``PREFIX_OWNER_FIELD``. ``sole`` is the title of a
-        register whose only field it is, which has its own ``PREFIX_REGISTER``.
+        The first enumeration is ``PREFIX_FIELD``. With other values it is ``PREFIX_OWNER_FIELD``. ``sole`` is the title
+        of a register whose only field it is, which has its own ``PREFIX_REGISTER``.
         """
         if sole:
             self._add_new(owner, field, path, type_=f"{self.prefix}_{path[-1]}", sole=sole)
@@ -143,7 +145,7 @@ class Enumerations:
 
 def _describe_constant(value: Value) -> str:
     """Return the comment on a constant: the meaning of the value with its source, or else its name in words."""
-    # Omit a printed name of one word that the constant already has. Keep longer ones, for readers who search for them.
+    # Omit a printed name of one word that the constant already has. Keep longer names, for readers who search for them.
     has_printed_name = printed(value).lower() == value.name
     statements = spec_text(value.meaning) if has_printed_name else meaning(value, value.meaning)
     return HEADER_STYLE.paragraph(replace(statement, source=value.source) for statement in statements) or words(
@@ -159,7 +161,7 @@ _TAKEN = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class AnsweredBy:
-    """A parameter that follows from the answer: the function that gives it, and its value."""
+    """A parameter that follows from the answer: the function that returns it, and its value."""
 
     name: str
     about: str
@@ -235,7 +237,7 @@ _UNUSED = Name("frame->unused")
 class FrameReports:
     """The functions ``verdict`` and ``reports`` of a frame. The name of a missing function is empty.
 
-    ``choices`` has the constants of named values by layout and field.
+    ``choices`` contains the constants of named values by layout and field.
     """
 
     def __init__(
@@ -356,7 +358,7 @@ class FrameReports:
 
 
 class Reports:
-    """All reports of a family. ``mask`` is the type with a bit for each."""
+    """All reports of a family, or a TargetError if there are more than 64. ``mask`` is the type with a bit for each."""
 
     def __init__(
         self, device: Device, prefix: str, choices: Mapping[tuple[str, str], Enumeration], scope: Scope
@@ -383,7 +385,7 @@ class Reports:
             digits=(len(self.all) + 3) // 4,
             path=(),
         )
-        self._by_frame = {reporting.codec.layout.name: reporting for reporting in reportings(device)}
+        self._by_frame = reportings(device)
 
     def declared(self) -> Iterator[Declared]:
         """Yield the names that it declares at file scope."""
@@ -395,7 +397,7 @@ class Reports:
             yield constant.name, self._find_path(report)
 
     def of(self, layout: Layout, name: str, type_: str) -> FrameReports | None:
-        """Return the functions of a frame, or None. ``name`` and ``type_`` are those of its struct."""
+        """Return the functions of a frame, or None. ``name`` and ``type_`` are the name and type of its struct."""
         reporting = self._by_frame.get(layout.name)
         if reporting is None:
             return None

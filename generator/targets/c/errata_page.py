@@ -50,9 +50,9 @@ def errata_files(
 
 
 def _family_errata(device: Device) -> FamilyErrata:
-    """Return the errata of a family, with the changes by editions and overlays apart from those of its manual.
+    """Return the errata of a family, with changes by editions and overlays separate from the errata of its manual.
 
-    ``editions`` has the name of each edition or overlay with its changes, in the order of the errata.
+    ``editions`` contains the name of each edition or overlay with its changes, in the order of the errata.
     """
     errata_of_manual = [erratum for erratum in device.errata if not (erratum.overlay or erratum.edition)]
     # Each of the other errata has its labelled texts as rows, under the name of its edition or overlay.
@@ -71,7 +71,7 @@ def _family_errata(device: Device) -> FamilyErrata:
 
 
 def _erratum_text(erratum: Erratum) -> ErratumText:
-    """Return the text of an erratum, without the rows that have no content."""
+    """Return the text of an erratum, without empty rows."""
     severity = erratum.severity.replace("_", " ")
     labelled_texts = (
         ("Affects", ", ".join(map(paths_in_words, erratum.affects))),

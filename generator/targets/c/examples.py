@@ -391,7 +391,7 @@ class ExampleCode:
     def _yield_memory(self) -> Iterator[Memory]:
         """Yield the registers that are shown, by address, with the bytes of their worked examples.
 
-        Those that the procedure writes have their factory default instead, or 0 if the manual gives none.
+        Registers that the procedure writes have their factory default instead, or 0 if the manual gives none.
         """
         written_names = {step.register for step in self._procedure_steps if isinstance(step, (WriteStep, ModifyStep))}
         registers_and_examples = sorted(self._chosen.registers.values(), key=_address_of_register)
@@ -432,18 +432,18 @@ def _address_of_register(register_and_example: tuple[Register, object]) -> int:
 
 
 def _has_only_answers(frame: FrameSize, answers: Sequence[Answer]) -> bool:
-    """Return True if the length of a frame depends on no other answers than these."""
+    """Return True if the length of a frame depends on no answers except ``answers``."""
     return all(answer in answers for answer in frame.answers)
 
 
 def _value_meanings(values: Iterable[Value]) -> str:
-    """Return the meanings of the values, such as ``0 off, 1 on``, or an empty string if they take too long a line."""
+    """Return the meanings of the values, such as ``0 off, 1 on``, or an empty string if the line would be too long."""
     meanings = ", ".join(f"{value.value} {ascii_text(title(value))}" for value in values)
     return meanings if len(meanings) <= _LONGEST_EXPLANATION else ""
 
 
 def example_codes(view: DeviceView) -> Iterator[ExampleCode]:
-    """Yield the program of an interface, unless there is no frame to show for it."""
+    """Yield the program of an interface, unless it has no frame to show."""
     if any(layout.sender == "encoder" for layout in view.context.interface.layouts):
         with suppress(NoFrame):
             yield ExampleCode(view)

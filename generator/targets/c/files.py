@@ -192,7 +192,8 @@ class Program(Family):
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return the headers, their README, examples, self-test and package files, by path.
 
-    Form ``single`` has only the headers for order codes. Passing by address has only headers and the licence.
+    Form ``single`` consists only of the headers for order codes. Passing by address only writes headers and the
+    licence.
 
     Raises:
         OptionError: The option ``only`` has an unknown name.
@@ -246,7 +247,7 @@ def _choose_passing(options: Options) -> Passing:
 def _yield_family_files(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path of each header, self-test and example program of a family, and a function for its text.
 
-    Form ``single`` has only the headers for order codes. Passing by address has only the headers for C.
+    Form ``single`` consists only of the headers for order codes. Passing by address only writes the headers for C.
     """
 
     def later(template: str, template_values: Mapping[str, object]) -> Callable[[], str]:
@@ -278,7 +279,7 @@ def problems(library: Library) -> Iterator[TargetProblem]:
             problem = f"{error}; use 'generate --target' to write the other outputs"
             yield TargetProblem(device, rule="c-target", place=error.place or ("device",), message=problem)
     for device, clash in clashes(headers):
-        # A clash with another family has no place in this spec.
+        # A clash with another family cannot be located in this spec.
         other_place = () if clash.other[:1] == ("device",) else clash.other
         message = clash.message(" on line {line}" if other_place else "")
         yield TargetProblem(device, rule="c-name", place=clash.path, message=message, other=other_place)

@@ -110,7 +110,10 @@ class InterfaceCode:
         self.codecs = tuple(self._build_codec(context, layout) for layout in interface.layouts)
 
     def declared(self) -> Iterator[Declared]:
-        """Yield the names at file scope, each with its path in the spec. The codecs yield those of their layouts."""
+        """Yield the names at file scope, each with its path in the spec.
+
+        The codecs yield the names of their layouts.
+        """
         path = ("interfaces", self.interface.name)
         for macro in (*self.macros, *self.controls):
             yield macro.name, path
@@ -208,7 +211,10 @@ class InterfaceCode:
         return StructCodec(struct, about_layout(self.device, self.interface, struct))
 
     def _yield_comment(self) -> Iterator[Paragraph]:
-        """Yield the comment on the interface. Statements and errata on macros and layouts are in comments of those."""
+        """Yield the comment on the interface.
+
+        Statements and errata on macros and layouts are in the comments of the macros and layouts.
+        """
         interface = self.interface
         statements = say_interface(self.device, interface)
         for statement in statements:
@@ -264,7 +270,7 @@ class InterfaceCode:
                 yield from timing_macros(time, self.upper)
 
     def _fact_macros(self, fact: Fact, statement: Statement) -> Iterator[Macro]:
-        """Yield the constants of a fact. Those of some order codes are in macros of these."""
+        """Yield the constants of a fact. Facts of some order codes are in macros of these codes."""
         if isinstance(fact, (Clock, Timeout)) and fact.only:
             return
         match fact:
@@ -288,14 +294,14 @@ class InterfaceCode:
                 pass  # Code needs no number from it.
 
     def _yield_clock_macros(self, clock: Clock, statement: Statement) -> Iterator[Macro]:
-        """Yield the limits, and the fastest clock in use. The first macro has the comment on all of them."""
+        """Yield the limits, and the fastest clock in use. The first macro carries the comment on all of them."""
         has_comment_on_all = False
         for name, clock_hz, note in clock_limits(clock):
             yield self._define_macro(name, clock_hz, about=note if has_comment_on_all else statement)
             has_comment_on_all = True
 
     def _yield_port_macros(self, port: Port, statement: Statement) -> Iterator[Macro]:
-        """Yield the settings of a serial port. The first macro has the comment on all of them."""
+        """Yield the settings of a serial port. The first macro carries the comment on all of them."""
         yield self._define_macro("BAUD", port.baud, about=statement)
         yield self._define_macro("DATA_BITS", port.data_bits, about="number of data bits")
         yield Macro(f"{self.upper}_PARITY", _PARITIES[port.parity], f"parity: {port.parity}")
@@ -310,7 +316,7 @@ class InterfaceCode:
                 yield self._define_macro(name, value.value, about=f"{title(field)}: {title(value)}", hexadecimal=True)
 
     def _yield_timeout_macros(self, timeout: Timeout, statement: Statement) -> Iterator[Macro]:
-        """Yield the typical and the longest time-out. The first macro has the comment on all of them.
+        """Yield the typical and the longest time-out. The first macro carries the comment on all of them.
 
         If the time-out is not a number of clock periods, those printed for each clock follow.
         """

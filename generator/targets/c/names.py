@@ -16,7 +16,7 @@ from .reserved_words import RESERVED
 FOLDER = "codewheel"
 #: Prefix of all names in the headers. No name from a spec begins like this.
 PREFIX = "cw_"
-#: Names that no manufacturer can have, since the runtime uses them.
+#: Names that no manufacturer can have, because the runtime uses them.
 TAKEN = (FOLDER, PREFIX.rstrip("_"))
 
 
@@ -90,7 +90,7 @@ class Names:
             elif path:
                 self.clashes.append(Clash(name, path, self.paths[name]))
             else:
-                # Every header has this name, so the part that declared it before is the one to rename.
+                # Every header declares this name, so the earlier part is the one to rename.
                 self.clashes.append(Clash(name, self.paths[name], ()))
 
 
@@ -119,7 +119,8 @@ def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
 def clashes(headers: Iterable[tuple[Device, Names]]) -> Iterator[tuple[Device, Clash]]:
     """Yield every clash within these headers, and between families, with the device in whose spec it is.
 
-    An inner name clashes with a name that an earlier header or its own declares at file scope.
+    An inner name clashes with a name that an earlier header or its own declares at file scope. The name of a
+    manufacturer clashes if it is one of ``TAKEN``.
     """
     declared_paths: dict[str, Path] = {}
     for device, names in headers:
@@ -146,14 +147,14 @@ def string(text: object) -> str:
 
 
 def _escape_character(byte: int) -> str:
-    """Return a byte as a character of a string literal, in octal if C or a trigraph gives it another meaning."""
+    """Return a byte as a character of a string literal, in octal if it has another meaning in C or in a trigraph."""
     return chr(byte) if chr(byte) in _PLAIN else f"\\{byte:03o}"
 
 
 def number(value: int, hexadecimal: bool = False, digits: int = 2) -> str:
     """Return ``value`` as an unsigned constant, such as ``24U``, ``0x1BU`` or ``UINT64_C(4294967296)``.
 
-    ``digits`` is the least number of hexadecimal digits. More than 8 also make it a constant of 64 bits.
+    ``digits`` is the least number of hexadecimal digits. More than 8 digits also make it a constant of 64 bits.
     """
     literal = f"0x{value:0{digits}X}" if hexadecimal else str(value)
     has_64_bits = value > 0xFFFFFFFF or (hexadecimal and digits > 8)
@@ -173,7 +174,11 @@ def mask(width: int) -> str:
 
 
 def size_of(bits: int) -> int:
-    """Return the width of the smallest unsigned type for ``bits`` bits."""
+    """Return the width of the smallest integer type for ``bits`` bits: 8, 16, 32 or 64.
+
+    Raises:
+        TargetError: There are more than 64 bits.
+    """
     for size in (8, 16, 32, 64):
         if bits <= size:
             return size
@@ -280,7 +285,7 @@ class Conditional(Expr):
 
 
 def shifted_right(value: Expr, by: int) -> Expr:
-    """Return ``value`` shifted to the right, unless by 0."""
+    """Return ``value`` shifted to the right, or unchanged for a shift of 0."""
     return Operation(">>", (value, Number(by))) if by else value
 
 
@@ -297,7 +302,7 @@ def masked(value: Expr, mask: int) -> Expr:
 
 
 def join_operands(operator: str, operands: tuple[Expr, ...]) -> Expr:
-    """Return the operands joined by an operator, or the only one."""
+    """Return the operands joined by an operator, or the only operand."""
     return operands[0] if len(operands) == 1 else Operation(operator, operands)
 
 
@@ -323,7 +328,7 @@ BY_ADDRESS = Passing(by_address=True)
 
 @dataclass(frozen=True)
 class Scope:
-    """The spelling of parameters: set ones are members of the variant, others are functions of it.
+    """The spelling of parameters: set parameters are members of the variant, others are functions of it.
 
     ``largest`` contains the highest values of the parameters that an order code sets. A parameter that depends on an
     alternative of the manual is a function of the argument that ``answers`` names.
@@ -347,7 +352,7 @@ class Scope:
         return Name(self.passing.member("variant", c_name(parameter)))
 
     def mask(self, width: Expression) -> Expr:
-        """Return a mask of ``width`` ones."""
+        """Return a mask of ``width`` 1 bits."""
         if width.is_constant:
             return Number((1 << width.constant) - 1, hexadecimal=True)
         return Call("cw_mask", (self.expression_of(width),))

@@ -47,7 +47,7 @@ class OpenCode:
 
 @dataclass(frozen=True)
 class _Choice:
-    """A string for a part of an order code: a listed one, or a pattern if the manual leaves it open.
+    """A string for a part of an order code: a listed string, or a pattern if the manual leaves it open.
 
     ``label`` is the text on the label if that differs.
     """
@@ -88,6 +88,7 @@ def written_out(expression: str) -> tuple[str, ...]:
 def _repeat_unit(match: re.Match[str], *, is_last: bool) -> tuple[str, ...]:
     """Return one unit with its repetitions, the longest first, or nothing if its kind has no mark.
 
+    More than ``_MOST_PATTERNS`` repetitions give nothing, too.
     ``[0-9]{1,2}`` gives ``##`` and ``#``, or the single pattern ``#~`` at the end of an expression.
     """
     mark = _mark_of_characters(match["unit"])
@@ -106,7 +107,7 @@ def _repeat_unit(match: re.Match[str], *, is_last: bool) -> tuple[str, ...]:
 def _mark_of_characters(unit: str) -> str:
     """Return the mark for a class of characters, or the character itself: ``#`` for ``[0-9]``, ``-`` for ``\\-``.
 
-    Another class has no mark, and the result is empty.
+    Another class has no mark and returns an empty string.
     """
     is_escaped_sign = unit[0] == "\\" and not unit[1:].isalnum()
     stands_for_itself = len(unit) == 1 or is_escaped_sign
@@ -115,7 +116,7 @@ def _mark_of_characters(unit: str) -> str:
 
 
 def unknown_parts(device: Device) -> tuple[str, ...]:
-    """Return the names of the open parts of which the table has only the listed values, since none can be expanded."""
+    """Return the names of the open parts whose unlisted values the table lacks, since none can be expanded."""
     return tuple(part.name for part in device.order_code.parts if part.open and not written_out(part.open))
 
 
@@ -124,6 +125,9 @@ def open_codes(device: Device) -> tuple[OpenCode, ...]:
 
     A pattern with an open part also matches listed values. If their combination is not an order code, a refused
     pattern comes before it.
+
+    Raises:
+        TargetError: The spellings have more than ``_MOST_COMBINATIONS`` combinations of listed values and patterns.
     """
     order_code = device.order_code
     spellings = [_Spelling(order_code.pattern, [_list_choices(part) for part in order_code.parts], is_listed=True)]
@@ -163,13 +167,13 @@ class _Codes:
     def __init__(self, device: Device) -> None:
         self._device = device
         self.names = tuple(part.name for part in device.order_code.parts)
-        #: Indices of the order codes by the names of some parts and by the texts of these.
+        #: Indices of the order codes by the names of some parts and by their texts.
         self._indices: dict[tuple[str, ...], dict[tuple[str, ...], list[int]]] = {}
 
     def first(self, chosen: Mapping[str, _Choice]) -> int | None:
         """Return the index of the first order code with the listed parts that allows the open parts, or None.
 
-        ``chosen`` has a string for each part of the order code.
+        ``chosen`` contains a string for each part of the order code.
         """
         part_names = tuple(name for name, choice in chosen.items() if not choice.is_open)
         listed_texts = tuple(chosen[name].text for name in part_names)
@@ -194,10 +198,10 @@ class _Codes:
 
 
 def _open_codes_of(codes: _Codes, spelling: _Spelling) -> list[OpenCode]:
-    """Return the patterns of one spelling, those with the fewest open parts first.
+    """Return the patterns of one spelling, with the fewest open parts first.
 
-    Order codes without open parts need none in the listed spelling. A combination that is not an order code needs one,
-    which refuses it, only if a pattern with open parts would match it.
+    Order codes without open parts need no pattern in the listed spelling. A combination that is not an order code needs
+    a pattern, which refuses it, only if a pattern with open parts would match it.
     """
     combinations = [dict(zip(codes.names, choices, strict=True)) for choices in itertools.product(*spelling.choices)]
     choices_and_indices = [(chosen, codes.first(chosen)) for chosen in combinations]
@@ -230,7 +234,7 @@ def _open_choices(choices: Sequence[_Choice]) -> list[_Choice]:
 
 
 def _choices_of_spelling(part: CodePart, spelling: Spelling) -> list[_Choice]:
-    """Return the choices for a part in another spelling: its own texts for the values, or else those of the part."""
+    """Return the choices for a part in another spelling: the spelling's texts for the values, or else the part's."""
     has_own_texts = any(value.part == part.name for value in spelling.values)
     if has_own_texts:
         texts_on_label = values_by_spelling(part, spelling).items()
@@ -251,7 +255,7 @@ def _list_choices(part: CodePart) -> list[_Choice]:
 def _open_combinations(parts: Sequence[CodePart], chosen: Mapping[str, _Choice], variant: Variant) -> Iterator[bool]:
     """Yield, for each condition of an open part on another part, whether an order code meets it.
 
-    The condition is that the other part is open too, or has one of certain values.
+    The condition is that the other part is open too, or has certain values.
     """
     for part in parts:
         if chosen[part.name].is_open:

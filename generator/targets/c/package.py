@@ -1,4 +1,4 @@
-"""Files next to the headers: those of build systems, the page for safety reviews, and receivers with DMA."""
+"""Files next to the headers: files of build systems, the page for safety reviews, and receivers with DMA."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ TEMPLATE = "ASSUMPTIONS.md.jinja"
 
 @dataclass(frozen=True)
 class Frames:
-    """Frames of one length with the same CRC, and the errors that the CRC misses in them."""
+    """Frames of one length whose CRCs have the same polynomial, and the errors that the CRC misses in them."""
 
     crc: Crc
     names: tuple[str, ...]
@@ -64,7 +64,10 @@ def assumptions_files(
 
 
 def _yield_frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
-    """Yield the frames with the same CRC and the same length, with the errors that this CRC does not detect."""
+    """Yield the frames whose CRCs have the same polynomial and which have the same length, with the undetected errors.
+
+    They are in order of the width of the CRC, of its polynomial and of the length.
+    """
     crcs_by_width_poly_and_bits: dict[tuple[int, int, int], dict[str, Crc]] = {}
     for device in devices:
         for interface, layout in device.layouts():
@@ -72,7 +75,7 @@ def _yield_frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
             for crc, bits in _crcs_and_lengths(device, interface.name, layout):
                 key = (crc.width, crc.poly, bits)
                 crcs_by_width_poly_and_bits.setdefault(key, {}).setdefault(name, crc)
-    # The undetected errors depend only on width, polynomial and length, so any CRC with these stands for all.
+    # The undetected errors depend only on width, polynomial and length, so any CRC with these represents all.
     for (_, _, bits), crcs_by_name in sorted(crcs_by_width_poly_and_bits.items()):
         first_crc = next(iter(crcs_by_name.values()))
         yield Frames(first_crc, tuple(crcs_by_name), residual_of(first_crc, bits))
@@ -81,7 +84,8 @@ def _yield_frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
 def _crcs_and_lengths(device: Device, interface: str, layout: Layout) -> Iterator[tuple[Crc, int]]:
     """Yield each CRC of a layout with each length of its frames in bits. The same pair can come several times.
 
-    The length is that of each order code and answer, and if all have a CRC, also the longest that registers can cause.
+    The length is the length for each order code and answer, and if all have a CRC, also the longest that registers can
+    cause.
     """
     if layout.always_has_crc:
         for crc in device.crcs_of(layout):
@@ -97,7 +101,7 @@ def _crcs_and_lengths(device: Device, interface: str, layout: Layout) -> Iterato
 def _frames_without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
     """Yield the frames with a position whose verdict is always unknown: no flag or unused bit affects it."""
     for device in devices:
-        for reporting in reportings(device):
+        for reporting in reportings(device).values():
             judgement = reporting.judgement
             if judgement is not None and judgement.otherwise is Verdict.UNKNOWN and not judgement.worst_first:
                 yield _frame_name(device, reporting.interface.title, reporting.codec.layout)
@@ -168,7 +172,7 @@ class ReceiverCode:
 
 
 def receiver_codes(examples: Iterable[ExampleCode]) -> Iterator[ReceiverCode]:
-    """Yield a program for each example over BiSS whose frame is the only one and has a verdict and a position."""
+    """Yield a program for each example over BiSS whose only frame has a verdict and a position."""
     for example in examples:
         has_verdict = example.reports is not None and bool(example.reports.verdict)
         has_position = bool(example.counts) and example.position is not None
@@ -224,7 +228,7 @@ class Package(Named):
 def package_files(
     views: Sequence[DeviceView], runtime: Iterable[str], tests: Iterable[str], render: Render
 ) -> dict[str, str]:
-    """Return the files of the package that are not those of a family nor ``tests``, by their path in the C folder."""
+    """Return the files of the package that belong to no family nor to ``tests``, by their path in the C folder."""
     examples = [example for view in views for example in example_codes(view)]
     programs: list[ExampleCode | ReceiverCode] = [*examples, *receiver_codes(examples)]
     makers = manufacturers(view.device for view in views)
@@ -336,7 +340,7 @@ class Guide:
         """The macro of the length of its frame in bits, for a receiver."""
         variant = self.example.row.variant
         frames = (frame for frame in self.example.received if frame.variant is variant)
-        # The first of its two macros has the bits, the second one the bytes.
+        # The first of its two macros takes the bits, the second takes the bytes.
         macros = self.example.view.lengths.macros_of(first_of(frames, f"frame received from {variant.code}"))
         return first_of(macros, f"macro for the length of the frames of {variant.code}").name
 
@@ -363,15 +367,15 @@ class Guide:
 
     @property
     def result(self) -> object:
-        """The value of this number in the frame of the example, or None if it is not known."""
+        """The value of this number in the example, or None if the example does not give it, or has a frame in bytes."""
         return self.example.frame.values.get(self.number) if not self.example.data else None
 
 
 def choose_guide(examples: Sequence[ExampleCode]) -> Guide | None:
     """Choose the program for the README, or None without any: from the family with the most programs.
 
-    Of these it is the one whose procedure has the most steps. The README also shows its register with the most members,
-    and the procedure unless it reads values.
+    It is the program whose procedure has the most steps. The README also shows its register with the most members, and
+    the procedure unless it reads values.
     """
     if not examples:
         return None
@@ -400,6 +404,6 @@ def _version_numbers(version: str) -> tuple[int, ...]:
 
 
 def without_special_characters(text: str) -> str:
-    """Remove from ``text`` all characters that are special to CMake, Kconfig or pkg-config, and repeated spaces."""
+    """Return ``text`` with single spaces in place of all characters special to CMake, Kconfig or pkg-config."""
     plain_text = re.sub(r"[^A-Za-z0-9 .,:/+&-]+", " ", ascii_text(text))
     return " ".join(plain_text.split())

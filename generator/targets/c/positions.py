@@ -143,9 +143,9 @@ def _length_positions(
 
 
 def _range_functions(context: Context, ranges: Sequence[PositionRange]) -> Iterator[RangeFunctions]:
-    """Yield the functions of the only range, or those of each frame if there are several ranges.
+    """Yield the functions of the only range, or the functions of each frame if there are several ranges.
 
-    A range in which the distance between two positions is not known has none.
+    A range in which the distance between two positions is unknown has no functions.
     """
     for position_range in ranges:
         if not position_range.has_difference:

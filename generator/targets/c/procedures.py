@@ -48,7 +48,7 @@ class Row:
     """An elementary step at index ``at`` of the list: one byte of a register, a wait, a request.
 
     ``address`` is an expression with the macro of the register. ``more`` is true if the byte is accessed together with
-    that of the step before.
+    the byte of the step before.
     """
 
     at: int
@@ -118,7 +118,7 @@ class ReadMember:
 
 
 class ProcedureCode:
-    """A procedure. ``function`` is the function that carries it out, ``steps`` the one that returns its steps."""
+    """A procedure. ``function`` is the function that carries it out, ``steps`` the function that returns its steps."""
 
     def __init__(
         self, context: Context, registers: Mapping[str, RegisterCode], read_state: str, procedure: Procedure
@@ -196,7 +196,7 @@ class ProcedureCode:
                 yield name, ("procedures", self.run.procedure.name)
 
     def _document_parameters(self) -> Iterator[Paragraph]:
-        """Yield the parameters of the function that carries it out, or nothing if the procedure has no arguments."""
+        """Yield the parameters of the procedure's function, or nothing if the procedure has no arguments."""
         if self.arguments:
             yield "@param transport ", "Your bus access functions."
             yield "@param variant ", "The order code."
@@ -232,7 +232,7 @@ class ProcedureCode:
                 yield from field_refusals(self.context.device, write.register, field, argument)
 
     def _argument_type(self, write: Writes) -> str:
-        """Return the type of the argument that a step writes: that of the field, of the member, or of the register."""
+        """Return the type of the argument that a step writes: the type of the field, the member or the register."""
         match write.value:
             case InField(field=field):
                 return unsigned(field.widest)
@@ -246,7 +246,7 @@ class ProcedureCode:
     def _structs_to_fill(self) -> Iterator[tuple[tuple[str, str], FilledRegister]]:
         """Yield the structs that take arguments, with their key ``(argument, register)``.
 
-        A register has one if the argument is a field or join of it, and the register is not one plain byte.
+        A register has a struct if the argument is a field or join of it, and the register is not one plain byte.
         """
         for parameter in self.run.arguments:
             argument = parameter.argument.name
@@ -291,7 +291,7 @@ class ProcedureCode:
     # -- steps
 
     def _yield_rows(self) -> Iterator[Row | FilledRows]:
-        """Yield the steps with their index in the list. One on several bytes of a register takes several indices."""
+        """Yield the steps with their index in the list. A step on several bytes of a register takes several indices."""
         index = 0
         for step in self.run.operations:
             note = note_of_step(self.context.device, step)
@@ -306,7 +306,10 @@ class ProcedureCode:
     ) -> Iterator[Row | FilledRows]:
         """Yield the steps on the bytes of a register. Only the first has a note.
 
-        If a struct is filled for the register, one item stands for all its bytes.
+        If a struct is filled for the register, one item stands for all its bytes, unless it reads back only some bits.
+
+        Raises:
+            TargetError: The bytes depend on the order code, or would be polled one after the other.
         """
         filled_register = self._filled_by(step)
         if filled_register is not None:
@@ -361,7 +364,10 @@ class ProcedureCode:
         return None
 
     def _byte_value(self, step: Writes | Reads | Polls | Verifies, piece: Piece) -> Expr:
-        """Return the value that a step writes to a byte, waits for, or reads back. The other bits of the byte are 0."""
+        """Return the value that a step writes to a byte, waits for, or reads back, or 0 for a step that only reads.
+
+        It has the bits of ``piece`` at their place in the byte. The other bits of the byte are 0.
+        """
         if isinstance(step, Reads) or not piece.mask:
             return _ZERO
         write_or_poll = step.write if isinstance(step, Verifies) else step

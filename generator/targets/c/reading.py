@@ -15,8 +15,8 @@ from .variants import LengthCode
 class ReadCode:
     """The values that the templates print for the macros that read a position.
 
-    ``frame`` is the frame with the position, None if the interface has none whose verdict is known. ``reads_twice`` is
-    true if no CRC protects it, so that two frames must agree.
+    ``frame`` is the frame with the position, None if the interface has no such frame with a known verdict.
+    ``reads_twice`` is true if no CRC protects it, so that two frames must agree.
     """
 
     def __init__(self, context: Context, frame: StructCodec | None, lengths: LengthCode, *, reads_twice: bool) -> None:
@@ -27,7 +27,7 @@ class ReadCode:
         self.macro = f"{context.PREFIX}_READ"
 
     def declared(self) -> Iterator[Declared]:
-        """Yield the names of the macros and of the function that reads twice. Without a frame, there are none."""
+        """Yield the names of the macros and of the function that reads twice. Without a frame, there are no macros."""
         if self.frame is not None:
             path = ("interfaces", self._context.interface.name)
             names = [self.macro, f"{self.macro}_BYTES"]
@@ -67,7 +67,7 @@ class ReadCode:
 
         ``code`` and ``width`` are arguments of the macro: the order code, and the answer to a choice.
         """
-        # With several frames, the name has that of the frame.
+        # With several frames, the name contains the name of the frame.
         layout_names = [frame.struct.layout.name.upper()] if len(self._lengths.layouts) > 1 else []
         answers = [f"##{question.argument}##" for question in frame.length_alternatives]
         return "_".join((f"{self._context.PREFIX}_##code##", *layout_names, *answers, "RX_BYTES"))
@@ -75,7 +75,7 @@ class ReadCode:
     def buffer_of(self, order_code: str) -> str:
         """Return the size of the buffer for an order code and the first answers, as C, or an empty string.
 
-        A word over SPI has no macro for its size. Its bytes are those of the word of all order codes.
+        A word over SPI has no macro for its size. Its bytes are the bytes of the word of all order codes.
         """
         buffer_size = self.expected_size
         if self.frame is not None and buffer_size == "sizeof(rx)":

@@ -70,14 +70,14 @@ class Access:
             self._set_bank(context.device.register(selector_name))
 
     def _type_of_byte(self) -> str:
-        """Return the type of a plain byte: that of its named values, if it has any."""
+        """Return the type of a plain byte: the type of its named values, if it has any."""
         choice = self._layout.choice(self._field)
         return choice.type if choice is not None else "uint8_t"
 
     def _build_comment(self, *, writes: bool) -> tuple[Paragraph, ...]:
-        """Return the comment on the function that reads, or on the one that writes.
+        """Return the comment on the function that reads, or on the function that writes.
 
-        If the register holds a part of the variant, the latter tells users to read that part again.
+        If the register holds a part of the variant, the comment on writing tells users to read that part again.
         """
         context = self._layout.context
         changes_variant = writes and self.register.name in state_registers(context.device)
@@ -204,7 +204,7 @@ class RegisterCode:
         refused = (outside_limits,) if outside_limits is not None else ()
         self.codec = None if self.is_plain else StructCodec(self.struct, outside=refused)
         self.access = Access(self.struct, has_struct=self.codec is not None, outside=refused)
-        #: Its own limits, and those of each of its meanings.
+        #: Its own limits, and the limits of each of its meanings.
         self.limits = tuple(self._find_limits(meaning) for meaning in (None, *register.meanings))
         self.explained = tuple(self._yield_explaining_bits())
 
@@ -216,7 +216,7 @@ class RegisterCode:
             yield from self.codec.declared()
 
     def _yield_names(self) -> Iterator[str]:
-        """Yield the names of its macros and functions, except those of its codec."""
+        """Yield the names of its macros and functions, except the names of its codec."""
         yield f"{self.stem}_ADDRESS"
         yield f"{self.stem}_LENGTH"
         yield f"{self.stem}_ACCESS"
@@ -257,7 +257,7 @@ class RegisterCode:
 
     @property
     def title(self) -> str:
-        """Its name, and that in the manual."""
+        """Its name, and its name in the manual."""
         return full_title(self.register)
 
     @property
@@ -268,7 +268,10 @@ class RegisterCode:
 
     @property
     def about(self) -> list[Paragraph]:
-        """The comment. It has the facts of a plain byte, or the table of the fields if some of them have no macros."""
+        """The comment.
+
+        It contains the facts of a plain byte, or the table of the fields if some of them have no macros.
+        """
         paragraphs = about_register(self.device, self.register)
         if self.is_plain:
             paragraphs.append(about_member(self.struct, self.layout.fields[0]))
@@ -308,7 +311,7 @@ class RegisterCode:
         return tuple(field for field in self._with_masks if field not in self.masked)
 
     def _yield_explaining_bits(self) -> Iterator[ExplainingBits]:
-        """Yield the bits of other registers that give the reason why a field of this one is set.
+        """Yield the bits of other registers that give the reason why a field of ``register`` is set.
 
         For ``explained_by: [errors.crc, errors.parity]`` these are both bits of ``errors``, as one mask.
         """
@@ -350,9 +353,10 @@ class RegisterCode:
         return Bounds(tuple(macros), tuple(functions))
 
     def _limit_function(self, name: str, about: str, limit: Expression, *, is_signed: bool) -> Function:
-        """Return the function for a limit that depends on the order code: of 64 bits with a sign, or as for numbers.
+        """Return the function for a limit that depends on the order code.
 
-        The largest limit of all order codes, with the parameters that they have at run time, gives the type.
+        With ``is_signed`` it returns an ``int64_t``. Otherwise the largest limit of all order codes, with all
+        parameters that they can have at run time, gives the type: ``uint32_t`` or ``uint64_t``.
         """
         if is_signed:
             value = self.scope.signed(limit)
@@ -365,7 +369,7 @@ class RegisterCode:
 
 
 def _is_byte(plan: Codec) -> bool:
-    """Return True if the first field has a whole byte as its number or as a named value.
+    """Return True if the first field is a whole byte, as a number or as a named value.
 
     A field that only allows powers of two does not count, since the byte needs a check.
     """

@@ -1,4 +1,4 @@
-"""Words that cannot be names in C: keywords, and names of the headers that the generated ones include."""
+"""Words that cannot be names in C: keywords, and names of the headers that the generated headers include."""
 
 from __future__ import annotations
 

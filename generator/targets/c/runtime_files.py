@@ -18,7 +18,7 @@ _INCLUDE = re.compile(rf'^#include "(?:{FOLDER}/)?(\w+\.hp*)"', re.MULTILINE)
 def needed_runtime(views: Iterable[DeviceView]) -> dict[str, str]:
     """Return the texts of the headers of the runtime that these interfaces need, by their file names.
 
-    They are those for all encoders, those for each interface, those that the self-tests include, and what these
+    These are the headers for all encoders, for each interface, and for the self-tests, and the headers that these
     include in turn.
     """
     texts_by_header = runtime_headers()

@@ -1,6 +1,7 @@
 """A self-test that users compile with their own compiler: a function for each worked example.
 
-The checks of a family are numbered from 1 in the order of its spec. The number returned is that of the failed check.
+The checks of a family are numbered from 1 in the order of its spec. The number returned is the number of the failed
+check.
 """
 
 from __future__ import annotations
@@ -196,7 +197,8 @@ class SelfTest:
     def _written_bytes(self, write: Write) -> Iterator[tuple[str, str]]:
         """Yield the bytes of a write as ``(address, byte)``, such as ``("0x10U", "0x02U")``.
 
-        It is one byte if the interface addresses bytes. If not, it is all bytes of the register, with the same address.
+        It is one byte if the interface addresses bytes. Otherwise, the write covers all bytes of the register, with the
+        same address.
         """
         length = 1
         if self.writes_whole:
@@ -209,18 +211,18 @@ class SelfTest:
 
     @property
     def writes_whole(self) -> bool:
-        """True if a write has all bytes of a register."""
+        """True if a write covers all bytes of a register."""
         return not self.view.context.interface.byte_addresses
 
     def _find_variant(self, order_code: str) -> str:
-        """Return the macro of an order code, or of the first one if the family does not list the code."""
+        """Return the macro of an order code, or of the first order code if the family does not list the code."""
         device = self.view.device
         order_codes = [variant.code for variant in device.variants]
         index = order_codes.index(order_code) if order_code in order_codes else 0
         return self.view.variants.rows[index].macro
 
     def _yield_codecs(self, example: FrameExample) -> Iterator[StructCodec]:
-        """Yield the codec of the example's layout, or all of its sender if it has no layout."""
+        """Yield the codec of the example's layout, or all codecs of its sender if the example has no layout."""
         for codec in self.view.interface.codecs:
             layout = codec.struct.layout
             is_from_sender = not example.layout and layout.sender == example.sender
@@ -240,7 +242,7 @@ class SelfTest:
             if codec.plan.in_bytes:
                 is_in_form_of_codec = bool(example.bytes)
             else:
-                # An example has bits or bytes.
+                # An example states bits or bytes.
                 is_in_form_of_codec = bool(example.bits) or not has_wrong_length
             if is_in_form_of_codec:
                 yield self._frame_check(codec, example)
@@ -265,7 +267,7 @@ class SelfTest:
     def _express_length(self, codec: StructCodec, example: FrameExample) -> str:
         """Return the number of bits in the word of an example, as C.
 
-        It is a literal if the example gives bits, or else a call such as ``acme_x24_bits(variant, WIDE)``.
+        It is a literal if the example states bits, or else a call such as ``acme_x24_bits(variant, WIDE)``.
         """
         if example.bits:
             return number(len(example.bits))
@@ -394,7 +396,7 @@ class AllTests(TypedDict):
 def own_test(
     view: DeviceView, later: Callable[[str, Mapping[str, object]], Callable[[], str]]
 ) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the path in the C folder of the self-test of an interface, if it has any, and a function for its text."""
+    """Yield the path in the C folder of the self-test of an interface, if there is one, and a function for its text."""
     test = SelfTest(view)
     if test.checks:
         family: FamilyTest = {"maker": view.maker, "t": test}

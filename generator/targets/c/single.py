@@ -1,7 +1,7 @@
-"""One header for one order code: what reads a position, cut from the headers of its interface and of the runtime.
+"""One header for one order code: all that reads a position, cut from the headers of its interface and of the runtime.
 
-Functions and types are those of the headers for this order code alone. All names begin with the order code, so that
-several headers can be included together. Only the results and verdicts are shared, under their own guard.
+Functions and types are those that the headers contain for this order code alone. All names begin with the order code,
+so that several headers can be included together. Only the results and verdicts are shared, under their own guard.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class SingleCode:
         self.stem = self.path.removesuffix(".h")
         self.STEM = self.stem.upper()
         settings = {f"{view.maker.name.upper()}_CRC_{setting}" for setting in ("TABLE", "BITWISE")}
-        # The mark of functions to be inlined has more lines than it is worth here.
+        # The mark of functions to be inlined needs more lines than it saves here.
         headers = [runtime_headers()[name].replace("\nCW_INLINE\n", "\n") for name in _RECEIVING]
         runtime_declarations = list(chain.from_iterable(map(declarations_in, headers)))
         declarations = [*runtime_declarations, *declarations_in(without_settings(header, settings))]
@@ -101,7 +101,10 @@ class SingleCode:
 
     @property
     def request(self) -> StructCodec | None:
-        """The frame of the request for the position, over SPI the one that the macro names. None without a struct."""
+        """The frame of the request for the position, over SPI the request that the macro names.
+
+        None without a struct.
+        """
         usage = self.view.usage
         if usage is not None and usage.request_for_reply is not None:
             return usage.request_for_reply.codec
@@ -111,7 +114,7 @@ class SingleCode:
 
     @property
     def reply_bytes(self) -> int:
-        """Number of bytes in the reply with the position, 0 without one."""
+        """Number of bytes in the reply with the position, 0 without such a reply."""
         usage = self.view.usage
         if usage is None:
             return 0
@@ -143,7 +146,7 @@ class SingleCode:
         return "".join(texts)
 
     def named(self, text: str) -> str:
-        """Return text with the names of this header in place of those of the tree."""
+        """Return text with the names of this header instead of the names in the tree."""
         return _WORD.sub(lambda word: self._renamed.get(word[0], word[0]), text)
 
     def _is_helper(self, declaration: Declaration) -> bool:
@@ -155,8 +158,8 @@ class SingleCode:
     def _yield_roots(self, known_names: Collection[str]) -> Iterator[str]:
         """Yield the names of the tree that a program uses to read positions. Some may not exist.
 
-        They are the macros of the interface, except those for registers and times, the functions of the frames with
-        the position, and what the request needs.
+        They are the macros of the interface, except macros for registers and times, the functions of the frames with
+        the position, and the dependencies of the request.
         """
         view = self.view
         timings = view.context.interface.timings
@@ -234,7 +237,7 @@ class SingleCode:
         # The pattern is a comment on the lines above a member.
         clear_code = re.sub(r"^ +/\*\*\n.*?\*/\n", self._member_comment, code, flags=re.MULTILINE | re.DOTALL)
         new_code = "".join(map(self._rename_pasted, clear_code.splitlines(keepends=True)))
-        # The marks for Doxygen come back with those of the whole header.
+        # The marks for Doxygen come back with the marks of the whole header.
         unmarked_code = new_code.replace("/**< ", "/* ").replace("/**", "/*")
         named_code = self.named(unmarked_code)
         if declaration.has_macro:
@@ -295,7 +298,7 @@ class SingleCode:
     def _is_about_absent(self, sentence: str) -> bool:
         """Return True if a sentence mentions another header, the argument of a macro, or a name left out.
 
-        Sentences about register access and about a CRC of 0 count too (``_OTHER_SENTENCES``).
+        Sentences about register access and about a CRC of 0 also count (``_OTHER_SENTENCES``).
         """
         if sentence.startswith(_OTHER_SENTENCES):
             return True
@@ -303,7 +306,7 @@ class SingleCode:
         return is_elsewhere is not None or any(map(self._is_absent, _WORD.findall(sentence)))
 
     def _is_absent(self, name: str) -> bool:
-        """Return True if a name is one of the tree that this header does not have."""
+        """Return True if a name occurs in the tree but not in this header."""
         is_of_tree = name.startswith((f"{self.view.prefix}_", f"{self.view.PREFIX}_", "cw_"))
         return is_of_tree and name not in self._renamed and name not in self._shared_names
 
@@ -325,7 +328,7 @@ def single_views(device: Device, passing: Passing) -> Iterator[DeviceView]:
 
 
 def single_header(view: DeviceView, render: Callable[[str, Mapping[str, object]], str], header: str) -> str:
-    """Return the header for the only order code of a view. ``header`` is that of the tree."""
+    """Return the header for the only order code of a view. ``header`` is the header of the tree."""
     single = SingleCode(view, header)
     values: SingleHeader = {"maker": view.maker, "PREFIX": view.maker.name.upper(), "d": view, "s": single}
     return render(TEMPLATE, values)
@@ -359,7 +362,7 @@ def _guard_in_line(guard: re.Match[str]) -> str:
 def _refilled_macro(c_code: str) -> str:
     """Return a macro with its first line as it is, and the others joined and broken again at the width of a header."""
     head, *body = (line.removesuffix("\\").rstrip() for line in c_code.splitlines())
-    # One further line cannot become fewer.
+    # A single further line cannot be merged.
     if len(body) < 2:
         return c_code
     joined_body = " ".join(line.strip() for line in body)
@@ -401,7 +404,10 @@ def _first_paragraph(comment: str) -> str:
 
 
 def _wrap_text(text: str, width: int = _COMMENT_WIDTH, first_margin: str = "", margin: str = "") -> list[str]:
-    """Return the lines of a text with whole words. ``first_margin`` begins the first line, ``margin`` the others."""
+    """Return the lines of a text with whole words.
+
+    ``first_margin`` begins the first line, ``margin`` the other lines.
+    """
     wrapper = textwrap.TextWrapper(width, initial_indent=first_margin, subsequent_indent=margin)
     wrapper.break_long_words = wrapper.break_on_hyphens = False
     return wrapper.wrap(text)
@@ -416,7 +422,7 @@ def _comment_lines(comment: str) -> list[str]:
 
 
 def _split_paragraphs(lines: Iterable[str]) -> Iterator[list[str]]:
-    """Yield the lines of each paragraph. Lines that begin with a space or @ are paragraphs of their own.
+    """Yield the lines of each paragraph. Lines that begin with a space or @ are separate paragraphs.
 
     A line ends a paragraph if the first word of the next line would have fit.
     """

@@ -41,7 +41,7 @@ from .names import (
 
 
 class Struct:
-    """One layout, its names and its types. A register of one plain byte also has one, which is not printed."""
+    """One layout, its names and its types. A register of one plain byte also has a struct, which is not printed."""
 
     def __init__(
         self, context: Context, layout: Layout, name: str, length_macro: str, register: Register | None = None
@@ -114,7 +114,7 @@ class Struct:
         An example is ``(uint32_t)(word >> 6)``.
         """
         word_size = self.reader.word_size
-        # The bit above the covered ones. ``covered`` is their number.
+        # The bit above the covered bits. ``covered`` is their number.
         end = crc.low + crc.covered.constant if covers_32_bits(crc) else word_size
         bits = shifted_right(self.reader.before_conversion.lower(end), crc.low)
         is_across_halves = covers_32_bits(crc) and end > 32
@@ -129,7 +129,7 @@ class Struct:
 
     def choice(self, field: Field) -> Enumeration | None:
         """Return the named values of a field as an enumeration or as macros, or None if its values have no names."""
-        # A register can have the name of a frame.
+        # A register can have the same name as a frame.
         owner = self.layout.name if self.register is None else f"reg_{self.register.name}"
         return self.context.choices.get((owner, field.name))
 
@@ -166,9 +166,9 @@ class Struct:
     def initial(self, parameters: Mapping[str, int], values: Mapping[str, int] = MappingProxyType({})) -> str:
         """Return the initialiser of a struct without its braces, such as ``true, 0x1BU, 0U``.
 
-        ``values`` are numbers by the names of fields and joins. Other fields have the default of the spec, or else a
-        value that an encoder accepts, mostly 0. ``parameters`` are those of an order code. The bits of a member
-        ``unused`` that is 0 are as documented.
+        ``values`` are numbers by the names of fields and joins. Other fields get the default of the spec, or else a
+        value that an encoder accepts, mostly 0. ``parameters`` are the parameters of an order code. The bits of a
+        member ``unused`` that is 0 are as documented.
         """
         numbers: dict[str, int] = {}
         for part in self.plan.parts:
@@ -216,7 +216,8 @@ class Struct:
     def is_none_of(self, field: Field, name: Expr, values: Sequence[int], is_raw: bool = False) -> Expr:
         """Return the condition that ``name`` has none of these values, such as ``kind != 0x01U && kind != 0x02U``.
 
-        ``is_raw`` is True if it holds the bits as read, which are a number rather than of the field's enumeration.
+        ``is_raw`` is True if ``name`` contains the bits as read, as a number rather than as a member of the
+        enumeration.
         """
         choice = self.choice(field)
         constants = choice.names if choice is not None else {}
@@ -242,7 +243,8 @@ def covers_32_bits(crc: FrameCrc) -> bool:
 def word_size(context: Context, layout: Layout) -> int:
     """Return the number of bits in the type of a frame's word.
 
-    A word over SPI has the smallest type for its bits, since a master exchanges it as one. Other words have 64 bits.
+    A word over SPI has the smallest type for its bits, since a master exchanges it as a whole. Other words have 64
+    bits.
     """
     is_spi_word = isinstance(context.interface, Spi) and not layout.in_bytes
     return size_of(layout.widest) if is_spi_word else 64

@@ -1,4 +1,4 @@
-"""Order codes in C: variants with their parameters, also those in registers, and the lengths of frames."""
+"""Order codes in C: variants with their parameters, including parameters in registers, and the lengths of frames."""
 
 from __future__ import annotations
 
@@ -55,7 +55,8 @@ class HeldValue:
     def _yield_locals(self) -> Iterator[tuple[str, str, Expr]]:
         """Yield the type, the name and the initial value of each local, such as ``("uint8_t", "turns", bytes[0])``.
 
-        If 0 stands for a number, a local with the bits as read comes first. A code has a local that ends in ``_code``.
+        If 0 represents another number, a local with the bits as read comes first. A code has a local that ends in
+        ``_code``.
         """
         type_, bits = of_bytes(self.held_parameter.bits.pieces)
         match self.held_parameter.meaning:
@@ -97,7 +98,7 @@ class CodeSwitch:
 def _yield_switches(held_values: Sequence[HeldValue]) -> Iterator[CodeSwitch]:
     """Yield a switch for each field that holds a code of one or several parameters.
 
-    It has a case for each code for which all of these parameters have a value.
+    The switch has a case for each code for which all of these parameters have a value.
     """
     values_by_field: dict[str, list[HeldValue]] = {}
     for value in held_values:
@@ -116,7 +117,7 @@ def _codes_of_held_value(held_value: HeldValue) -> set[int]:
 
 
 def _switch_case(code: int, held_values: Sequence[HeldValue]) -> tuple[str, tuple[tuple[str, str], ...]]:
-    """Return a code, and the assignments that it stands for, such as ``("2U", (("position_bits", "24U"),))``."""
+    """Return a code, and the assignments that it leads to, such as ``("2U", (("position_bits", "24U"),))``."""
     return str(Number(code)), tuple((value.local, value.for_code(code)) for value in held_values)
 
 
@@ -141,7 +142,7 @@ class Taker:
     def _yield_locals(self) -> Iterator[tuple[str, str, Expr]]:
         """Yield the locals of all values: type, name and initial value.
 
-        Values that one field holds as a code share the local of its switch, that of the first value.
+        Values that one field holds as a code share the local of its switch, which is the local of the first value.
         """
         switch_locals = {switch.local for switch in self.switches}
         for value in self.values:
@@ -162,7 +163,7 @@ class CodeRow:
 
 
 class VariantCode:
-    """The order codes of a family over one interface, and the functions for parameters that follow from others."""
+    """The order codes of a family over one interface, and the functions for derived parameters."""
 
     def __init__(self, context: Context) -> None:
         self.context = context
@@ -243,7 +244,7 @@ class VariantCode:
         order_code = variant.code.upper()
         begin_with_family = all(other.code.upper().startswith(family) for other in self.device.variants)
         if begin_with_family:
-            # An order code that is only the name of the family keeps it.
+            # An order code that consists only of the name of the family keeps it.
             order_code = order_code.removeprefix(family) or order_code
         constant_name = re.sub("[^A-Z0-9]+", "_", order_code).strip("_")
         return CodeRow(
@@ -255,7 +256,7 @@ class VariantCode:
 
 
 def _needs_none_of(parameter: Parameter, names: Set[str]) -> bool:
-    """Return True if the expression of a derived parameter uses none of these."""
+    """Return True if the expression of a derived parameter uses none of ``names``."""
     return parameter.equals is not None and names.isdisjoint(parameter.equals.parameters)
 
 
@@ -267,7 +268,7 @@ def _parameter_value(parameter: Parameter, variant: Variant) -> str:
 
 
 class LengthCode:
-    """The lengths of one interface, empty if a peripheral receives its frames by itself."""
+    """The lengths of one interface, empty if a peripheral receives its frames."""
 
     def __init__(
         self, context: Context, interface: Interface, code_rows: Sequence[CodeRow], sample_row: CodeRow
@@ -298,7 +299,7 @@ class LengthCode:
 
     @property
     def receive(self) -> str:
-        """The macro that receives with the lengths of an order code, empty if there are several frames."""
+        """The macro that receives with the lengths of an order code, empty unless there is exactly one frame."""
         return f"{self._prefix}RECEIVE" if len(self.layouts) == 1 else ""
 
     @property
@@ -308,7 +309,7 @@ class LengthCode:
         return f"For example, code can be {code}, as in {self._prefix}{code}_BITS."
 
     def for_layout(self, layout: Layout) -> LengthCode:
-        """Return a copy whose variables and arguments are those of one frame, as a word or as bytes."""
+        """Return a copy whose variables and arguments belong to one frame, as a word or as bytes."""
         length_code = copy(self)
         length_code.length = self._context.length_macro(layout) if layout.in_bytes else ""
         return length_code
@@ -354,8 +355,8 @@ class LengthCode:
 def _register_access(device: Device, interface: Interface, frames: Sequence[FrameSize]) -> Iterator[str]:
     """Yield the pieces of a text about the deadlines for the control bit of a master, or nothing unless it is BiSS.
 
-    The numbers are those of the shortest frame, at the highest and lowest clock, or else at the last clock in use. If
-    the clock depends on the order code, they are in clock periods only.
+    The numbers apply to the shortest frame, at the highest and lowest clock, or else at the last clock in use. If the
+    clock depends on the order code, they are in clock periods only.
     """
     if not isinstance(interface, Biss) or not frames:
         return

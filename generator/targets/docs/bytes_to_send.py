@@ -114,7 +114,7 @@ def _introduction_for_biss(
 ) -> Iterator[str]:
     """Yield what the rows of commands show over BiSS, or without rows, what is known about commands.
 
-    The sentence that there are no commands needs a spec of a whole manual. Without one, the encoder may have some.
+    The sentence that there are no commands needs a spec of a whole manual. Otherwise the encoder may have commands.
     """
     if has_preset:
         # The script of the site changes this sentence together with the bytes.
@@ -166,7 +166,7 @@ def _commands_missing_in_t_format(device: Device, possible_commands: Commands) -
 
 
 def _preset_registers(device: Device) -> Iterator[Register]:
-    """Yield the registers to which procedures write a position: those of their arguments ``position``."""
+    """Yield the registers to which procedures write a position: the registers of their arguments ``position``."""
     for procedure in device.procedures:
         for argument in procedure.arguments:
             if argument.name == "position":
@@ -201,7 +201,7 @@ def _how_to_write_other_positions(register: Register, variant: Variant) -> str:
 
 
 def _request_rows(device: Device, interface: Interface, errata_at: Callable[..., str]) -> Iterator[Row]:
-    """Yield rows of request with its reply, meaning."""
+    """Yield rows of two columns: a request with its reply, and its meaning."""
     for exchange in exchanges(interface):
         yield _exchange_row(exchange)
     if isinstance(interface, Rs485):
@@ -210,7 +210,10 @@ def _request_rows(device: Device, interface: Interface, errata_at: Callable[...,
 
 
 def _exchange_row(exchange: Exchanged) -> Row:
-    """Return a row: links to the request and its reply, and the purpose of the request."""
+    """Return a row: links to the request and its reply, and the purpose of the request.
+
+    Without a purpose, it is the first sentence of the note on the request. The size of words that have one follows.
+    """
     layouts = [layout for layout in (exchange.request, exchange.reply) if layout is not None]
     frame_links = [link(code(layout.name), f"#layout-{layout.name}") for layout in layouts]
     first_sentence_of_note = exchange.request.note.partition(". ")[0].removesuffix(".")
@@ -247,7 +250,7 @@ def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: C
 def _names_after_control_field(request: Layout) -> list[str]:
     """Return the names of the parts of a request after its control field, each group of fields once.
 
-    The control field is the group of the first field.
+    The control field is the group of the first field. If this field is in no group, all fields are listed.
     """
     control_group = request.fields[0].group
     unique_names: dict[str, None] = {}
@@ -293,7 +296,7 @@ def _has_write_step(procedure: Procedure) -> bool:
 def _command_rows(device: Device, variant: Variant, errata_at: Callable[..., str]) -> Iterator[Row]:
     """Yield rows of task and bytes to send, for procedures that write something.
 
-    Errata about a single bit are next to it. ``_command_errata`` has the others.
+    Errata about a single bit are next to it. ``_command_errata`` yields errata about several bits.
     """
     for procedure in _writing_procedures(device):
         bytes_to_write = join_filled((_step_in_bytes(device, step, variant) for step in procedure.steps), ", ")
@@ -338,7 +341,7 @@ def _step_in_bytes(device: Device, step: Step, variant: Variant) -> str:
 
 
 def _bytes_to_write(device: Device, register: Register, value: int | None, variant: Variant) -> str:
-    """Return the bytes of a value, or those of the position 0 for a preset without a value."""
+    """Return the bytes of a value, or the bytes of the position 0 for a preset without a value."""
     register_bytes = bytes_of_zero_position(device, register, variant) if value is None else register.bytes_of(value)
     if register_bytes is None:
         return "the new value"
@@ -354,7 +357,7 @@ def _bits_of_field(register: Register, name: str, variant: Variant) -> str:
 def bytes_of_zero_position(device: Device, register: Register, variant: Variant) -> bytes | None:
     """Return the bytes of a preset register for the position 0, or None if they are unknown.
 
-    Constants have their values, and numbers are 0. With any other field, the bytes are unknown. They are also None for
+    Constants keep their values, and numbers are 0. With any other field, the bytes are unknown. They are also None for
     a register that is not a preset.
     """
     if register not in _preset_registers(device):

@@ -52,7 +52,7 @@ class AlarmsPage(TypedDict):
 
 
 def identification_page_values(devices: Sequence[Device]) -> WhichPage:
-    """Return the values of the page that tells encoders of different families apart."""
+    """Return the values of two pages: the one that identifies an encoder, and the one that compares the families."""
     return {
         "label_rows": [_label_row(device) for device in devices],
         "told_rows": _rows_of_all(devices, _identity_rows),
@@ -89,7 +89,7 @@ def _family_link(device: Device) -> str:
 def _label_row(device: Device) -> Row:
     """Return a row of family, title, patterns of its order codes, interfaces, supply.
 
-    The supplies are those of all order codes, each once, such as ``4.5 V to 5.5 V``.
+    The supplies are the supplies of all order codes, each once, such as ``4.5 V to 5.5 V``.
     """
     supplies_of_variants = [device.supply_of(variant) for variant in device.variants]
     supplies = dict.fromkeys(supply for supply in supplies_of_variants if supply is not None)
@@ -125,7 +125,7 @@ def _identity_rows(device: Device) -> Iterator[Row]:
 
 
 def _documented_content(field: Field) -> str:
-    """Return the content of an identifying field, such as ```1Bh```, or an empty string if the manual gives none."""
+    """Return the content of an identifying field, such as ```1Bh```, or an empty string if it is not in the manual."""
     match field.equals:
         case int():
             # A hexadecimal digit for each 4 bits, rounded up.
@@ -185,8 +185,8 @@ def _range_of_lengths(device: Device, interface: Interface, layout: Layout) -> s
 def _resolution_rows(device: Device) -> Iterator[Row]:
     """Yield rows of family, quantity, values, unit, source.
 
-    The quantities are those with a unit that an order code sets, and that no register changes at run time. The values
-    are those of all listed order codes, in ascending order.
+    The quantities are the quantities with a unit that an order code sets, and that no register changes at run time. The
+    values are the values of all listed order codes, in ascending order.
     """
     run_time_parameters = run_time_names(device)
     for parameter in device.set_parameters:
@@ -340,7 +340,7 @@ def _interface_page(device: Device, interface: Interface) -> _InterfacePage:
 
 
 def _links_to_term(term: Term, pages: Sequence[_InterfacePage]) -> str:
-    """Return links to the sections about a term, one for each interface page that has one."""
+    """Return links to the sections about a term, one for each interface page with such a section."""
     page_links: list[str] = []
     for page in pages:
         anchor = _anchor_of_term(term, page)

@@ -1,4 +1,4 @@
-"""Tables of a page about a device, except those of its layouts, wide or with two columns for a phone."""
+"""Tables of a page about a device, except tables of its layouts, wide or with two columns for a phone."""
 
 from __future__ import annotations
 
@@ -121,9 +121,9 @@ def _yes_or_no(is_true: bool) -> str:
 
 
 def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]:
-    """Yield the label and value of each fact of a worked example, without empty ones.
+    """Yield the label and value of each fact of a worked example, without empty facts.
 
-    An erratum of the example is linked here only if it does not affect the example, and so is not next to it.
+    An erratum of the example is linked here only if it does not affect the example, because otherwise it is next to it.
     """
     for label, content in _facts_of_kind(device, example):
         if content:
@@ -138,7 +138,7 @@ def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]
 
 
 def _facts_of_kind(device: Device, example: Example) -> Iterator[tuple[str, str]]:
-    """Yield the facts of an example with their values. A value is empty if the example does not have it."""
+    """Yield the facts of an example with their values. A value that the example lacks is empty."""
     match example:
         case FrameExample():
             if example.layout:
@@ -190,7 +190,7 @@ def _values_fact(values: Mapping[str, int | str | bool], layouts: Iterable[Layou
 
 
 def _value_text(value: int | str | bool, scale: Scale | None) -> str:
-    """Return a value of a worked example as text, with the quantity that it stands for if it has a scale."""
+    """Return a value of a worked example as text, with its quantity if it has a scale."""
     if isinstance(value, bool):
         return _yes_or_no(value)
     if not isinstance(value, int):
@@ -333,7 +333,7 @@ def time_rows(timings: Iterable[Timing]) -> Iterator[Row]:
 
 
 def example_rows(device: Device, examples: Iterable[Example]) -> Iterator[Row]:
-    """Yield rows of example, its facts with their source. The order code is that of the page."""
+    """Yield rows of example, its facts with their source. The order code is the page's order code."""
     for example in examples:
         labelled_values = example_facts(device, example)
         fact_lines = [f"{label}: {value}" for label, value in labelled_values if label not in ("Order code", "Source")]

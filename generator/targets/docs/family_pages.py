@@ -155,13 +155,13 @@ def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
 
 
 def _subject_links(device: Device, interface: Interface) -> Iterator[str]:
-    """Yield a link to each further page of an interface, such as that of its registers."""
+    """Yield a link to each further page of an interface, such as the page of its registers."""
     for subject in subjects(device, interface.name):
         yield link(subject, f"{device.name}/{page_links.page_in_folder(interface.name, subject)}")
 
 
 def _order_code_links(family_codes: OrderCodes) -> Iterator[tuple[str, list[str]]]:
-    """Yield the number of order codes of each interface that has any, with links to their pages."""
+    """Yield the number of order codes of each interface with order codes, with links to their pages."""
     for interface in family_codes.device.interfaces:
         order_codes = [variant.code for variant in family_codes.device.variants_over(interface.name)]
         if order_codes:
@@ -172,7 +172,8 @@ def _order_code_links(family_codes: OrderCodes) -> Iterator[tuple[str, list[str]
 def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
     """Yield rows of task, links to its instructions.
 
-    Procedures, also those by hand, have their titles as tasks. Tasks without instructions are left out.
+    Procedures have their titles as tasks, including procedures carried out by hand. Tasks without instructions are left
+    out.
     """
     frame_links = list(_position_frame_links(device))
     if frame_links:
@@ -195,7 +196,7 @@ def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
 
 
 def _position_frame_links(device: Device) -> Iterator[str]:
-    """Yield a link to each frame with the position, with its name if its interface has several of them."""
+    """Yield a link to each frame with the position, with its name if its interface has several such frames."""
     for interface in device.interfaces:
         layouts = [layout for layout in interface.layouts if device.sends_position(interface.name, layout)]
         for layout in layouts:
@@ -269,7 +270,7 @@ def _history_row(revision: Revision) -> tuple[str, ...]:
 
 
 def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
-    """Yield the facts about the manual, each with its label. The content is empty if the spec does not give it."""
+    """Yield the facts about the manual, each with its label. The content is empty if the spec does not state it."""
     manual = device.manual
     yield "Manual", escape(manual.title)
     yield "Revision", revision_and_date(manual)

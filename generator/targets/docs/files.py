@@ -44,8 +44,8 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return ``docs/README.md``, the pages across families, and the pages and pictures of each family.
 
     A family has the page ``docs/<device>.md``, with the pages of its master settings, verdicts and changes next to it.
-    The folder ``docs/<device>/`` has the pages of each interface and each order code, those of the hardware, the errata
-    and the manual, and the pictures.
+    The folder ``docs/<device>/`` has the pages of each interface and each order code, the pages of the hardware, the
+    errata and the manual, and the pictures.
     """
     files = licence_in("docs")
     sections: list[Section] = []
@@ -75,7 +75,11 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
 
 def _files_of_family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the path of each picture and page of a family, and a function for its text."""
+    """Yield the path of each picture and page of a family, and a function for its text.
+
+    Raises:
+        TargetError: A shipped spec of a master is not valid.
+    """
     try:
         masters = shipped_masters()
     except ValueError as error:
@@ -93,7 +97,7 @@ def _family_page(
     """Return the text of a page of a family. ``name`` is its path in the folder ``docs``.
 
     After rendering, errata that the text names become links, and on a page about an interface, links to places on its
-    other pages get the paths of these.
+    other pages get the paths of these pages.
     """
     values = page_values()
     page_text = _page_text(template, values, library)
@@ -174,7 +178,7 @@ def _pictures_of_family(family_codes: order_code_page.OrderCodes) -> Iterator[tu
 
 
 def _without_surplus_spaces(page_text: str) -> str:
-    """Remove trailing spaces and repeated empty lines, and end the file with a single line end."""
+    """Remove trailing spaces, empty lines at the start and repeated ones, and end the file with a single line end."""
     kept_lines: list[str] = []
     for text_line in page_text.splitlines():
         # An empty line is kept only after a line with text.

@@ -16,7 +16,7 @@ from .page_links import ERRATA, link_to_erratum
 
 #: File name of the page about all families, which no family can have.
 ALL_ERRATA = "all-errata.md"
-#: Longest text, in characters, that is shown on other pages than that of the errata.
+#: Longest text, in characters, that is shown outside the page of the errata.
 _LONGEST_TEXT = 240
 Rows = list[tuple[str, ...]]
 
@@ -87,14 +87,15 @@ class ErrataLinks:
 
     def __init__(self, device: Device) -> None:
         self._device = device
-        #: Errata on the page so far, by name: those of the manual, and the differences in other editions.
+        #: Errata on the page so far, by name: errata of the manual, and the differences in other editions.
         self._errata: dict[str, Erratum] = {}
         self._differences: dict[str, Erratum] = {}
 
     def __call__(self, *paths: str, exactly: Collection[str] = ()) -> str:
         """Return links to the errata about these paths in the spec or about anything inside them, in one line.
 
-        Several links are folded under their number.
+        Several links are folded under their number. Errata about wording are left out. Differences in other editions
+        are only noted for ``list_of_errata``.
         """
         manual_errata, differences = _errata_by_origin(self._device, *paths, exactly=exactly)
         self._differences |= {difference.name: difference for difference in differences}
@@ -135,7 +136,7 @@ class ErrataLinks:
         return "none that change these facts" if self._device.errata else "none known"
 
     def list_of_errata(self) -> str:
-        """Return the errata on the page so far, open ones first, and links to the differences in other editions."""
+        """Return the errata on the page so far, open errata first, and links to the differences in other editions."""
         open_first = sorted(self._errata.values(), key=lambda erratum: erratum.status != "open")
         list_items = [f"- {anchor(f'erratum-{erratum.name}')}{erratum_line(erratum, ERRATA)}" for erratum in open_first]
         anchors_by_edition: dict[str, list[str]] = {}
@@ -187,7 +188,7 @@ def _edition_phrase(difference: Erratum) -> str:
 def erratum_line(listed_erratum: Erratum, page: str) -> str:
     """Return the status and title of an erratum, and the value used. The link leads to the full text on ``page``.
 
-    A change by an overlay has its reason and source, because the user of a special model needs them.
+    A change by an overlay comes with its reason and source, because the user of a special model needs them.
     """
     name = listed_erratum.name
     title_link = f"{status_badge(listed_erratum)} {link(escape(listed_erratum.title), f'{page}#erratum-{name}')}"
@@ -255,7 +256,7 @@ def _summary_of_counts(count: int, open_count: int) -> str:
 
 
 def _sections_by_status_and_impact(listed_errata: Sequence[Erratum]) -> Iterator[tuple[str, list[dict[str, Any]]]]:
-    """Yield each status and impact with its errata, open ones first and wrong bytes before wording."""
+    """Yield each status and impact with its errata, open errata first and wrong bytes before wording."""
     for status in ("open", "settled"):
         for severity in fact_tables.SEVERITIES:
             of_kind = [erratum for erratum in listed_errata if _has_status_and_severity(erratum, status, severity)]

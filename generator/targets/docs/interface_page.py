@@ -77,7 +77,7 @@ class Sections(TypedDict):
 
 
 def page_sections(device: Device) -> Sections:
-    """Return the sections that the page of an interface and that of an order code share."""
+    """Return the sections that are on the page of an interface and on the page of an order code."""
     return {
         "device": device,
         "document": document(device),
@@ -116,7 +116,7 @@ def _example_section(device: Device, example: Example) -> Section:
 
 
 def _led_rows(led: Led) -> Iterator[tuple[str, ...]]:
-    """Yield a row for each state of an LED. The first row has the name and the source of the LED."""
+    """Yield a row for each state of an LED. The first row contains the name and the source of the LED."""
     name_cell, source_cell = escape(led.title), citation(led.source)
     for state in led.states:
         meaning = join_filled([escape(state.meaning), *links_to_steps("", state.by_hand)])
@@ -227,7 +227,7 @@ def _group_title(field_group: FieldGroup) -> str:
 def _layout_section(device: Device, interface: Interface, layout: Layout) -> Section:
     """Return a frame with the rows of its fields and its places by order code.
 
-    ``delivered`` is true if registers can change the places or the code, so that those shown are factory defaults.
+    ``delivered`` is true if registers can change the places or the code, so that the factory defaults are shown.
     """
     return {
         "layout": layout,
@@ -243,11 +243,11 @@ def _layout_section(device: Device, interface: Interface, layout: Layout) -> Sec
 def _register_section(device: Device, register: Register) -> Section:
     """Return a register with its facts, fields and named values.
 
-    A single field with the name of the register has no row if the row says nothing that the register does not.
+    A single field named after the register has no row if the row would say nothing more than the register.
     """
     fields = register.layout.fields
     rows = list(layout_tables.field_rows(device, register.layout))
-    # A row has the field, its place, its width, its meaning and its source.
+    # A row consists of the field, its place, its width, its meaning and its source.
     _, _, _, meaning_cell, source_cell = rows[0]
     is_single_number = len(fields) == 1 and fields[0].name == register.name
     repeats_register = is_single_number and not meaning_cell and not source_cell
@@ -358,7 +358,7 @@ def _contents_by_subject(device: Device) -> dict[str, list[str]]:
 
 
 def subject_values(subject: str, page: InterfacePage) -> SubjectPage:
-    """Return the values of the page about a subject. ``page`` has those of the page of its interface."""
+    """Return the values of the page about a subject. ``page`` contains the values of the page of its interface."""
     contents = _contents_by_subject(page["device"])[subject]
     return {**page, "subject": subject, "contents": MARKDOWN.phrase(statement(*list_parts(contents)))}
 
@@ -383,7 +383,7 @@ def interface_values(
 def page_values(
     device: Device, interface_name: str, links: Mapping[str, str], has_masters: bool, pictures: Pictures
 ) -> InterfacePage:
-    """Return the values of the page of an interface. ``links`` has a link to the page of each order code."""
+    """Return the values of the page of an interface. ``links`` contains a link to the page of each order code."""
     interface_device = for_interface(device, interface_name)
     variants = device.variants_over(interface_name)
     codes = [variant.code for variant in variants]
@@ -423,7 +423,7 @@ def _codes_by_supply(device: Device, variants: Iterable[Variant]) -> dict[Supply
 
 
 def _name_rows(device: Device) -> Iterator[Row]:
-    """Yield rows of name, printed name, language, name in that language if it differs from the printed one."""
+    """Yield rows of name, printed name, language, name in that language if it differs from the printed name."""
     for named_part in _parts_with_names(device):
         for language, name_in_language in named_part.names.items():
             if name_in_language != title(named_part):

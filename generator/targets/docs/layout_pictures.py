@@ -1,8 +1,8 @@
 """Elements shared by all pictures: a card with a title, text, and colours for light and dark screens.
 
 A picture is as wide as the screen of a phone, so that its text is readable there and next to a table. Every picture has
-a background card in the light or dark scheme of the screen. A name that does not fit into its box is below the row with
-its bit number, and so is each active-low bit. ``text_alternative`` returns a description in words.
+a background in the light or dark colour scheme of the screen. A name that does not fit into its box is below the row
+with its bit number, and so is each active-low bit. ``text_alternative`` returns a description in words.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ def draw_box(x: float, top: float, box_width: float, box_height: float, fill: st
 
 
 def draw_swatch(x: float, top: float, box_width: float, box_height: float, colour: str) -> str:
-    """Return a box in a colour that is the same in both colour schemes, such as that of a wire."""
+    """Return a box in a colour that is the same in both colour schemes, such as the colour of a wire."""
     size = f'width="{number(box_width)}" height="{number(box_height)}"'
     return f'<rect x="{number(x)}" y="{number(top)}" {size} fill="{colour}"/>'
 
@@ -207,8 +207,8 @@ def register_stack(caption: str, placed_layout: PlacedLayout, address: int, low_
 def byte_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
     """Return a frame of bytes in transmission order.
 
-    A group of fields, or a field with its padding, is one run. If a run spans several bytes, its bit numbers are those
-    of the number formed by these bytes.
+    A group of fields, or a field with its padding, is one run. If a run spans several bytes, its bit numbers are the
+    bit numbers in the number formed by these bytes.
     """
     runs = _runs_with_groups_merged(placed_layout)
     is_low_byte_first = placed_layout.layout.byte_order == "low_byte_first"
@@ -226,8 +226,8 @@ def byte_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
 def _box_in_byte(run: _BitRun, byte_low: int) -> Box:
     """Return the box of a run in one byte of a frame.
 
-    Its bit numbers are those in the byte or, if the run spans several bytes, those in the run. It has none if the run
-    is this byte.
+    Its bit numbers are counted in the byte or, if the run spans several bytes, in the run. A run that fills this byte
+    exactly has no bit numbers.
     """
     is_within_byte = run.high < byte_low + 8 and run.low >= byte_low
     is_whole_byte = is_within_byte and run.high - run.low == 7
@@ -246,7 +246,7 @@ def group_stack(caption: str, fields: Sequence[tuple[Field, int, int]], bits: in
 
 
 def text_alternative(stacks: Sequence[Stack]) -> str:
-    """Return the text alternative for a picture of these stacks. It describes the first ones."""
+    """Return the text alternative for a picture of these stacks. It describes the first stacks."""
     # To mention a single further stack would be no shorter than to describe it.
     if len(stacks) <= _MOST_DESCRIBED + 1:
         return "; ".join(map(_stack_text, stacks))
@@ -254,7 +254,7 @@ def text_alternative(stacks: Sequence[Stack]) -> str:
     return "; ".join([*map(_stack_text, stacks[:_MOST_DESCRIBED]), further_stacks])
 
 
-#: Highest number of stacks that the text describes. The tables beside the picture describe all of them.
+#: Highest number of stacks that the text describes. The tables next to the picture describe all of them.
 _MOST_DESCRIBED = 4
 
 
@@ -308,7 +308,10 @@ def runs_of(placed_layout: PlacedLayout) -> list[_BitRun]:
 
 
 def _runs_with_groups_merged(placed_layout: PlacedLayout) -> list[_BitRun]:
-    """Return the runs, highest first, with a group of fields, or a field with its padding, as one run."""
+    """Return the runs, highest first, with a group of fields, or a field with its padding, as one run.
+
+    Bits that belong to no field are left out.
+    """
     field_names = {placed_field.name for placed_field in placed_layout.fields}
     group_names = {placed_field.field.group for placed_field in placed_layout.fields} - {""}
     fields_by_group_or_field: dict[str, list[PlacedField]] = {}

@@ -184,10 +184,10 @@ def _first_bit(fields: Iterable[Field], parameters: Mapping[str, int]) -> int:
 
 
 def group_shapes(device: Device, name: str) -> list[tuple[tuple[Answer, ...], GroupFields]]:
-    """Return the fields of a group, once for each choice that moves them, from the first layout with it.
+    """Return the fields of a group in the first layout with it, for all answers to the questions that move them.
 
-    Each result is the answers and the fields with their highest and lowest bit, counted from the lowest bit of the
-    group.
+    Each result is a combination of answers, and the fields with their highest and lowest bit, counted from the lowest
+    bit of the group. Without such questions, there is one result with no answers.
     """
     layouts = (layout for _, layout in device.layouts() if _has_group(layout, name))
     layout = first_of(layouts, f"frame with the field group '{name}'")
@@ -218,7 +218,7 @@ def _has_group(layout: Layout, name: str) -> bool:
 
 
 def _decides_place_of_any(fields: Iterable[Field], alternative: Alternative) -> bool:
-    """Return whether an alternative decides the place of any of these fields."""
+    """Return whether an alternative determines the place of one of these fields."""
     # All answers set the same parameters.
     parameters = alternative.answers[0].sets.keys()
     return any(not parameters.isdisjoint((*field.low.parameters, *field.width.parameters)) for field in fields)
@@ -239,7 +239,7 @@ def group_places(
 ) -> Iterator[tuple[Field, str]]:
     """Yield the fields of a group, each with its place, or with the place for each of the answers that move it.
 
-    An example is ``bit 3 (normal)<br>bit 4 (swapped)``. If several answers lead to a place, the first one is named.
+    An example is ``bit 3 (normal)<br>bit 4 (swapped)``. If several answers lead to a place, the first answer is named.
     """
     shapes = group_shapes(device, name)
     _, fields_of_first_shape = shapes[0]
@@ -300,7 +300,7 @@ def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
 
 
 def _fields_moved_by_order_code(device: Device, layout: Layout) -> list[Field]:
-    """Return the fields, except padding, whose place or width depends on more than answers to questions."""
+    """Return the fields, except padding, whose place or width depends on anything other than answers to questions."""
     set_by_answers: set[str] = set()
     for alternative in device.alternatives:
         set_by_answers.update(alternative.answers[0].sets)
@@ -362,7 +362,7 @@ def layout_stacks(device: Device, interface: Interface, layout: Layout) -> list[
 
 
 def _stacks_of_shapes(layout: Layout, shapes: Sequence[Placement]) -> Iterator[Stack]:
-    """Yield the stack of each shape. For a frame of bytes, yield only that of the longest shape.
+    """Yield the stack of each shape. For a frame of bytes, yield only the stack of the longest shape.
 
     There, the boxes of fields include their padding, so that shapes hardly differ.
     """
@@ -375,7 +375,7 @@ def _stacks_of_shapes(layout: Layout, shapes: Sequence[Placement]) -> Iterator[S
 
 
 def captioned_shapes(device: Device, interface: Interface, layout: Layout) -> list[tuple[str, PlacedLayout]]:
-    """Return each shape of a layout for one order code, with the answers that lead to it as a caption.
+    """Return each shape of a layout for one order code, with its answers as a caption.
 
     A single shape has an empty caption.
     """
@@ -394,7 +394,7 @@ def _caption_with_answers(answers: Sequence[Answer], caption: str) -> str:
 
 
 def _codes_caption(placement: Placement) -> str:
-    """Return the first two order codes, and the number of further ones: ``X-12, X-13 and 4 more``."""
+    """Return the first two order codes, and the number of further codes: ``X-12, X-13 and 4 more``."""
     first_codes, further_codes = placement.codes[:2], placement.codes[2:]
     number_of_further_codes = f" and {len(further_codes)} more" if further_codes else ""
     return f"{', '.join(first_codes)}{number_of_further_codes}"

@@ -30,7 +30,7 @@ Row = tuple[str, ...]
 Table = dict[str, Any]
 
 
-#: Groups of order codes, each with its rows by the name of the fact. A row has the name and the value.
+#: Groups of order codes, each with its rows by the name of the fact. A row consists of the name and the value.
 Columns = Sequence[tuple[Group, Mapping[Any, Row]]]
 #: Settings of one master for each group.
 GroupSettings = Sequence[tuple[Group, Sheet]]
@@ -65,7 +65,7 @@ def page_links(device: Device) -> list[str]:
 
 
 def page_values(device: Device, interface_name: str, masters: Sequence[Master]) -> MastersPage:
-    """Return the values of the page with the settings of all masters for an interface, which has some."""
+    """Return the values of the page with the settings of all masters for an interface, which has such settings."""
     interface_sheets = sheets_of(device, masters)
     group_sheets = first_of(
         (group for group in interface_sheets if group.interface.name == interface_name), f"sheets of {interface_name}"
@@ -85,7 +85,7 @@ def page_values(device: Device, interface_name: str, masters: Sequence[Master]) 
 def _interface_section(device: Device, group_sheets: GroupSheets) -> dict[str, Any]:
     """Return the facts that masters need over an interface, and the settings of each master.
 
-    ``tables`` has the facts that differ between order codes. ``silent`` lists the masters without this interface.
+    ``tables`` contains the facts that differ between order codes. ``silent`` lists the masters without this interface.
     """
     interface = group_sheets.interface
     # Each group is a record of facts with the order codes that share it. A master has a sheet for each group.
@@ -122,7 +122,7 @@ def _fact_rows(group: Group) -> dict[Any, Row]:
 
 
 def _common_rows_and_tables(columns: Columns) -> tuple[list[Row], list[Table]]:
-    """Return the rows common to all groups, and tables of the others: one for rows that depend only on the supply.
+    """Return the rows common to all groups, and tables of the other rows: one for rows that depend only on the supply.
 
     Each column is a group with its rows by key. The first cell of a row is its name, the second its value.
     """
@@ -156,7 +156,7 @@ def _follows_supply(fact_key: Any, columns: Columns) -> bool:
 
 
 def _table_of_differences(keys: Sequence[Any], columns: Columns) -> Table:
-    """Return the column heads, and one row for all groups that have the same values.
+    """Return the column heads, and one row for all groups with the same values.
 
     A group without a value has a dash.
     """
@@ -229,7 +229,7 @@ def _master_section(master: Master, sheets: GroupSettings) -> dict[str, Any]:
 
 
 def _setting_names(group_sheets: GroupSettings) -> list[str]:
-    """Return the names of all settings, in the order in which they are written."""
+    """Return the names of all settings, in the order of the description of the master."""
     return list(dict.fromkeys(escape(setting.name) for _, sheet in group_sheets for setting in sheet.settings))
 
 
@@ -282,7 +282,7 @@ def _further_notes(group_sheets: GroupSettings) -> Iterator[str]:
 
 
 def _refusal_lines(sheets: GroupSettings) -> Iterator[str]:
-    """Yield the order codes that the master cannot use, with the reasons. Codes with the same ones share a line."""
+    """Yield the order codes that the master cannot use, with the reasons. Codes with the same reasons share a line."""
     groups_by_reasons: dict[str, list[Group]] = {}
     for group, sheet in sheets:
         if sheet.refusals:

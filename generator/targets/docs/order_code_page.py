@@ -1,4 +1,7 @@
-"""Page of an order code. Texts of the family have its widths in place of ranges such as 17 to 39 bits."""
+"""Page of an order code.
+
+Texts of the family show the width of the order code instead of ranges such as 17 to 39 bits.
+"""
 
 from __future__ import annotations
 
@@ -46,7 +49,10 @@ from .wiring_tables import no_leds, no_supply
 
 
 def range_of_widths(family_device: Device, parameter: Parameter) -> str:
-    """Return the range of a width over the order codes of a family: ``17 to 39``. Empty if all have the same."""
+    """Return the range of a width over the order codes of a family: ``17 to 39``.
+
+    It is empty if all have the same width, and for a parameter with another unit than bits.
+    """
     if parameter.unit != "bits":
         return ""
     variants = [variant for variant in family_device.variants if parameter.name in variant.parameters]
@@ -61,7 +67,7 @@ def meaning_without_range(family_device: Device, parameter: Parameter) -> str:
 
 
 def with_widths_of_order_code(family_device: Device, device: Device, variant: Variant) -> Device:
-    """Return the device whose notes on frames have the width of the order code in place of the range."""
+    """Return the device whose notes on frames show the width of the order code instead of the range."""
     parameters = [parameter for parameter in family_device.parameters if parameter.name in variant.parameters]
     ranges = [range_of_widths(family_device, parameter) for parameter in parameters]
     widths: dict[str, str] = {}
@@ -150,7 +156,7 @@ class CodePage(Sections, InterfaceValues):
 class CodeGroup:
     """Order codes that are identical for software. ``name`` is the name of their common page.
 
-    ``narrowed_family`` has only these order codes, and ``device`` is that with the quantities that they set.
+    ``narrowed_family`` has only these order codes, and ``device`` is this family with the quantities that they set.
     """
 
     family: Device
@@ -181,7 +187,7 @@ class CodeGroup:
 
     @cached_property
     def pictures(self) -> Pictures:
-        """Pictures for these codes that differ from those of the family."""
+        """Pictures for these codes that differ from the family's pictures."""
         frame_name = self.frame.name if self.frame is not None else ""
         return pictures_of_order_codes(self.family, self.narrowed_family, self.name, frame_name)
 
@@ -248,7 +254,7 @@ def _clock_limits_of(interface: Interface, order_code: str) -> Hashable:
 
 
 def _position_text(device: Device, interface: Interface) -> str:
-    """Return the unit and range of the position, and the ranges that single frames have."""
+    """Return the unit and range of the position, and the ranges of single frames."""
     position_measurement = device.measurement_of(interface.name)
     if position_measurement is None:
         return ""
@@ -262,7 +268,7 @@ def _range_in_frame(name: str, frame_range: LayoutRange) -> str:
 
 
 def page_values(code_group: CodeGroup, has_masters: bool, pictures: Pictures) -> CodePage:
-    """Return the values of the page. ``pictures`` are those of the family, of which the page may replace some."""
+    """Return the values of the page. ``pictures`` are the family's pictures, some of which the page may replace."""
     device, interface, errata_links = code_group.device, code_group.interface, ErrataLinks(code_group.device)
     interface_sections = page_sections(device)
     variant, frame = code_group.variants[0], code_group.frame
@@ -271,7 +277,7 @@ def page_values(code_group: CodeGroup, has_masters: bool, pictures: Pictures) ->
         **interface_values(code_group.family, device, code_group.variants, has_masters, code_group.pictures),
         "errata_at": errata_links,
         "codes": code_group.codes,
-        # The notes on SSI and RS-485 begin with the line, those on BiSS with limits that users must keep.
+        # The notes on SSI and RS-485 begin with the line, and the notes on BiSS with limits that users must keep.
         "lead": lead_sentences(interface.note) if isinstance(interface, Biss) else "",
         "position": _position_text(device, interface),
         "evidence": grade(device),
@@ -334,11 +340,11 @@ def lead_sentences(note: str) -> str:
 
 def _frame_section(code_group: CodeGroup, layout: Layout, pictures: Pictures) -> Section:
     """Return the frame with the position: its picture, fields, facts and verdicts."""
-    # All order codes of a group set the same quantities, so that the first stands for all.
+    # All order codes of a group set the same quantities, so the first represents all.
     variant = code_group.variants[0]
     crc = code_group.family.crc_of(layout.place(variant.parameters))
     choices = [alternative.name for alternative in code_group.device.alternatives]
-    # The layout of the page has other notes. Verdicts are known for that of the family.
+    # The layout of the page contains other notes. Verdicts are known for the family's layout.
     layouts_of_family = code_group.family.interface(code_group.interface.name).layouts
     family_layout = member_named(layouts_of_family, layout.name, "layout")
     verdict_head, verdict_rows = verdict_table(code_group.family, code_group.device, family_layout, variant)
@@ -386,7 +392,7 @@ def _quantity_rows(code_group: CodeGroup) -> Iterator[Row]:
     """Yield rows of value, meaning of the quantities set by the order code or by registers.
 
     The values of those that registers set are their factory defaults. Quantities that are 0 are left out, and so are
-    those that answers set.
+    quantities that answers set.
     """
     run_time_parameters = run_time_names(code_group.family)
     for parameter in parameters_of(code_group.family, code_group.interface.name):
@@ -396,7 +402,7 @@ def _quantity_rows(code_group: CodeGroup) -> Iterator[Row]:
 
 def _quantity_row(code_group: CodeGroup, parameter: Parameter, is_set_by_registers: bool) -> Row:
     """Return a row of value, meaning for a quantity that the order code or a register sets."""
-    # All order codes of a group set the same quantities, so that the first stands for all.
+    # All order codes of a group set the same quantities, so the first represents all.
     quantity = parameter_value(parameter, code_group.variants[0].parameters[parameter.name])
     meaning = escape(sentence(meaning_without_range(code_group.family, parameter)))
     origin = _origin_of_quantity(code_group.family, parameter, is_set_by_registers)

@@ -25,6 +25,7 @@ from ...model import (
 from ...order_codes.labels import fill_pattern
 from ...order_codes.parameters import parameters_of, run_time_names, with_answers
 from ...plan.values import Active, TwosComplement, meaning_of
+from ...plan.verdicts import judgement_in_family
 from ...say.layout import crc_inverted, crc_reflected
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
 from ...say.names_and_places import heading
@@ -33,7 +34,7 @@ from ...say.plain_text import counted, number
 from ...say.register import covered_by_parity_bit, measurement, own_ranges, position_range
 from ...say.report import deciding_bits
 from .page_links import style_in_folder
-from .verdict_table import changed_verdicts_of, judgement_in_family, place_of_field, verdict_line
+from .verdict_table import changed_verdicts_of, place_of_field, verdict_line
 
 
 def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
@@ -102,7 +103,7 @@ def _parameters_of_order_codes(device: Device, interface_name: str) -> list[Para
 def run_time_rows(device: Device, interface_name: str) -> Iterator[tuple[str, ...]]:
     """Yield name, meaning, origin, factory default, source of the quantities that registers determine.
 
-    They are those that a register holds, possibly of another interface, and those calculated from them.
+    These are parameters that a register holds, possibly of another interface, and parameters calculated from them.
     """
     names_at_run_time = run_time_names(device)
     for parameter in parameters_of(device, interface_name):
@@ -145,7 +146,7 @@ def code_table(device: Device, interface: Interface, links: Mapping[str, str]) -
 
 
 def alternative_sections(device: Device) -> list[dict[str, Any]]:
-    """Return each question that the manual leaves open, its answers, and the frames that need one."""
+    """Return each question that the manual leaves open, its answers, and the frames that need an answer."""
     return [_alternative_section(device, alternative) for alternative in device.alternatives]
 
 
@@ -172,7 +173,7 @@ def _answer_row(device: Device, alternative: Alternative, answer: Answer) -> tup
     parameters = {parameter.name: parameter for parameter in device.parameters}
     assignments = []
     for name, value in answer.sets.items():
-        # The page of one interface lacks the parameters of others.
+        # The page of one interface lacks the parameters of other interfaces.
         if name in parameters:
             assignments.append(f"{_assignment_text(parameters[name], value)}: {escape(parameters[name].meaning)}")
     source = answer.source or alternative.source
@@ -180,7 +181,7 @@ def _answer_row(device: Device, alternative: Alternative, answer: Answer) -> tup
 
 
 def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
-    """Yield the unit of the position, for all interfaces or for one, and its range in frames with another range."""
+    """Yield the unit of the position, for one interface or all, and its range in frames with another range."""
     if device.measurement is not None:
         yield _measurement_row(device.measurement)
     for interface in device.interfaces:
@@ -201,14 +202,14 @@ def _measurement_row(position: Measurement, over_interface: str = "") -> tuple[s
 
 #: Lowest number of order codes that are shown as patterns. Fewer codes are listed one by one.
 _FEWEST_FOR_PATTERNS = 12
-#: Letters that stand for parts of an order code, those that manuals prefer first.
+#: Letters that represent parts of an order code, preferred letters of manuals first.
 _LETTERS = "xyzuvwabcdefghijklmnopqrst"
 #: Texts of the parts of an order code, in order.
 PartTexts = tuple[str, ...]
 
 
 def order_codes(device: Device, codes: Sequence[str]) -> str:
-    """Return fewer than ``_FEWEST_FOR_PATTERNS`` order codes one by one, and more of them as patterns."""
+    """Return fewer than ``_FEWEST_FOR_PATTERNS`` order codes one by one, and larger numbers of them as patterns."""
     are_few = len(codes) < _FEWEST_FOR_PATTERNS
     return ", ".join(map(code, codes)) if are_few else join_filled(code_patterns(device, codes))
 
@@ -247,7 +248,7 @@ def _code_pattern(order_code: OrderCode, part_names: Sequence[str], texts_of_par
 
 
 def _unused_letters(fixed_letters: Collection[str]) -> Iterator[str]:
-    """Yield letters that are not in an order code, and numbered ones when these are used up."""
+    """Yield letters that are not in an order code, and numbered letters when these are used up."""
     yield from (letter for letter in _LETTERS if letter not in fixed_letters)
     yield from (f"x{number}" for number in count(1))
 
@@ -256,7 +257,7 @@ def _group_into_products(combinations: Sequence[PartTexts]) -> Iterator[list[lis
     """Yield the combinations as products: a list of texts for each part, ``[["A"], ["1", "2"]]`` for A-1 and A-2.
 
     If the texts of a part combine with different other parts, the combinations are first split by such a part, namely
-    by one that gives the fewest groups. A-1, A-2 and B-1 are split into A-1 and A-2, and B-1.
+    by the part that leads to the fewest groups. A-1, A-2 and B-1 are split into A-1 and A-2, and B-1.
     """
     number_of_parts = len(combinations[0])
     groups_by_part = [_divided_by_part(combinations, index) for index in range(number_of_parts)]
@@ -287,7 +288,10 @@ _EXPONENT = re.compile(r"\^([0-9]*)")
 
 
 def position_frame(family_device: Device, interface: Interface) -> Layout | None:
-    """Return the frame with the most parts of the position. With a tie, it has the most flags, then is shortest."""
+    """Return the frame with the most parts of the position.
+
+    If several tie, it is the frame with the most flags, then the shortest.
+    """
     family_layouts = family_device.interface(interface.name).layouts
     position_frames = {layout.name for layout in family_layouts if family_device.sends_position(interface.name, layout)}
     candidates = [layout for layout in interface.layouts if layout.name in position_frames]
@@ -343,7 +347,7 @@ def _parity_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
 def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
     """Yield the flags by active level, such as ``("Active at 1", "`error` (bit 3)")``, and the unused bits.
 
-    Of the unused bits, only single ones that the manual names are listed, and none for a frame in bytes.
+    Of the unused bits, only single bits that the manual names are listed, and none for a frame in bytes.
     """
     layout = placed_layout.layout
     flags_by_label: dict[str, list[tuple[str, str]]] = {}
@@ -387,7 +391,7 @@ def _flags_with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
     """Yield flags with their places: ``error (byte 1, bit 0)``, then ``warning (bit 1)`` in the same byte."""
     previous_byte = ""
     for flag_name, place in flags:
-        # The byte is empty for a frame of bits, whose places are like ``bit 7``.
+        # The byte is empty for a frame of bits, whose places look like ``bit 7``.
         byte, _, bit = place.rpartition(", ")
         short_place = bit if byte == previous_byte else place
         yield f"{flag_name} ({short_place})"

@@ -140,14 +140,14 @@ def pictures_of_family(device: Device) -> Pictures:
 def pictures_of_order_codes(family_device: Device, narrowed_family: Device, page: str, frame_name: str) -> Pictures:
     """Return the pictures for a page of order codes that differ from the family's pictures.
 
-    They are those of the layout ``frame_name``, also as one line, and of registers whose fields the order code moves.
-    ``narrowed_family`` is the family with only these order codes.
+    They are the pictures of the layout ``frame_name``, also as one line, and of registers whose fields the order code
+    moves. ``narrowed_family`` is the family with only these order codes.
     """
     pictures: Pictures = {}
     for interface, layout in narrowed_family.layouts():
         if layout.name == frame_name:
             stacks = _without_only_caption(layout_tables.layout_stacks(narrowed_family, interface, layout))
-            # A frame of bits has captions in the picture of the family, so that its picture differs.
+            # In the picture of the family, a frame of bits has captions, so its own picture differs.
             if not layout.in_bytes or stacks != layout_tables.layout_stacks(family_device, interface, layout):
                 pictures[_layout_key(layout)] = _draw_picture(f"{page}-{layout.name}.svg", layout, stacks)
             shapes = layout_tables.captioned_shapes(narrowed_family, interface, layout)

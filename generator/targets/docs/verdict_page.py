@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, TypedDict
 
 from ...model import Alarm, Alternative, Device, Field, Interface, Layout, Sign, Verdict, first_of
@@ -46,21 +46,21 @@ def usable_values(devices: Sequence[Device]) -> UsablePage:
 
 def page_values(device: Device) -> VerdictPage:
     """Return the values of the page with the verdicts of a family."""
-    reporting_frames = list(reportings(device))
+    reporting_by_frame = reportings(device)
     return {
         "device": device,
         "usable_page": PAGE,
-        "decides_rows": list(_deciding_rows(device, reporting_frames)),
-        "frame_rows": list(_frame_rows(device, reporting_frames)),
+        "decides_rows": list(_deciding_rows(device, reporting_by_frame.values())),
+        "frame_rows": list(_frame_rows(device, reporting_by_frame)),
         "report_rows": list(_report_rows(device)),
     }
 
 
-def _deciding_rows(device: Device, reporting_frames: Sequence[Reporting]) -> Iterator[Row]:
+def _deciding_rows(device: Device, reporting_frames: Iterable[Reporting]) -> Iterator[Row]:
     """Yield rows of interface, frames, deciding field, its active value, verdict, source, errata.
 
     Frames of an interface with the same rows share them. Only the first of these rows names the interface and the
-    frames.
+    frames. If no frame has a position, a single row says so.
     """
     layouts_by_rows: dict[tuple[str, tuple[Row, ...]], list[Layout]] = {}
     for reporting in reporting_frames:
@@ -80,7 +80,7 @@ def _deciding_rows(device: Device, reporting_frames: Sequence[Reporting]) -> Ite
 
 
 def _rows_of_frame(device: Device, interface: Interface, layout: Layout, judgement: Judgement) -> Iterator[Row]:
-    """Yield a row for each field that decides the verdict on a frame, then one for all other cases.
+    """Yield a row for each field that decides the verdict on a frame, then a row for all other cases.
 
     A last row is for order codes without the bits that judge the position, if there are any.
     """
@@ -116,7 +116,7 @@ def _deciding_fields(layout: Layout, judgement: Judgement) -> list[_Decider]:
     for verdict, causes in judgement.worst_first:
         deciders += [_Decider(verdict, cause.by.field, cause.conditions) for cause in causes]
     if judgement.otherwise is Verdict.UNKNOWN:
-        # A warning does not improve on an unknown position.
+        # A warning cannot improve an unknown verdict.
         not_better = (Verdict.USABLE_WITH_WARNING, Verdict.UNKNOWN)
         warning_fields = [field for field in layout.fields if verdict_of(field) in not_better]
         deciders += [_Decider(judgement.otherwise, field) for field in warning_fields]
@@ -133,7 +133,7 @@ def _deciding_fields(layout: Layout, judgement: Judgement) -> list[_Decider]:
 
 
 def _decider_row(device: Device, interface: Interface, layout: Layout, decider: _Decider, sign: Sign | None) -> Row:
-    """Return a row of deciding field, its active value, verdict, source, errata. ``sign`` is that of the field."""
+    """Return a row of deciding field, its active value, verdict, source, errata. ``sign`` is the sign of the field."""
     field = decider.field
     if sign is None:
         active_value = _active_value(device, field, decider.conditions) + _condition_on_lower_flags(field, layout)
@@ -162,11 +162,7 @@ def _answer_text(device: Device, question: Alternative, parameter_condition: Onl
 
     The link leads to the page of the first interface with a frame whose verdict depends on it.
     """
-    answer_codes = []
-    for answer in question.answers:
-        is_set = answer.sets[parameter_condition.parameter] != 0
-        if is_set == parameter_condition.holds:
-            answer_codes.append(code(answer.name))
+    answer_codes = [code(answer.name) for answer in question.answers if parameter_condition.contains(answer.sets)]
     answer_names = " or ".join(answer_codes)
     frames = device.layouts()
     interfaces = (interface for interface, layout in frames if question in device.verdict_alternatives(layout))
@@ -191,16 +187,17 @@ def _condition_on_lower_flags(field: Field, layout: Layout) -> str:
     return f", with {MARKDOWN.phrase(statement(*list_parts(lower_flags)))} inactive"
 
 
-def _frame_rows(device: Device, reporting_frames: Sequence[Reporting]) -> Iterator[Row]:
+def _frame_rows(device: Device, reporting_by_frame: Mapping[str, Reporting]) -> Iterator[Row]:
     """Yield rows of interface, frames, possible reports, which are ``nothing`` if there are none.
 
     Frames of an interface with the same reports share a row.
     """
-    reports_by_frame = {reporting.codec.layout.name: reporting.causes for reporting in reporting_frames}
     layouts_by_reports: dict[tuple[str, tuple[str, ...]], list[Layout]] = {}
     for interface, layout in device.layouts():
         if layout.sender == "encoder":
-            report_names = tuple(reported.report.name for reported in reports_by_frame.get(layout.name, ()))
+            reporting = reporting_by_frame.get(layout.name)
+            causes = reporting.causes if reporting is not None else ()
+            report_names = tuple(cause.report.name for cause in causes)
             layouts_by_reports.setdefault((interface.title, report_names), []).append(layout)
     for (interface_title, report_names), layouts in layouts_by_reports.items():
         yield interface_title, _layout_links(device, layouts), ", ".join(map(code, report_names)) or "nothing"
@@ -241,7 +238,10 @@ def _layout_links(device: Device, layouts: Sequence[Layout]) -> str:
 
 
 def _errata_links(device: Device, interface: Interface, layout: Layout, field: Field, sign: Sign | None) -> str:
-    """Return links to the errata about a field and, for a flag, about its group. A sign has those of its fields."""
+    """Return links to the errata about a field and, for a flag, about its group.
+
+    A sign has the errata of its fields.
+    """
     path_of_frame = f"interfaces.{interface.name}.{layout.name}"
     spec_paths = {f"{path_of_frame}.{field.name}"}
     deciding_fields = [field]

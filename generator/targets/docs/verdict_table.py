@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from ...model import Device, Field, Layout, PlacedField, PlacedLayout, Variant, Verdict
 from ...plan.values import Active, meaning_of
-from ...plan.verdicts import Judgement, Match, VerdictCause, reportings
+from ...plan.verdicts import Judgement, Match, VerdictCause, judgement_in_family
 from ...say.layout import is_reserved
 from ...say.markdown import MARKDOWN, code, escape, join_filled, link
 from ...say.names_and_places import bits, frame_bytes, heading
@@ -26,19 +26,11 @@ _MOST_ALTERNATIVES = 3
 _HEAD = ("Bit", "Flag", "Active at", "Position", "What to do")
 
 
-def judgement_in_family(family_device: Device, layout: Layout) -> Judgement | None:
-    """Return how the verdict on a frame follows from its bits, or None for a frame without a position."""
-    judgements = (
-        reporting.judgement for reporting in reportings(family_device) if reporting.codec.layout.name == layout.name
-    )
-    return next(judgements, None)
-
-
 def verdict_table(family_device: Device, device: Device, layout: Layout, variant: Variant) -> tuple[Row, list[Row]]:
     """Return the head and the rows of the table. Columns without any content are left out.
 
     The rows are the causes of each verdict, then all other flags, then the verdict without any cause. ``device`` is the
-    family with the order codes of the page, and has the alarms and remedies for these only.
+    family with only the order codes of the page, and their alarms and remedies.
     """
     judgement = judgement_in_family(family_device, layout)
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {}
@@ -178,12 +170,7 @@ def applicable_causes(judgement: Judgement, variant: Variant) -> dict[Verdict, l
 
 def _holds_for_variant(cause: VerdictCause, variant: Variant) -> bool:
     """Return whether all conditions of a cause hold for an order code and the answers chosen for it."""
-    for only in cause.conditions:
-        # The condition is that the parameter is not 0 or, without ``holds``, that it is 0.
-        is_set = variant.parameters.get(only.parameter, 0) != 0
-        if is_set != only.holds:
-            return False
-    return True
+    return all(only.contains(variant.parameters) for only in cause.conditions)
 
 
 def join_as_any_of(names: Sequence[str]) -> str:
@@ -219,11 +206,11 @@ def _verdict_if(verdict: Verdict, causes: Sequence[VerdictCause]) -> str:
 
 
 def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
-    """Yield the conditions of a verdict. Flags with the same active level are one: ``error or fault is 1``."""
+    """Yield the conditions of a verdict. Flags with the same active level share a row: ``error or fault is 1``."""
     names_by_level: dict[str, list[str]] = {}
     for cause in causes:
         if not isinstance(cause.by, Match):
-            # deciding_bits() gives the level at which the flag is active, such as "1".
+            # deciding_bits() returns the level at which the flag is active, such as "1".
             names_by_level.setdefault(deciding_bits(cause.by.field), []).append(_cause_text(cause))
     yield from (f"{join_as_any_of(names)} is {level}" for level, names in names_by_level.items())
     for cause in causes:

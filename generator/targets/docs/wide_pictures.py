@@ -97,7 +97,7 @@ def _frame_elements(placed_layout: PlacedLayout, stack: Stack, top: float) -> tu
 
 
 def _cell_elements(cell: _Cell, top: float) -> Iterator[str]:
-    """Yield the box of a cell, and the lines inside it, of which the last one is the place."""
+    """Yield the box of a cell, and the lines inside it, of which the last is the place."""
     yield draw_box(cell.left, top, box_width=cell.right - cell.left, box_height=_BOX, fill=cell.fill)
     # The lines are 14 pixels apart, and centred in the box.
     first_baseline = top + _BOX / 2 + 4.5 - 7 * (len(cell.lines) - 1)

@@ -48,7 +48,7 @@ class Wiring:
 
 
 def wiring_table(device: Device, order_codes: Sequence[str]) -> Wiring:
-    """Return one table with a row for each signal, and a column for each connector or group of similar ones.
+    """Return one table with a row for each signal, and a column for each connector or group of similar connectors.
 
     Connectors whose contacts are mostly the same share a column.
     """
@@ -70,7 +70,7 @@ def wiring_table(device: Device, order_codes: Sequence[str]) -> Wiring:
 
 
 def _column_heads(columns: Sequence[Sequence[Connector]]) -> list[str]:
-    """Return the head of each column: ``Pin`` or ``Wire``, if no other column has this head.
+    """Return the head of each column: ``Pin`` or ``Wire``, if no other column has the same head.
 
     Columns with the same head have the short name of their first connector instead.
     """
@@ -93,7 +93,7 @@ def _build_row(columns: Sequence[Sequence[Connector]], signal: str, order_codes:
 
 
 def _common_sentences(connectors: Sequence[Connector]) -> list[str]:
-    """Return the sentences of the first note that the notes of all connectors have."""
+    """Return the sentences of the first note that occur in the notes of all connectors."""
     notes_in_sentences = [connector.note.rstrip(".").split(". ") for connector in connectors]
     if not notes_in_sentences:
         return []
@@ -123,7 +123,7 @@ def _connectors_by_column(connectors: Sequence[Connector], order_codes: Sequence
 
 
 def _have_similar_contacts(connector: Connector, other: Connector, order_codes: Sequence[str]) -> bool:
-    """Return whether connectors of one kind agree on more than half the signals of the one with fewer."""
+    """Return whether connectors of one kind agree on more than half the signals of the connector with fewer."""
     contacts = _contacts_by_signal(connector, order_codes)
     other_contacts = _contacts_by_signal(other, order_codes)
     equal_signals = [signal for signal in other_contacts if contacts.get(signal) == other_contacts[signal]]
@@ -143,7 +143,7 @@ def _contacts_by_signal(connector: Connector, order_codes: Sequence[str]) -> dic
 def _signal_cell(contact: Contact, order_codes: Sequence[str]) -> str:
     """Return the signal of a contact in Markdown.
 
-    If only some order codes have it, add the patterns of these that fit one of ``order_codes``.
+    If only some order codes have it, add their patterns that fit one of ``order_codes``.
     """
     if not contact.only:
         return escape(contact.signal)
@@ -158,7 +158,7 @@ def _signal_cell(contact: Contact, order_codes: Sequence[str]) -> str:
 def _contacts_cell(column: Sequence[Connector], signal: str, order_codes: Sequence[str]) -> str:
     """Return the contacts of a signal for the connectors of a column.
 
-    If they differ, each list has the name of its connector: ``3 (M12), 7 (M23)``.
+    If they differ, each list begins with the name of its connector: ``3 (M12), 7 (M23)``.
     """
     contact_lists = []
     for connector in column:
@@ -180,7 +180,7 @@ def _short_names(titles: Sequence[str]) -> list[str]:
     A name must be more than a number. If there are no such words, the names are ``connector 1`` and so on.
     """
     titles_in_phrases = [title.split(", ") for title in titles]
-    # First compare the first phrases of all titles, then the second ones.
+    # First compare the first phrases of all titles, then the second phrases.
     for phrases in zip(*titles_in_phrases, strict=False):
         phrases_in_words = [phrase.split() for phrase in phrases]
         longest = max(map(len, phrases_in_words))
@@ -228,8 +228,8 @@ def _supply_text(supply: Supply) -> str:
 def unstated_facts(family_device: Device, interface: Interface, subjects: Mapping[str, Subject]) -> Iterator[str]:
     """Yield the facts that the manual does not state, and links for those that a text may have, in one line.
 
-    ``subjects`` are the facts by label. ``family_device`` has the texts about all order codes, because a text about
-    others may be valid for this one too.
+    ``subjects`` are the facts by label. ``family_device`` contains the texts about all order codes, because a text
+    about other codes may also apply to this code.
     """
     sentences = []
     unmentioned = [label for label, subject in subjects.items() if not mentions(family_device, interface, subject)]
@@ -248,8 +248,8 @@ def unstated_facts(family_device: Device, interface: Interface, subjects: Mappin
 def no_leds(family_device: Device, device: Device, interface: Interface) -> str:
     """Return that the manual describes no LEDs, for a page without any.
 
-    Return an empty string if the page has LEDs, if the manual may have some in its texts, or if the spec is not
-    transcribed from all of a manual.
+    Return an empty string if the page has LEDs, if the manual may have some in its texts, or if the spec does not
+    transcribe a whole manual.
     """
     if device.leds or document(family_device) != "manual":
         return ""
@@ -259,7 +259,7 @@ def no_leds(family_device: Device, device: Device, interface: Interface) -> str:
 
 
 def no_supply(family_device: Device, interface: Interface) -> str:
-    """Return the text in place of a supply: a link to the characteristics that may have it, or that none is known."""
+    """Return the text instead of a supply: a link to the characteristics that may state it, or that none is known."""
     if mentions(family_device, interface, Subject.SUPPLY):
         return f"see {link('characteristics', 'hardware.md#characteristics')}"
     return f"the {document(family_device)} does not say"
@@ -336,7 +336,10 @@ def _clock_section(family_device: Device, device: Device, interface: Ssi | Biss,
 
 
 def _example_clock(clock: Clock) -> int:
-    """Return 1 MHz, or the clock in Hz nearest to it that the encoder supports."""
+    """Return 1 MHz, or the clock in Hz nearest to it that the encoder supports.
+
+    If neither its highest clock nor one in use is known, it is 1 MHz.
+    """
     at_least_lowest = max(_COMMON_HZ, clock.min_hz or 0)
     return min(at_least_lowest, clock.fastest_hz or _COMMON_HZ)
 

@@ -1,4 +1,4 @@
-"""Values in a file for a master, in the order of writing, and the reasons for leaving out others."""
+"""Values in a file for a master, in the order of writing, and the reasons for leaving out other values."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class FileValue:
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """The values for one channel of a device. The first channel also has the values that all channels share."""
+    """The values for one channel of a device. The first channel also contains the values that all channels share."""
 
     name: str
     entries: tuple[FileValue, ...]
@@ -109,7 +109,8 @@ class Content:
 def content_of_file(sheet: Sheet, rule: Raw, device: str) -> Content:
     """Return the content of a file for a device. ``rule`` is the entry of ``files`` in the description of the master.
 
-    A setting that the file leaves out gets a sentence with the reason. So does a value without a place in the format.
+    A setting that the file leaves out gets a sentence with the reason. The same applies to a value without a place in
+    the format.
     """
     format_ = FILE_FORMATS[rule["format"]]
     file_values: list[FileValue] = []
@@ -135,7 +136,7 @@ def _settings_in_write_order(sheet: Sheet) -> Iterator[tuple[Setting, list[Write
     """Yield the settings in the order of writing, each with the values to write before and after it.
 
     A rule applies to the settings named in ``rule.of``. The values in ``rule.needs`` come before the first of these
-    settings, and those in ``rule.then`` after the last.
+    settings, and the values in ``rule.then`` after the last.
     """
     names_in_order = write_order([setting.name for setting in sheet.settings], sheet.writing)
     settings = sorted(sheet.settings, key=lambda setting: names_in_order.index(setting.name))
@@ -145,7 +146,8 @@ def _settings_in_write_order(sheet: Sheet) -> Iterator[tuple[Setting, list[Write
         writes_before: list[Write] = []
         writes_after: list[Write] = []
         for rule in sheet.writing:
-            # Without names, a rule applies to all settings. A rule with names has at least one from the sheet.
+            # Without names, a rule applies to all settings. A rule with names contains at least one name from the
+            # sheet.
             applies_to = rule.of or setting_names
             names_of_rule = [name for name in setting_names if name in applies_to]
             if setting.name == names_of_rule[0]:
@@ -204,7 +206,7 @@ def _file_values(setting_or_write: Setting | Write, rule: Raw, device: str) -> l
 
 
 def _value_word(setting_or_write: Setting | Write, rule: Raw) -> str:
-    """Return a value in the notation of the file: a word that the rule gives for it, or else a number or text."""
+    """Return a value in the notation of the file: a word from the rule, or else a number or text."""
     value = _setting_value(setting_or_write)
     words_by_value = rule.get("words", {}).get(_setting_name(setting_or_write), {})
     number_or_text = int(value) if isinstance(value, bool) else value
@@ -252,7 +254,7 @@ def _reason_for_misfit_at(place: Place, value: Value, key: str, format_: FileFor
 def _channels_of_device(sheet: Sheet, device: str, file_values: Sequence[FileValue]) -> tuple[Channel, ...]:
     """Return the channels of a device with their values, or one channel if all values are shared, or none without any.
 
-    That one channel has a name only if the device has a single channel.
+    This one channel has a name only if the device has a single channel.
     """
     if not file_values:
         return ()
@@ -260,7 +262,7 @@ def _channels_of_device(sheet: Sheet, device: str, file_values: Sequence[FileVal
     first_name, *further_names = first_of(devices, f"device '{device}' of the master").channels
     if not any(file_value.place.channel for file_value in file_values):
         return (Channel("" if further_names else first_name, tuple(file_values)),)
-    # The first channel also has the shared values.
+    # The first channel also contains the shared values.
     channels = [Channel(first_name, _values_of_channels(file_values, (first_name, "")))]
     channels += [Channel(name, _values_of_channels(file_values, (name,))) for name in further_names]
     return tuple(channels)

@@ -63,7 +63,7 @@ def file_text(
 
     Args:
         device: The family.
-        codes: The order codes. Names in the file are based on the first one.
+        order_codes: The order codes. Names in the file are based on the first one.
         sheet: The settings.
         rule: Entry of ``files`` in the description of the master.
         master_device: Device of the master.
@@ -92,7 +92,7 @@ def file_text(
 def _first_paragraphs(
     device: Device, order_codes: Sequence[str], sheet: Sheet, rule: Raw, master_device: str
 ) -> Iterator[str]:
-    """Yield what the file is for, and where its values come from."""
+    """Yield the purpose of the file, and the origin of its values."""
     format_ = FILE_FORMATS[rule["format"]]
     yield f"{master_device} with {', '.join(order_codes)}. For {format_.title}."
     yield from _paragraphs_on_origin(device, [sheet], rule, master_device)
@@ -138,7 +138,7 @@ def _paragraphs_on_content(file_content: Content, is_short: bool) -> Iterator[st
 
 
 def _names_with_mark(file_content: Content, mark: str) -> list[str]:
-    """Return the names of the values whose mark, such as ``derived, start with``, contains this one, each once."""
+    """Return the names of the values whose mark, such as ``derived, start with``, contains ``mark``, each once."""
     return list(dict.fromkeys(file_value.name for file_value in file_content.entries if mark in file_value.mark))
 
 
@@ -155,14 +155,18 @@ def comment(paragraphs: Sequence[str], prefix: str) -> str:
 
 
 def note(text: object) -> str:
-    """Return text that cannot end a one-line comment in XML or C."""
-    return plain(text).replace("--", "- -").replace("*/", "* /")
+    """Return text that cannot end a one-line comment in XML or C, without double hyphens, which XML does not allow."""
+    comment_line = plain(text).replace("*/", "* /")
+    # Of three hyphens, one pass leaves two next to each other.
+    while "--" in comment_line:
+        comment_line = comment_line.replace("--", "- -")
+    return comment_line
 
 
 def fill_pattern(pattern: str, file_content: Content) -> str:
     """Return the pattern with each key in braces replaced by its value: ``-b {bits}`` becomes ``-b 24``.
 
-    The keys and values are those of the first channel.
+    The keys and values come from the first channel.
     """
     for file_value in file_content.entries:
         pattern = pattern.replace(f"{{{file_value.key}}}", file_value.word)
@@ -173,7 +177,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return ``masters/<master>/<format>/<device>-<family>`` in bulk, or a file for each order code.
 
     A bulk file contains the files of all order codes of a family as comments, so that no tool loads the wrong one by
-    accident.
+    accident. A bulk file in XML has them as elements. The folder also has a README and the licence.
     """
     files: dict[str, str] = {}
     for device in library.devices:
@@ -228,7 +232,7 @@ def _usable_sheets(interface_sheets: Sequence[GroupSheets], number: int) -> Iter
 
 
 def _format_page(library: Library, files: Iterable[str]) -> str:
-    """Return the page about the formats of masters. Formats of which ``files`` contains no path are left out."""
+    """Return the page about the formats of masters. Formats without a path in ``files`` are left out."""
     folders = {path.rpartition("/")[0].removeprefix("masters/") for path in files}
     rows: list[dict[str, str]] = []
     for master in shipped_masters():
@@ -309,7 +313,7 @@ def _joined_blocks(
 ) -> str:
     """Return the files as comments, or as children of one element in XML. Each block is a title and its text.
 
-    ``sheets`` give the documents and conditions in the comment at the top.
+    ``sheets`` provide the documents and conditions for the comment at the top.
     """
     format_ = FILE_FORMATS[rule["format"]]
     head = [

@@ -28,7 +28,7 @@ class BitsEncoder:
         self.names = class_names
 
     def _checked_bits(self, field: Field) -> Expr:
-        """Return the bits of a field, with a check of its value like that of ``encode``.
+        """Return the bits of a field, with the same check of its value as in ``encode``.
 
         An example is ``check_width("turns", self.turns, 12)``.
         """
@@ -134,7 +134,7 @@ class Reader:
         self.source = "number" if codec.in_bytes else "word"
 
     def as_sent(self) -> Reader:
-        """Return the reader of the bits before any Gray code is converted. They are in ``sent``."""
+        """Return the reader of the bits before any Gray code is converted. Such bits are in ``sent``."""
         reader = Reader(self.scope, self.codec, self._byte)
         reader.source = "sent" if self.codec.parity_covers_gray else self.source
         return reader
@@ -158,7 +158,7 @@ class Reader:
         return bit_numbers(bits.low.constant, bits.width.constant) if bits.are_fixed else ""
 
     def exclusive_or(self, parts: Sequence[Bits], counted: int) -> Expr:
-        """Return a number with the same parity as the bits of these fields, or as those in the mask ``counted``.
+        """Return a number with the same parity as the bits of these fields, or as the bits in the mask ``counted``.
 
         For fields at fixed places in a word, it is the word with all other bits cleared, such as ``word & 0xFF3``. In
         other cases it is the XOR of the fields, such as ``data[0] ^ data[2]``. ``counted`` is a mask of this XOR, or 0
@@ -182,7 +182,7 @@ class Reader:
             source = Atom(word or self.source)
             low = bits.low
         else:
-            # A single bit has one piece. Bit numbers are now those in its byte.
+            # A single bit has one piece. Bit numbers now count in its byte.
             piece = bits.pieces[0]
             source = self._byte_variable(piece.byte)
             low = Expression(piece.low_in_byte)
@@ -220,7 +220,7 @@ class Reader:
         return Operation(Atom(all_bits), "&", mask_without_field(self.scope, self.codec))
 
     def _unused_at_fixed_place(self, bits: ShiftedBits) -> Expr:
-        """Return the differing bits among those of the word, or of a byte, that are shifted by the same distance.
+        """Return the differing bits among the bits of the word, or of a byte, that are shifted by the same distance.
 
         An example is ``(b1 & 0xC ^ 0x4) << 4``, where ``0x4`` is the value in the manual.
         """
@@ -228,7 +228,7 @@ class Reader:
         # Bits with a negative shift move to the left. One of these distances is 0.
         right_shift = max(bits.shift, 0)
         left_shift = max(-bits.shift, 0)
-        # ``bits`` has the mask and the value at their places in ``unused``, after the shift to the left.
+        # ``bits`` contains the mask and the value at their places in ``unused``, after the shift to the left.
         mask_in_source = bits.mask >> left_shift
         value_in_source = bits.value >> left_shift
         expression = shift_value(source, ">>", number(right_shift))
@@ -357,7 +357,7 @@ def _are_adjacent_whole_bytes(ascending: Sequence[Piece]) -> bool:
 def _from_piece(piece: Piece, byte: str) -> Expr:
     """Return the bits of one piece at their place in the number, such as ``(b1 & 0x3F) << 8``."""
     bits = shift_value(Atom(byte.format(piece.byte)), ">>", number(piece.low_in_byte))
-    # The mask of the piece is that of its bits after the shift. Without bits above them, they need none.
+    # The mask of the piece covers its bits after the shift. Without bits above them, they need none.
     reaches_top_of_byte = piece.mask == 0xFF >> piece.low_in_byte
     if not reaches_top_of_byte:
         bits = Operation(bits, "&", mask(piece.mask))

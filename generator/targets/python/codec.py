@@ -59,7 +59,7 @@ class Coder:
         self.encoding = BitsEncoder(context.scope, self.plan, self.names)
         scope = NamedValues(context.scope.names, self.answered_parameters) if register is None else context.scope
         self.decoding = Decoder(scope, self.plan, self.names, self.enum)
-        #: Questions whose answers the decoder accepts: those of all frames among which it is chosen.
+        #: Questions whose answers the decoder accepts: the questions of all frames among which it is chosen.
         self.passed_arguments = self.questions
 
     def number(self, expression: Expression) -> Expr:
@@ -127,7 +127,7 @@ class Coder:
 
     @property
     def keeps_bytes(self) -> bool:
-        """True if the register can hold values that may not be written, so that a decoded one keeps its bytes."""
+        """True if the register can hold values that may not be written, so that a decoded register keeps its bytes."""
         return self.register is not None and bool(self.limited_attribute or powers_of_two(self.plan))
 
     @property
@@ -154,7 +154,7 @@ class Coder:
 
     @property
     def _unused_attributes(self) -> list[Attribute]:
-        """The attribute ``unused``, alone in a list, or no attribute. It has the bits without a field or a use."""
+        """The attribute ``unused``, alone in a list, or no attribute. It contains the bits without a field or a use."""
         if self.plan.keeps_others:
             return [Attribute("unused", type="int", meaning=docstrings.OF_OTHERS, default="0")]
         if self.plan.reserved:
@@ -191,7 +191,7 @@ class Coder:
                 yield self._number_attribute(field, self._request_default(field))
 
     def _stated_number(self, field: Field) -> int | None:
-        """Return the value that the manual gives for a number in a frame, or None. The selector has none."""
+        """Return the value in the manual for a number in a frame, or None. The selector has none."""
         if self.register is not None or self.selects(field):
             return None
         return field.equals if isinstance(field.equals, int) else None
@@ -213,7 +213,7 @@ class Coder:
         )
 
     def _of_run(self, field: Field, digit_run: Digits) -> str:
-        """Return the description of a run of digits: that of the field if the run has its name."""
+        """Return the description of a run of digits: the field's description if the run has its name."""
         return self.about(field) if digit_run.name == field.name else docstrings.of_run(digit_run)
 
     def about(self, field: Field, may_be_missing: bool = False) -> str:
@@ -264,12 +264,12 @@ class Coder:
 
     @property
     def expected(self) -> list[Field]:
-        """Fields for which the manual gives a value."""
+        """Fields whose value the manual states."""
         return [field for field in self.layout.fields if field.equals is not None]
 
     @property
     def digit_fields(self) -> list[Field]:
-        """Fields of decimal digits whose name is not that of a run of digits."""
+        """Fields of decimal digits without a run of digits of the same name."""
         decimals = (part.field for part in self.plan.parts if part.field.runs)
         return [field for field in decimals if not _has_run_of_its_name(field)]
 
@@ -287,7 +287,7 @@ class Coder:
         return ", ".join(conditions)
 
     def documented_value(self, field: Field) -> Expr:
-        """Return the value that the manual gives for a field."""
+        """Return the value in the manual for a field."""
         match field.equals:
             case Expression() as value:
                 return self._scope_of_attributes(lambda name: f"self.{name}").expression_of(value)
@@ -441,7 +441,7 @@ def _value_in_words(value: Expression | int | str | None) -> str:
 
 
 def _with_trailing_defaults(attributes: Sequence[Attribute]) -> list[Attribute]:
-    """Return the attributes. An attribute keeps its default only if all attributes after it also have one."""
+    """Return the attributes. An attribute keeps its default only if all attributes after it also have a default."""
     indices_without_default = [index for index, attribute in enumerate(attributes) if not attribute.default]
     last_required = max(indices_without_default, default=0)
     # The attribute at this index has no default, or all attributes have one.

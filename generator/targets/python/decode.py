@@ -18,7 +18,7 @@ from .names import ClassNames
 
 #: Number of bits per CRC table.
 TABLE_BITS = 16
-#: Maximum length of a frame, in bytes, whose bytes have a variable each.
+#: Maximum length of a frame, in bytes, for which each byte gets a variable.
 _MAX_BYTE_VARIABLES = 16
 
 
@@ -79,7 +79,10 @@ class Decoder:
         return ""
 
     def assign(self, field: Field, expression: Expr) -> str:
-        """Return the statement that reads a field. Empty if it has a variable."""
+        """Return the statement that reads a field into its variable, which has the bits from then on.
+
+        It is empty if an earlier statement has done so.
+        """
         if field.name in self.assigned:
             return ""
         self.assigned.add(field.name)
@@ -113,8 +116,8 @@ class Decoder:
     def crc_covers(self) -> Expr | None:
         """Number of bits before the CRC of a word, for its tables.
 
-        None for a frame of bytes, if order codes differ in the CRC, or if an answer decides the number. With the start
-        value 0, zeros before the word do not change the CRC, so the longest word has tables for all.
+        None without a CRC, for a frame of bytes, if order codes differ in the CRC, or if an answer decides the number.
+        With the start value 0, zeros before the word do not change the CRC, so the longest word has tables for all.
         """
         frame_crc = self.codec.only_crc
         if frame_crc is None or self.codec.in_bytes:
@@ -138,8 +141,8 @@ class Decoder:
     def table_lookups(self) -> str:
         """XOR of the tables, such as ``table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]``.
 
-        ``low`` has the lowest 16 bits of the word, ``high`` all others. The word is halved first, because operations on
-        short numbers are faster.
+        ``low`` contains the lowest 16 bits of the word, ``high`` the rest. The word is halved first, because operations
+        on short numbers are faster.
         """
         lookups = ["table_0[low]"]
         top_table = self.tables - 1
@@ -147,7 +150,7 @@ class Decoder:
             # The lowest bits of the word, which table_0 covers, are not in ``high``.
             shift = TABLE_BITS * (table - 1)
             index = f"high >> {shift}" if shift else "high"
-            # No bits are above those of the top table, so it needs no mask.
+            # No bits are above the bits of the top table, so it needs no mask.
             if table < top_table:
                 index += f" & {mask((1 << TABLE_BITS) - 1)}"
             lookups.append(f"table_{table}[{index}]")
@@ -156,7 +159,7 @@ class Decoder:
     # -- checks
 
     def selects(self, field: Field) -> bool:
-        """Return whether the field is the selector, which tells this frame from others."""
+        """Return whether the field is the selector, which distinguishes this frame from other frames."""
         return field.name == self.codec.layout.selector
 
     def is_padded(self, field: Field) -> bool:
@@ -166,8 +169,8 @@ class Decoder:
     def covered_field(self, check: ParityIs) -> Field | None:
         """Return the field whose variable gives a parity, or None if the parity is read from other bits.
 
-        It is the only field that the parity bit covers, with all of its bits. It must be read anyway, have no padding,
-        and be as sent.
+        The parity bit must cover all bits of this field and no other field. The field must be read in any case, without
+        padding and as sent.
         """
         if len(check.of) != 1 or check.mask or self.codec.parity_covers_gray:
             return None
@@ -194,7 +197,7 @@ class Decoder:
     def failing_conditions(self) -> list[str]:
         """Conditions under which a check fails, if the first byte has a selector and each byte has a variable.
 
-        Otherwise it is empty, and also if other bytes need checks other than those of constant bits.
+        Otherwise it is empty, and also if other bytes need checks of bits that are not constant.
         """
         if not self.is_unpacked or not self._first_byte.selectors_by_byte:
             return []
@@ -209,7 +212,7 @@ class Decoder:
         Bits that must be 0 are a condition themselves, such as ``status >> 4``.
         """
         if isinstance(check, ZerosAbove):
-            # The variable has the bits of the field and those above it.
+            # The variable has the bits of the field and all bits above it.
             return f"{self.local(check.field)} >> {self.number(check.bits.width).operand}"
         bits = self.read.bits(check.bits)
         if isinstance(check, AlwaysIs) and check.value:
@@ -261,7 +264,7 @@ class Decoder:
         return _text_of_number(part.field, self.bits(part))
 
     def _is_active(self, part: Part, *, low_is_active: bool) -> Expr:
-        """Return the condition that a flag is active. A flag that the order code does not have is inactive.
+        """Return the condition that a flag is active. A flag that does not exist for the order code is inactive.
 
         Such a flag has a width of 0 or 1, and its bits are 0 without it.
         """
@@ -281,7 +284,7 @@ class Decoder:
     def decoded_values(self, encoder_and_answers: Sequence[tuple[str, str]]) -> DecodedValues:
         """Return the values of all attributes, in order, beginning with the encoder and the answers.
 
-        The last one is for the unused bits, if the class has an attribute for them.
+        The last value is for the unused bits, if the class has an attribute for them.
         """
         # A variable with the name of the attribute needs no comment.
         decoded = DecodedValues(values=[(name, "") for name, _ in encoder_and_answers])

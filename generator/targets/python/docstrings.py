@@ -51,7 +51,7 @@ Block = str | Lines | tuple[str, Sequence[tuple[str, str]]]
 def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
     """Return a docstring with its quotes. A block is a paragraph, or a title with entries. Empty blocks are omitted.
 
-    An entry without a name, such as that of ``Returns``, is plain text.
+    An entry without a name, such as the entry of ``Returns``, is plain text.
     """
     pad = " " * indent
     # Without blocks, the closing quotes are on the line of the summary.
@@ -64,7 +64,7 @@ def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
     unfinished_docstring = "\n".join(docstring_lines)
     if "\n" in unfinished_docstring:
         return f'{unfinished_docstring}\n{pad}"""'
-    # A quotation mark at the end would be read as one of the closing ones, so it is escaped.
+    # A quotation mark at the end would be read as a closing quotation mark, so it is escaped.
     if _OPEN_QUOTE.search(unfinished_docstring):
         unfinished_docstring = f'{unfinished_docstring[:-1]}\\"'
     return unfinished_docstring + '"""'
@@ -103,7 +103,7 @@ def _in_docstring(text: str) -> str:
     return plain(text).replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
 
 
-#: End of a sentence that is followed by another one.
+#: End of a sentence that is followed by another sentence.
 _END_OF_SENTENCE = re.compile(r"(?<=[.:?!]) (?=[A-Z])")
 
 # -- the module
@@ -137,7 +137,7 @@ def of_errata(device: Device, *paths: str) -> list[Block]:
 def paragraphs(statements: Iterable[Statement]) -> list[Block]:
     """Return a paragraph for each statement, and one list of the errata among them."""
     all_statements = [*statements]
-    # Of these statements, only errata have others below them.
+    # Of these statements, only errata contain others.
     errata_in_short = [_short_erratum(statement) for statement in all_statements if statement.below]
     return [
         *(DOCSTRING_STYLE.sentence(statement) for statement in all_statements if not statement.below),
@@ -158,7 +158,7 @@ def _split_label(statement: Statement) -> tuple[str, str]:
 def _short_erratum(statement: Statement) -> tuple[str, str]:
     """Return the title of an erratum, and the value that is used instead.
 
-    A change by an overlay or another edition has no such value. Instead, return the first sentence of its first
+    A change by an overlay or another edition has no value used. Instead, return the first sentence of its first
     statement, with the label.
     """
     title_of_erratum = statement.label.removeprefix("Erratum: ")
@@ -262,7 +262,7 @@ def of_layout(device: Device, interface: Interface, frame: Layout) -> tuple[str,
 def of_register(device: Device, device_register: Register) -> tuple[str, list[Block]]:
     """Return the summary of a register, and the paragraphs below it: meaning, facts with the rules, note and errata.
 
-    A register that is a single choice also has the rules of its only field.
+    A register that is a single choice also follows the rules of its only field.
     """
     facts = [*say_register.facts(device, device_register)]
     if is_one_choice(device_register):
@@ -334,7 +334,7 @@ OF_OTHERS = "Bits that the manual does not describe, at their positions in the n
 def of_unused(unused_field: Field, at: int) -> str:
     """Return the text for a field of unused bits, such as ``bits 5:4, reserved``.
 
-    ``at`` is the position of its lowest bit in the attribute ``unused``, not that in the frame.
+    ``at`` is the position of its lowest bit in the attribute ``unused``, not in the frame.
     """
     return f"{names_and_places.bits(at + unused_field.widest - 1, at)}, {unused_field.name}"
 

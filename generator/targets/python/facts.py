@@ -116,7 +116,7 @@ def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> Call | None
 
 
 def tables(device: Device) -> list[Table]:
-    """Return the tables at the end of a module: those with rows, and those that every module has."""
+    """Return the tables at the end of a module: tables with rows, and tables that every module has."""
     filled_tables = [_with_register_rows(table, device) for table in _TABLES]
     return [table for table in filled_tables if table.rows or table.name in _ALWAYS]
 
@@ -185,7 +185,7 @@ def _clock_members(interface: Clocked) -> Mapping[str, Literal]:
 def _field_record(codec: Codec, field: Field) -> Call:
     """Return the record ``FieldFacts`` of a field.
 
-    ``constant`` and ``unused`` are the values that the manual gives for a constant or for unused bits.
+    ``constant`` and ``unused`` are the manual's values for a constant or for unused bits.
     """
     when_active, when_inactive = states(field)
     unused_values = {reserved.field.name: reserved.value for reserved in codec.reserved}

@@ -85,9 +85,10 @@ TESTS = tests_for(
 )
 
 
-#: Files that each package has once, next to its folder and in it.
+#: Files that each package contains once, next to its folder and in it.
 _PROJECT_FILES = ("README.md", "pyproject.toml")
-#: Guides next to the README. A package has that of the live line only if one of its interfaces has a section in it.
+#: Guides next to the README. A package has the guide of the live line only if one of its interfaces has a section in
+#: it.
 _LIVE_LINE = "live-line"
 _GUIDES = (_LIVE_LINE, "files-and-captures", "test-without-an-encoder")
 _PACKAGE_FILES = ("__init__", "_codes")
@@ -182,7 +183,7 @@ def _package_files(
         files[f"{package}/{name}.py"] = TEMPLATES.render(f"{name}.py.jinja", values, user_templates)
     files["setup.py"] = (_PROJECT / "setup.py").read_text(encoding="utf-8")
     files |= copied_files(_PROJECT / "package", package)
-    # The copied folder has the module for BiSS.
+    # The copied folder contains the module for BiSS.
     if not biss:
         del files[f"{package}/{BISS}.py"]
     for device in devices:
@@ -195,7 +196,7 @@ def _package_values(
 ) -> Package:
     """Return the values of the templates of a package."""
     folder = folders[maker.name]
-    # pip would take a path without a dot for the name of a package.
+    # pip would interpret a path without a dot as the name of a package.
     path_prefix = "./" if folder == "python" else ""
     other_folders = (other_folder for name, other_folder in folders.items() if name != maker.name)
     modules = [Module(device) for device in devices]

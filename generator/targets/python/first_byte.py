@@ -13,7 +13,9 @@ from .literals import coded
 
 
 class FirstByte:
-    """First byte of a frame in bytes. It can contain the selector: the field that tells this frame from others.
+    """First byte of a frame in bytes.
+
+    It can contain the selector: the field that distinguishes this frame from other frames.
 
     ``enum`` returns the name of a field's IntEnum.
     """

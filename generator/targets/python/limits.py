@@ -32,7 +32,7 @@ def limit_expressions(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
 def _limits_of_width(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
     """Return the lowest and the highest value that the width allows.
 
-    If 0 stands for a number above all others, the values are 1 to this number.
+    If 0 stands for a number above all other values, the values are 1 to this number.
     """
     if limits.signed:
         half_of_range = scope.power(limits.width - Expression(1))
@@ -45,7 +45,7 @@ def _limits_of_width(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
 def limits_depend(limits: Limits) -> bool:
     """Return whether limits depend on the order code."""
     bounds = [bound for bound in (limits.low, limits.high) if bound is not None]
-    # The width decides a limit that is missing.
+    # A missing limit follows from the width.
     if len(bounds) < 2:
         bounds.append(limits.width)
     return not all(bound.is_constant for bound in bounds)

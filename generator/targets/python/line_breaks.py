@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 WIDTH = 120
 
-# A quoted text, a bracket or a comma, or any text up to the next of these.
+# A quoted text, a bracket or a comma, or any text up to the next of the three.
 _TOKEN = re.compile(r'"(?:\\.|[^"\\])*"|[][(){},]|[^][(){},"]+')
 # The space before each binary operator, the loosest operators first.
 _LOOSEST_FIRST = tuple(re.compile(rf" (?=(?:{words}) )") for words in (r"or", r"and", r"\||\^|&", r"<<|>>", r"\+|-"))
@@ -48,8 +48,8 @@ def _lines_in_brackets(line_start: str, items: Sequence[str]) -> list[str]:
     """Return a line for each item in brackets, or for each operand of an expression in parentheses.
 
     ``line_start`` ends with the bracket. An empty last item means that the items end with a comma. A comma after the
-    only item would make a tuple of an expression in parentheses and of a subscript, so only calls and lists get it. A
-    comprehension gets none and stays on one line.
+    only item would turn an expression in parentheses, or a subscript, into a tuple, so only calls and lists get it. A
+    comprehension is not split and stays on one line.
     """
     content = ", ".join(items)
     if " for " in _outer_text(content):
@@ -66,8 +66,8 @@ def _lines_in_brackets(line_start: str, items: Sequence[str]) -> list[str]:
 def _split_operands(expression: str) -> list[str]:
     """Return the operands of the loosest operators, each after its operator.
 
-    ``a + f(b + c) - d`` gives ``a``, ``+ f(b + c)`` and ``- d``. A conditional expression is one operand, and so is an
-    expression without operators.
+    ``a + f(b + c) - d`` is split into ``a``, ``+ f(b + c)`` and ``- d``. A conditional expression is one operand, and
+    so is an expression without operators.
     """
     if " if " in _outer_text(expression):
         return [expression]
@@ -96,7 +96,7 @@ def _is_outside_brackets(token: str, depth: int) -> bool:
 def _tokens_with_depth(line: str) -> Iterator[tuple[str, int]]:
     """Yield each token with the number of brackets that are open after it, or before a closing bracket.
 
-    ``f(a)`` gives ``("f", 0)``, ``("(", 1)``, ``("a", 1)`` and ``(")", 1)``.
+    ``f(a)`` is split into ``("f", 0)``, ``("(", 1)``, ``("a", 1)`` and ``(")", 1)``.
     """
     depth = 0
     for token in _TOKEN.findall(line):
@@ -110,8 +110,8 @@ def _tokens_with_depth(line: str) -> Iterator[tuple[str, int]]:
 def _split_bracket_items(line: str) -> tuple[str, list[str], str]:
     """Return the line up to its first bracket, the items in the brackets, and the rest with the closing bracket.
 
-    The line ``call(a, [b, c]),`` gives ``call(``, the items ``a`` and ``[b, c]``, and ``),``. The last of several
-    items is empty if they end with a comma.
+    The line ``call(a, [b, c]),`` is split into ``call(``, the items ``a`` and ``[b, c]``, and ``),``. The last of
+    several items is empty if they end with a comma.
     """
     # The line up to its first bracket. It is empty until the loop has passed that bracket.
     start = ""
@@ -135,7 +135,7 @@ def _split_bracket_items(line: str) -> tuple[str, list[str], str]:
 def _split_literal(quoted_text: str, indent: int) -> str:
     """Return a long quoted text as several literals in parentheses, split after spaces.
 
-    ``indent`` is the number of spaces before the text. A text of a single word stays as it is.
+    ``indent`` is the number of spaces before the text. A text of a single word that is too long stays as it is.
     """
     margin = f"{' ' * indent}    "
     pieces = [""]

@@ -39,7 +39,7 @@ class Expr:
         """
         operator_level = _LEVELS[operator]
         binds_looser = self.level <= operator_level if after else self.level < operator_level
-        # The level of a higher number binds more tightly. ``operand`` has the parentheses, except for an atom.
+        # The level of a higher number binds more tightly. ``operand`` includes the parentheses, except for an atom.
         is_arithmetic_next_to_bit_operator = operator_level < _ARITHMETIC <= self.level
         return self.operand if binds_looser or is_arithmetic_next_to_bit_operator else str(self)
 
@@ -92,7 +92,7 @@ class Operation(Expr):
 
     def __str__(self) -> str:
         left = self.left.as_operand_of(self.operator)
-        # Of equal operators, the left one comes first: ``a - b - c`` but ``a - (b - c)``.
+        # Among equal operators, the left one comes first: ``a - b - c`` but ``a - (b - c)``.
         right = self.right.as_operand_of(self.operator, after=True)
         return f"{left} {self.operator} {right}"
 
@@ -166,7 +166,7 @@ class Scope:
         return total
 
     def ones(self, width: Expression) -> Expr:
-        """Return a mask of ``width`` ones."""
+        """Return a mask of ``width`` 1 bits."""
         if width.is_constant:
             return mask((1 << width.constant) - 1)
         return Operation(self.power(width), "-", number(1))
@@ -185,7 +185,7 @@ class Scope:
 
 
 def _collect_terms(expression: Expression) -> list[Term]:
-    """Return the terms, with those of equal factors added up."""
+    """Return the terms, with terms of equal factors added up."""
     multiples: dict[tuple[Factor, ...], int] = {}
     for term in expression.terms:
         multiples[term.factors] = multiples.get(term.factors, 0) + term.multiple
@@ -272,12 +272,12 @@ Literal = (
 
 
 def literal_call(function: str, *positional: Literal, **optional: Literal) -> Call:
-    """Return a call with positional arguments, and with the optional ones that are not empty."""
+    """Return a call with positional arguments, and with the optional arguments that are not empty."""
     return Call(function, (*(("", value) for value in positional), *_named_arguments(optional)))
 
 
 def record(function: str, needed: Mapping[str, Literal], **optional: Literal) -> Call:
-    """Return a call with only named arguments."""
+    """Return a call with only named arguments: all that are needed, and the optional ones that are not empty."""
     return Call(function, (*needed.items(), *_named_arguments(optional)))
 
 
@@ -343,7 +343,7 @@ def _source_code(value: Code | Hex | Member | Call | ConditionalItem) -> str:
 
 
 def of_number(meaning: Meaning) -> dict[str, Literal]:
-    """Return the member that a record has for the meaning of an unsigned number: ``zero_means``, or none."""
+    """Return the record's member for the meaning of an unsigned number: ``zero_means``, or none."""
     return {"zero_means": meaning.number} if isinstance(meaning, ZeroMeans) else {}
 
 

@@ -14,6 +14,7 @@ from ...say.names_and_places import words
 from ...say.plain_text import plain
 from . import docstrings, facts
 from .bits import from_pieces
+from .channel_examples import ChannelExample, channel_example
 from .codec import Coder
 from .docstrings import Block, Lines, docstring
 from .frame_kinds import FrameKind
@@ -253,13 +254,19 @@ class Module:
         return None
 
     @property
+    def channel_examples(self) -> list[ChannelExample]:
+        """Example of a frame with several data channels over each interface that has one."""
+        examples = [channel_example(self.context, section.interface, section.coders) for section in self.sections]
+        return [example for example in examples if example is not None]
+
+    @property
     def identifying_classes(self) -> list[str]:
         """Classes of the encoders whose registers identify the encoder."""
         return [encoder_name(identity.interface) for identity in self.identities]
 
     @cached_property
     def shapes(self) -> list[Shape]:
-        """Descriptions of all frames for ``decode_many``."""
+        """Descriptions of all frames, for ``decode_many``."""
         frames = (coder for section in self.sections for coder in section.coders)
         reportings = self.context.reportings
         return [Shape(coder, reportings.get(coder.layout.name)) for coder in frames]
@@ -351,7 +358,7 @@ class Module:
         one, the first frame.
         """
         interface = section.interface.name
-        # A word does not show which frame it is. Without a request, it is taken as the position.
+        # A word does not show which frame it is. Without a request, it is interpreted as the position.
         position_coders = [coder for coder in replies if self.device.sends_position(interface, coder.layout)]
         coder = position_coders[0] if position_coders else replies[0]
         for dispatcher in section.dispatchers:

@@ -16,10 +16,10 @@ from .names import ClassNames
 class NamedValues(Scope):
     """Scope that assigns a name to each value that depends on the order code, and records its expression.
 
-    ``values_by_name`` has the code of each value by its name, such as
-    ``{"position_mask": "(1 << variant.position_bits) - 1"}``. ``preferred`` has the names to use, by the kind of the
-    value (``size`` or ``ones``) and its code. Values that depend on the parameters ``answered_parameters`` are not
-    assigned once, since a caller can give other answers.
+    ``values_by_name`` contains the code of each value by its name, such as ``{"position_mask": "(1 <<
+    variant.position_bits) - 1"}``. ``preferred`` contains the names to use, by the kind of the value (``size`` or
+    ``ones``) and its code. Values that depend on the parameters ``answered_parameters`` are not assigned once, since a
+    caller can choose other answers.
     """
 
     answered_parameters: frozenset[str] = frozenset()
@@ -37,7 +37,7 @@ class NamedValues(Scope):
     def _use_name(self, kind: str, value: Expression, expression: Expr) -> Expr:
         """Return the name of a value that depends on the order code, and otherwise ``expression``.
 
-        A value with the code of an earlier one has its name. A new one has its preferred name, or one such as
+        A value with the code of an earlier value has its name. A new value has its preferred name, or a name such as
         ``size_3``. Values that depend on an answer have no name.
         """
         depends_on_answer = not self.answered_parameters.isdisjoint(value.parameters)
@@ -55,11 +55,11 @@ class NamedValues(Scope):
         """Use ``name`` for a value, if it needs a name and has none. ``kind`` is ``size`` or ``ones``."""
         if value.is_constant:
             return
-        # A plain scope gives the expression itself, not the name of a value.
+        # A plain scope returns the expression itself, not the name of a value.
         scope = Scope(self.names)
         expression = scope.expression_of(value) if kind == "size" else scope.ones(value)
         preferred_name = self.preferred.setdefault((kind, str(expression)), name)
-        # The comment is that of the first value with this expression.
+        # The comment belongs to the first value with this expression.
         if comment and preferred_name == name:
             self.comments[name] = comment
 
@@ -85,7 +85,7 @@ def prefer_names_of_fields(scope: NamedValues, codec: Codec, class_names: ClassN
 
 
 class _LocalNames:
-    """Names of the variables of a decoder, beginning with those of its fields and their runs of digits."""
+    """Names of the variables of a decoder, beginning with the names of its fields and their runs of digits."""
 
     def __init__(self, codec: Codec, class_names: ClassNames) -> None:
         self._names = class_names
@@ -106,7 +106,8 @@ class _LocalNames:
 def comment_on_constant(codec: Codec, expression: Expression) -> str:
     """Return a comment on the constant of a sum of widths, such as ``8 = crc (6) + warning (1) + error (1)``.
 
-    It lists the fields of fixed width at the low end of the word. Empty if they do not add up to the constant.
+    It lists the fields of fixed width at the low end of the word. A single field is alone, as in ``crc (6)``. It is
+    empty if they do not add up to the constant.
     """
     constant = expression.constant
     if constant <= 0:

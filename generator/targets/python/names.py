@@ -24,8 +24,8 @@ Imports = list[list[tuple[str, list[str]]]]
 def imports_of(text: str, *groups: Sources) -> Imports:
     """Return the imports that the code of a module needs, in groups: ``[[("enum", ["Enum", "IntEnum"])], …]``.
 
-    ``groups`` are the names that can be imported, such as those of the standard library and those of the package.
-    Groups without imports are left out.
+    ``groups`` are the names that can be imported, such as names of the standard library and of the package. Groups
+    without imports are left out.
     """
     used_names = {node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
     imports_by_group = (list(_used_imports(sources, used_names)) for sources in groups)
@@ -156,7 +156,7 @@ _BUILT_IN = frozenset("bool bytes classmethod float int isinstance property stat
 
 
 def attribute(name: str, reserved: Iterable[str] = ()) -> str:
-    """Return the name of an attribute or argument. It has a trailing underscore if it is reserved."""
+    """Return the name of an attribute or argument. The name has a trailing underscore if it is reserved."""
     return f"{name}_" if keyword.iskeyword(name) or name in _BUILT_IN or name in reserved else name
 
 
@@ -305,7 +305,7 @@ class Context:
         for question in self.questions.values():
             if not question.alternative.default:
                 code_of_parameter |= {name: f"{question.name}.{member}" for name, member in question.members}
-        #: Expressions for parameters: attributes of the variant, or of an answer that the caller must give.
+        #: Expressions for parameters: attributes of the variant, or of an answer that the caller must supply.
         self.scope = Scope(code_of_parameter)
         self._enums = {values: names.take(camel(field.name), suffix="Value") for values, field in self.choices.items()}
 
@@ -334,7 +334,7 @@ class Context:
 
     @cached_property
     def choices(self) -> dict[_NamedValues, Field]:
-        """Fields with named values, without those that agree with an earlier one in their name and all named values.
+        """Fields with named values, without fields that agree with an earlier field in their name and all named values.
 
         The fields that agree share an IntEnum.
         """
@@ -346,14 +346,14 @@ class Context:
         return fields_by_values
 
     def coded_layouts(self) -> Iterator[Layout]:
-        """Yield the layouts that have a class: all but those of registers that are an IntEnum."""
+        """Yield the layouts that have a class: all layouts except registers that are an IntEnum."""
         yield from (layout for _, layout in self.device.layouts())
         yield from (register.layout for register in self.device.registers if not is_one_choice(register))
 
     @cached_property
     def reportings(self) -> dict[str, Reporting]:
         """Reports and verdicts of frames, by the name of the frame."""
-        return {reporting.codec.layout.name: reporting for reporting in reportings(self.device)}
+        return reportings(self.device)
 
     def enum(self, field: Field) -> str:
         return self._enums[_named_values(field)]
@@ -366,7 +366,7 @@ class Context:
     def crc_name(self, crc: Crc, carrier: Carrier) -> str:
         """Return the function for a CRC, such as ``crc_check``.
 
-        The function for bits is ``crc_check_of_bits`` if the module also has one for bytes.
+        The function for bits is ``crc_check_of_bits`` if the module also has a function for bytes.
         """
         has_function_for_bytes = crc in self._crcs_of_both
         suffix = "_of_bits" if carrier is Carrier.BITS and has_function_for_bytes else ""

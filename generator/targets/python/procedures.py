@@ -45,7 +45,7 @@ class Segment:
 
 
 class Steps:
-    """Function for one procedure. ``coders`` are the classes of the registers that have one."""
+    """Function for one procedure. ``coders`` are the classes of the registers that have a class."""
 
     def __init__(self, context: Context, coders: Mapping[str, Coder], procedure: Procedure) -> None:
         self.context = context
@@ -157,7 +157,7 @@ class Steps:
     def verified_mask(self, op: Verifies) -> Expr:
         """Return the mask of the register bits that are read back.
 
-        It is that of a field, or has two digits for each byte of the register.
+        It is the mask of a field, or has two digits for each byte of the register.
         """
         if op.field is not None:
             return self.mask(op.field)
@@ -204,7 +204,7 @@ class Steps:
         return f"{self.register(refusal.register)}.{function}({argument})"
 
     def _limits_differ(self, refusal: OutsideArgumentLimits) -> bool:
-        """Return True if the limits depend on the order code, or if their function takes it anyway."""
+        """Return True if the limits depend on the order code, or if their function takes the order code in any case."""
         register_class = self.coders.get(refusal.register.name)
         if register_class is not None and refusal.meaning is None:
             return register_class.takes_variant

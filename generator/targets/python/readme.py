@@ -42,10 +42,11 @@ class ReadmeExample:
     ``reported`` its report, and ``tried`` the printed lines for both and for an invalid one. ``kind`` is the class
     of the frame if the encoder sends several. ``bits`` and ``digits`` describe a frame that is a string of bits.
     ``needs_lookup`` is True if the call needs the encoder. ``answers`` are the arguments for questions that the manual
-    leaves open, ``module`` is the module of their classes. ``interface`` is that of the order code, ``position`` the
-    position in the frame, ``flag`` the flag of the spec that is active in ``spoilt``, and ``flag_attribute`` its name
-    in the frame. ``order_code`` is that of a procedure. ``is_position_only`` is True for a frame that has only flags
-    and its position. ``is_rotary`` is True for an encoder whose position is an angle.
+    leaves open, ``module`` is the module of their classes. ``interface`` is the interface of the order code,
+    ``position`` the position in the frame, ``flag`` the flag of the spec that is active in ``spoilt``, and
+    ``flag_attribute`` its name in the frame. ``order_code`` is the order code of a procedure. ``is_position_only`` is
+    True for a frame that has only flags and its position. ``is_rotary`` is True for an encoder whose position is an
+    angle.
     """
 
     code: str
@@ -137,7 +138,7 @@ class Readme:
     def frames(self) -> list[ReadmeExample]:
         """An example of each kind of frame for which the model has a sample, with invented values.
 
-        ``kind`` is set for kinds that a dispatching decoder tells apart.
+        ``kind`` is set for kinds that a dispatching decoder distinguishes.
         """
         examples: list[ReadmeExample] = []
         for kind in self._kinds:
@@ -161,11 +162,11 @@ class Readme:
     def _valid_frame(self, coder: Coder, variant: Variant, sample: Sample) -> ReadmeExample:
         """Return the call that decodes the sample frame, and its numbers.
 
-        ``digits`` are the ones and zeros of a frame of bits.
+        ``digits`` are the digits of a frame of bits.
         """
         layout = coder.layout
         placed_layout = layout.place(variant.parameters)
-        numbers = _numbers_by_name(coder, sample)
+        numbers = numbers_by_name(coder, sample)
         return ReadmeExample(
             code=variant.code,
             text=_frame_literal(placed_layout, sample.frame),
@@ -198,7 +199,7 @@ class Readme:
             flag_attribute=coder.names.attribute(spoiling_flag.name),
         )
         crc_field = placed_layout.crc_field
-        numbers = _numbers_by_name(coder, sample)
+        numbers = numbers_by_name(coder, sample)
         if crc_field is None or coder.layout.in_bytes or coder.position_attribute not in numbers:
             return example
         position = str(numbers[coder.position_attribute])
@@ -220,7 +221,8 @@ class Readme:
     def _example_variant(self, interface_name: str) -> Variant | None:
         """Return an order code with this interface, or None if none is listed.
 
-        It is one of an example in the manual if possible, then the one with the highest sum of its parameters.
+        If possible, it is the order code of an example in the manual, then the code with the highest sum of its
+        parameters.
         """
         example_codes = [example.order_code for example in self.device.examples if not isinstance(example, CrcExample)]
         parameter_names = [parameter.name for parameter in self.device.set_parameters]
@@ -252,7 +254,7 @@ class Readme:
     def _only_writes_bytes(self, steps: Steps) -> bool:
         """Return whether a procedure writes single bytes.
 
-        It must neither modify nor poll a register, and use only registers with an address for each byte.
+        The procedure must neither modify nor poll a register, and use only registers with an address for each byte.
         """
         if any(isinstance(step, (ModifyStep, PollStep)) for step in steps.procedure.steps):
             return False
@@ -261,7 +263,7 @@ class Readme:
     def _procedure_example(self, example: ProcedureExample) -> ReadmeExample:
         """Return the call of a procedure, and the bytes that it writes.
 
-        The encoder is the first argument if the procedure needs it or has no others, and otherwise a keyword.
+        The encoder is the first argument if the procedure needs it or has no other arguments, and otherwise a keyword.
         """
         steps = self._procedures[example.procedure]
         encoder = f'lookup("{example.order_code}")'
@@ -328,7 +330,7 @@ class Readme:
             if variant is None or parameter.by_code or not is_whole_byte:
                 continue
             name = self.context.parameters[parameter.name]
-            # Another value than that of the order code shows that the register determines it.
+            # A value that differs from the order code shows that the register determines it.
             changed_value = max(variant.parameters[parameter.name] - 4, parameter.min or 0)
             example = ReadmeExample(
                 code=variant.code,
@@ -389,7 +391,7 @@ class Readme:
 
 
 def _is_number_of(coder: Coder, name: str) -> bool:
-    """Return whether a name is that of a join or of a number in the frame, other than its selector."""
+    """Return whether a name belongs to a join or to a number in the frame, other than its selector."""
     layout = coder.layout
     if any(join.name == name for join in layout.joins):
         return True
@@ -404,7 +406,7 @@ def _damaged_crc(crc_field: PlacedField, number: int) -> str:
     return f"expected CRC {expected:#04x}, got {received:#04x}"
 
 
-def _numbers_by_name(coder: Coder, sample: Sample) -> dict[str, object]:
+def numbers_by_name(coder: Coder, sample: Sample) -> dict[str, object]:
     """Return the numbers in a frame by the names of their fields, without the selector."""
     return {name: value for name, value in sample.values.items() if _is_number_of(coder, name)}
 
@@ -423,7 +425,7 @@ def _bytes_literal(data: bytes) -> str:
 def _register_example(example: RegisterExample, coder: Coder) -> ReadmeExample:
     """Return the call that decodes a register, and its attributes with their values as printed.
 
-    A text as the value of an attribute of another type is the name of an Enum member, in lowercase.
+    If the attribute has another type, a text is the lowercase name of an Enum member.
     """
     variant_argument = f', lookup("{example.order_code}")' if coder.takes_variant else ""
     types = {attribute.name: attribute.type for attribute in coder.attributes}
@@ -446,5 +448,5 @@ def _register_example(example: RegisterExample, coder: Coder) -> ReadmeExample:
 
 
 def _tuple_expression(expressions: Sequence[str]) -> str:
-    """Return expressions as a tuple, or the only one alone."""
+    """Return expressions as a tuple, or the only expression alone."""
     return f"({', '.join(expressions)})" if len(expressions) != 1 else expressions[0]

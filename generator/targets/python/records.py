@@ -40,7 +40,7 @@ _PRINTED_LAST: Mapping[str, tuple[str, ...]] = MappingProxyType(
 class RecordMember:
     """A member of a record: the names in its type, and its default.
 
-    The type ``tuple[Contact, ...] | None`` has the names ``tuple`` and ``Contact``.
+    The type ``tuple[Contact, ...] | None`` contains the names ``tuple`` and ``Contact``.
     """
 
     name: str
@@ -97,7 +97,7 @@ def _record_members(class_def: ast.ClassDef) -> Iterator[RecordMember]:
 def record_of(class_name: str, model_part: object, **overrides: Literal) -> Call:
     """Return the record of a part of the model.
 
-    It has all required members, and the others unless they are empty or equal to their default.
+    It contains all required members, and the others unless they are empty or equal to their default.
 
     Args:
         class_name: Name of the record.
@@ -122,7 +122,7 @@ def records_of(class_name: str, model_parts: Sequence[object]) -> tuple[Call, ..
 
 
 def _in_printed_order(class_name: str) -> list[RecordMember]:
-    """Return the members of a record in the order of its class, those in ``_PRINTED_LAST`` at the end."""
+    """Return the members of a record in the order of its class, with the members in ``_PRINTED_LAST`` at the end."""
     members = runtime_records().members[class_name]
     names_at_end = _PRINTED_LAST.get(class_name, ())
     members_before = [member for member in members if member.name not in names_at_end]

@@ -23,7 +23,7 @@ from .reports import condition_on_parameter
 
 #: Number of members that are printed without their names, by class.
 _POSITIONAL_COUNTS = {"BitField": 1, "Column": 1, "Join": 1, "VerdictCause": 1, "ReportCause": 1}
-#: Names of classes and members in the runtime, if they differ from those of the plan.
+#: Names of classes and members in the runtime, if they differ from the plan.
 _RUNTIME_NAMES: Mapping[str, str] = MappingProxyType(
     {
         "DescribedVerdictCause": "VerdictCause",
@@ -33,7 +33,7 @@ _RUNTIME_NAMES: Mapping[str, str] = MappingProxyType(
 )
 #: Members of the plan with several items, except the columns.
 _PLANNED_ROWS = ("joins", "unused", "checks", "parities", "verdict_causes", "report_causes", "fields")
-#: Members that say for which encoders a cause applies.
+#: Members that state for which encoders a cause applies.
 _CONDITIONS = ("only", "chosen")
 
 
@@ -56,7 +56,7 @@ class Shape:
         return [(name, value) for name, value in self._all_members() if value not in (None, 0, "", ())]
 
     def _all_members(self) -> Iterator[tuple[str, Literal]]:
-        """Yield all members of the shape by name, also empty ones."""
+        """Yield all members of the shape by name, including empty members."""
         description = self._description
         coder = self.coder
         yield "bits", self._literal_of(description.bits)
@@ -119,8 +119,8 @@ class Shape:
     def _default_verdict(self) -> Literal:
         """Return the verdict if no condition applies.
 
-        If only some order codes have bits that judge the position, it is unknown for the others:
-        ``Verdict.USABLE if variant.has_flags else Verdict.UNKNOWN``.
+        If only some order codes have bits that judge the position, it is unknown for the other codes: ``Verdict.USABLE
+        if variant.has_flags else Verdict.UNKNOWN``.
         """
         verdict = self._literal_of(self._description.otherwise)
         # The number of these bits is only in the description if it depends on the order code.
@@ -133,7 +133,7 @@ class Shape:
     def _frame_with_special_range(self) -> str:
         """Return the name of a frame with a position if frames of its interface differ in range.
 
-        This is also so if the position never wraps around. Otherwise, return an empty string.
+        A range in which the position never wraps around also counts as different. Otherwise, return an empty string.
         """
         coder = self.coder
         if coder.register is not None or not coder.position_attribute:
@@ -146,8 +146,8 @@ class Shape:
     def _column_call(self, column: Column) -> Call:
         """Return a column, with the name of the field in messages and the values that are valid.
 
-        The name is given only if the attribute has another one. ``values`` are those of a selector, or the Enum of a
-        named value.
+        The name is given only if the attribute has another name. ``values`` are the values of a selector, or the Enum
+        of a named value.
         """
         coder = self.coder
         field = coder.layout.field(column.name)
@@ -163,13 +163,13 @@ class Shape:
     def _crc_of_encoder(self, crcs: Sequence[FrameCrc]) -> Literal:
         """Return the CRC of an encoder, or None without any.
 
-        If it depends on the order code, it is the first CRC whose width is not 0, found when the module runs. The
+        If the CRC depends on the order code, it is the first CRC whose width is not 0, found when the module runs. The
         tuple in ``next(iter(…), None)`` then has only the CRCs of the encoder.
         """
         if not crcs:
             return None
         if not crcs[0].is_optional:
-            # A CRC of all order codes is the only one.
+            # A CRC of all order codes is the only CRC.
             return self._crc_call(crcs[0])
         crcs_of_encoder = []
         for crc in crcs:
@@ -198,7 +198,7 @@ class Shape:
     # -- any value of the description
 
     def _literal_of(self, value: Any) -> Literal:
-        """Return any value of the description as a literal. A value of no other kind is a part with members."""
+        """Return any value of the description as a literal. A value of any other kind is a part with members."""
         match value:
             case Expression():
                 return Code(str(self.coder.number(value)))
@@ -238,7 +238,7 @@ class Shape:
     def _call_of(self, description_part: Any) -> Call:
         """Return the call of the class in the runtime, with the members that differ from their defaults.
 
-        Conditions are left out. A cause that is a mask or a combination of values has no ``flag``.
+        Conditions are left out. A cause that consists of a mask or a combination of values has no ``flag``.
         """
         planned_class_name = type(description_part).__name__
         class_name = _RUNTIME_NAMES.get(planned_class_name, planned_class_name)

@@ -22,9 +22,8 @@ from ...plan.values import (
 )
 from ...say.order_code import initial
 from . import docstrings
-from .channels import ChannelCode, channel_code
 from .codec import Coder
-from .frame_kinds import FrameKind
+from .frame_kinds import ChannelCode, FrameKind, channel_code
 from .literals import Atom, Call, Code, Expr, Literal, Operation, join_operands, number, of_number, record
 from .names import (
     FUNCTIONS,
@@ -90,7 +89,8 @@ class Variants:
 
     def default_attributes(self, exchange: Exchanged) -> list[tuple[str, int]]:
         """Return attribute and factory default of each field in a request that has one: ``[("address", 1)]``."""
-        # The layout of a request is not that of a register, and names of CRC functions do not matter for attributes.
+        # The layout of a request is not the layout of a register, and names of CRC functions do not matter for
+        # attributes.
         class_names = ClassNames(exchange.request, register=None, crcs=())
         return [(class_names.attribute(name), default) for name, default in exchange.defaults.items()]
 
@@ -119,9 +119,10 @@ class Variants:
 
     @property
     def derived_parameters(self) -> list[tuple[str, str, Expr]]:
-        """Name, meaning and value of each parameter that is derived from others.
+        """Name, meaning and value of each parameter that is derived from other parameters.
 
-        Those that always equal a quantity of the measurement are left out, since the class has that quantity.
+        Parameters that always equal a quantity of the measurement are left out, since the class already has that
+        quantity.
         """
         derived = []
         names_in_measurement = parameters_in_measurement(self.device)
@@ -147,13 +148,13 @@ class Variants:
         return self.device.measurement_of(interface.name)
 
     def _code_of(self, value: Expression | None) -> Expr | None:
-        """Return a number of the encoder in Python, such as ``1 << self.bits``, or None if the spec has none."""
+        """Return a number of the encoder in Python, such as ``1 << self.bits``, or None if it is not in the spec."""
         return self._scope.expression_of(value) if value is not None else None
 
     def _cases_by_interface(self, quantity_of: Callable[[Measurement], Expr | None]) -> Cases[Expr]:
         """Return a quantity of the measurement, such as ``1 << self.bits``, with the interfaces to which it applies.
 
-        ``quantity_of`` returns it for a measurement, or None if the measurement has none.
+        ``quantity_of`` returns it for a measurement, or None if the measurement lacks it.
         """
 
         def quantity_over(interface: Interface) -> Expr | None:
@@ -218,7 +219,7 @@ class Variants:
 
     @property
     def reasons_without_range(self) -> str:
-        """Reasons why an interface has no modulus that applies to all of its frames, or "" if all have one."""
+        """Reasons why an interface has no modulus that applies to all of its frames, or "" if all have a modulus."""
         interfaces = self.device.interfaces
         without_modulus = {interface.name for interface in interfaces if self.modulus_of(interface) is None}
         reasons: list[str] = []
@@ -232,7 +233,7 @@ class Variants:
     def modulus_of(self, interface: Interface) -> Expr | None:
         """Return the number of counts after which all positions over an interface wrap around.
 
-        Return None if the spec does not give it or if it depends on the frame.
+        Return None if the spec does not state it or if it depends on the frame.
         """
         only_range = self._only_range(interface)
         return self._modulus_expression(only_range.measurement) if only_range is not None else None
@@ -252,11 +253,11 @@ class Variants:
         return ranges
 
     def _range_values(self, position_range: PositionRange, layout: Layout) -> tuple[Expr | None, ...]:
-        """Return the lowest and the highest position in a frame, and the modulus, or None if it has none.
+        """Return the lowest and the highest position in a frame, and the modulus, or None if there is none.
 
         An unsigned position without a highest value in the spec ends at ``modulus - 1``, or without a modulus at the
-        highest number that its fields can hold. A signed one with a highest value in the spec spans ``modulus`` counts.
-        Without one, it can be any number that fits in its field, such as -2048 to 2047.
+        highest number that its fields can hold. A signed position with a highest value in the spec spans ``modulus``
+        counts. Without one, it can be any number that fits in its field, such as -2048 to 2047.
         """
         measurement = position_range.measurement
         modulus = self._modulus_expression(measurement)
@@ -286,7 +287,7 @@ class Variants:
         return Operation(number(1), "<<", self._scope.expression_of(exponent))
 
     def _highest_signed(self, position_range: PositionRange) -> Expr:
-        """Return the highest signed position: that of the spec, or else the highest that fits in the field."""
+        """Return the highest signed position: the spec's position, or else the highest that fits in the field."""
         field = position_range.signed_field
         assert field is not None
         stated_highest = position_range.measurement.highest
@@ -325,7 +326,7 @@ class Variants:
     def is_shifted(self) -> bool:
         """True if an offset can shift the positions of an interface above ``modulus``.
 
-        This is so for an unsigned position whose highest value is in the spec.
+        An unsigned position whose highest value is in the spec can be shifted.
         """
         for interface in self.device.interfaces:
             only_range = self._only_range(interface)
@@ -338,8 +339,8 @@ class Variants:
         """Return the lowest or the highest position by interface.
 
         ``end_of`` returns it for a range, or None where it is ``usual``: 0 for the lowest position, and
-        ``self.modulus - 1`` for the highest. The result is None if it is ``usual`` over all interfaces, and the frames
-        of none differ.
+        ``self.modulus - 1`` for the highest. The result is None if the position is ``usual`` over all interfaces, and
+        the frames of no interface differ.
         """
 
         def end_over(interface: Interface) -> Expr | None:
@@ -377,7 +378,7 @@ class Variants:
 
     @property
     def answers(self) -> list[OpenQuestion]:
-        """Questions whose default answer applies unless the user chooses another one."""
+        """Questions whose default answer applies unless the user chooses another answer."""
         optional = self.device.optional_alternatives
         return [self.context.questions[alternative.name] for alternative in optional]
 
@@ -404,7 +405,7 @@ class Variants:
     def held_records(self) -> list[tuple[str, Call]]:
         """Parameters that registers hold at run time: the attribute of the variant, and its record."""
         records: list[tuple[str, Call]] = []
-        # A group is a register with the parameters that it holds.
+        # A group consists of a register and the parameters that it holds.
         for group in held_parameters(self.device):
             for held_parameter in group.parameters:
                 attribute_name = self.context.parameters[held_parameter.parameter.name]
@@ -425,7 +426,7 @@ class Variants:
     def _held_record(self, register: Register, held_parameter: HeldParameter) -> Call:
         """Return the record of a parameter in a register: its place, its default, its limits or its codes.
 
-        A register without a default has zeros, and ``by_order_code`` marks it.
+        A register without a default contains zeros, and ``by_order_code`` marks it.
         """
         parameter = held_parameter.parameter
         record_members: dict[str, Literal] = {

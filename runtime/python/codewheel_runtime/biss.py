@@ -123,10 +123,10 @@ def crc(value: int, bits: int) -> int:
 
     Args:
         value: Control data, the highest bit sent first.
-        bits: Number of bits.
+        bits: Number of bits. Any higher bits of ``value`` are ignored.
 
     Returns:
-        The CRC, 4 bits.
+        The CRC, 4 bits, inverted as it is sent.
     """
     value = index(value)
     register = 0
@@ -140,7 +140,7 @@ def crc(value: int, bits: int) -> int:
 
 
 def bit_at(bits: int, place: int) -> int:
-    """Return a bit of a number. The lowest one is at place 0."""
+    """Return a bit of a number. The lowest bit is at place 0."""
     return (bits >> place) & 1
 
 
@@ -202,7 +202,7 @@ def decode_byte(bits: int) -> int:
         The byte.
 
     Raises:
-        LengthError: There are more than 12 bits.
+        LengthError: There are more than 12 bits, or the number is negative.
         CrcError: The CRC does not match.
     """
     bits = whole_number("bits", bits)
@@ -249,7 +249,7 @@ class Request:
 
     @classmethod
     def decode(cls, word: int) -> Request:
-        """Decode a word of the layout of ``encode``.
+        """Decode a word with the layout of ``encode``.
 
         Args:
             word: The 32 bits, with the first one most significant.
@@ -297,7 +297,7 @@ class Request:
         return (0,) * ZEROS + start_bit + word_bits
 
     def _check_echo(self, answers: int) -> Outcome:
-        """Return the outcome of 18 answers, from IDL0 in bit 17 to W in bit 0. RUNNING if the slave participates."""
+        """Return the outcome of 18 answers, from IDL0 in bit 17 to W in bit 0. RUNNING if the slave accepts."""
         # With all answers 1, CDS never changes. IDL0 is the first answer, followed by those of the other IDs: a 1 shows
         # that a slave has taken the ID.
         has_taken_id = bit_at(answers, _ECHO_BITS - 1 - self.slave_id)
@@ -313,7 +313,7 @@ class Request:
             return Outcome.RUNNING
         if access_bits == refused_bits:
             return Outcome.REFUSED
-        # Only a read gets here with 00.
+        # Only a read gets here with the bits 00.
         return Outcome.NO_ANSWER if access_bits == 0 else Outcome.BAD_ECHO
 
     def _check_data(self, answers: int) -> tuple[Outcome, int | None]:
@@ -349,7 +349,8 @@ class Answer:
     def decode(cls, request: Request, cds: int) -> Answer:
         """Decode the CDS bits of the 32 frames in which the word of a request was sent.
 
-        This is for masters that send a whole word before they look at the answer. They cannot wait for a busy slave.
+        This function is for masters that send a whole word before they look at the answer. They cannot wait for a busy
+        slave.
 
         Args:
             request: The request.
@@ -380,12 +381,14 @@ class Answer:
 
 
 def _count_slaves(idl: int) -> int:
-    """Return how many slaves have taken an ID, according to IDL0 (bit 15) to IDL15 (bit 0). 9 means more than 8.
+    """Return how many slaves have taken an ID, according to IDL0 (bit 15) to IDL15 (bit 0).
+
+    A value of 9 means more than 8.
 
     Three slaves give ``0b1110_0000_0000_0000``.
     """
-    # Slaves take IDs from 0 on, so their number is that of the ones before the first 0. In the inverted bits, this is
-    # the highest 1.
+    # Slaves take IDs from 0 on, so their number is the number of 1 bits before the first 0. In the inverted bits, this
+    # is the highest 1.
     inverted = ~idl & 0xFFFF
     return min(9, 16 - inverted.bit_length())
 
@@ -445,8 +448,8 @@ class Master:
                 20 ms.
 
         Raises:
-            RangeError: The ID or the address is out of range, or the registers extend beyond 3Fh or 7Fh. Nothing is
-                sent.
+            RangeError: The ID or the address is out of range, ``count`` is not 1 or more, or the registers extend
+                beyond 3Fh or 7Fh. An access in progress then continues.
         """
         # A value of None reads a register. One more than allowed is enough for the error, so the list stays short.
         values: list[int | None] = [None] * min(whole_number("count", count), REGISTERS + 1)
@@ -463,20 +466,21 @@ class Master:
                 20 ms.
 
         Raises:
-            RangeError: The ID or the address is out of range, or the registers extend beyond 3Fh or 7Fh. Nothing is
-                sent.
+            RangeError: The ID or the address is out of range, ``data`` is empty, or the registers extend beyond 3Fh or
+                7Fh. An access in progress then continues.
         """
         self._begin_frame(slave_id, address, list(as_bytes(data)), busy_limit)
 
     def _begin_frame(self, slave_id: int, address: int, values: list[int | None], busy_limit: int) -> None:
-        """Start a control frame, and forget the state of the previous one.
+        """Start a control frame, and forget the state of the previous one, except how many zeros were sent.
 
-        ``values`` has the byte to write for each register from ``address`` on, or None to read it.
+        ``values`` has the byte to write for each register from ``address`` on, or None to read it. Raises RangeError as
+        ``read`` and ``write`` do, before anything is changed.
         """
         slave_id = whole_number("slave_id", slave_id)
         address = whole_number("address", address)
         first_value = values[0] if values else None
-        head = Request(slave_id, address, first_value).encode()
+        first_word = Request(slave_id, address, first_value).encode()
         # The access ends at 3Fh or 7Fh.
         count_limit = REGISTERS - address % REGISTERS
         if not 0 < len(values) <= count_limit:
@@ -490,7 +494,7 @@ class Master:
         self._requests = tuple(Request(slave_id, address + index, value) for index, value in enumerate(values))
         self._busy_limit = busy_limit
         # The highest 17 of 32 bits: CTS to W.
-        self._bits_to_send = head >> 15
+        self._bits_to_send = first_word >> 15
 
     def abort(self) -> None:
         """Abort the access by sending zeros. An aborted write can store another value, as described above."""
@@ -530,9 +534,9 @@ class Master:
         return 0
 
     def _follow_header(self, cds: int) -> int:
-        """Return the CDM bits of steps 2 and 3: CTS, ID, ADR, their CRC, R and W. The bit after them is S.
+        """Return the next CDM bit of steps 2 and 3: CTS, ID, ADR, their CRC, R and W. The bit after them is S.
 
-        If the slave refuses or does not answer, this bit is 0 and ends the access.
+        If the answers do not accept the access, this bit is 0 and ends it.
         """
         self._answer_bits = append_bit(self._answer_bits, cds)
         self._bit_count += 1
@@ -542,7 +546,7 @@ class Master:
         # R and W, the last two answers, follow the IDL bits.
         idl = self._answer_bits >> 2
         self.slaves = _count_slaves(idl)
-        # The header is that of the first register.
+        # The header belongs to the first register.
         first_request = self._requests[0]
         echo = first_request._check_echo(self._answer_bits)
         if echo is not Outcome.RUNNING:
@@ -558,8 +562,8 @@ class Master:
     def _follow_start(self, cds: int) -> int:
         """Return the CDM bit of step 4: S = 1, which asks the slave to look up a register, until the slave answers 1.
 
-        Then return DATA7, the first bit of the byte. An answer of 0 means that the slave is busy. After ``_busy_limit``
-        of them, the access ends.
+        Then return DATA7, the first bit of the byte. An answer of 0 means that the slave is busy. After more than
+        ``_busy_limit`` of them, the access ends.
         """
         if not cds:
             if self._busy_count >= self._busy_limit:
@@ -573,7 +577,7 @@ class Master:
         return bit_at(self._bits_to_send, BYTE_BITS - 1)
 
     def _follow_byte(self, cds: int) -> int:
-        """Return the CDM bits of steps 5 to 7: the rest of a byte (DATA) and its CRC, P, and S if a register follows.
+        """Return the next CDM bit of steps 5 to 7: DATA6..0, their CRC, P, and S if a register follows.
 
         In a read, DATA and CRC are zeros, and the answers to them are the byte. P is always 0.
         """
@@ -663,7 +667,7 @@ class RegisterBus:
             data: Bytes to write to ascending addresses.
 
         Raises:
-            AccessError: At least one register could not be written.
+            AccessError: The access failed. Some or all of the registers may have been written.
             RangeError: The ID or the address is out of range, or the registers extend beyond 3Fh or 7Fh.
         """
         self._master.write(address, data, slave_id=self.slave_id, busy_limit=self.busy_limit)
@@ -683,8 +687,8 @@ class Slave:
     """BiSS C slave, for simulators and test benches.
 
     Call :meth:`next` once in every BiSS frame, then check ``wants``. To answer S in time, the slave requests a byte
-    before it is certain that the master reads it: after W, and after P if several registers are read. Registers with
-    side effects on reading must allow for that.
+    before it is certain that the master reads it: after W, and after each P the byte of the following register, even if
+    the master does not continue. Registers with side effects on reading must allow for that.
 
     Attributes:
         readable: Addresses that a master may read. Others are refused.
@@ -692,7 +696,7 @@ class Slave:
         wants: Request of the slave.
         address: Address of the register in the request.
         value: Value to store.
-        slave_id: ID in the last control frame, or None.
+        slave_id: ID in the last control frame, or None if this slave has taken none.
     """
 
     def __init__(self, readable: Iterable[int] = range(128), writable: Iterable[int] = range(128)) -> None:
@@ -713,7 +717,7 @@ class Slave:
         self._register_address = 0
         #: Number of zeros that were received since the last 1.
         self._zeros = 0
-        #: Number of CDM bits in ``_received``, which are those of this phase, the last one in bit 0.
+        #: Number of CDM bits of this phase in ``_received``, the last one in bit 0.
         self._bit_count = 0
         self._received = 0
 
@@ -783,7 +787,7 @@ class Slave:
             self.address = self._register_address
 
     def _leave_frame(self) -> None:
-        """Leave the control frame, because the rest of it is not for this slave.
+        """Leave the control frame, and ignore the rest of it.
 
         The program need not fulfil a request for a byte any more, but a value that was received is still stored.
         """
@@ -800,7 +804,7 @@ class Slave:
     def _answer_id_bit(self, upstream: int) -> int:
         """Return the CDS bit of an IDL bit: 1 to take it as the ID, otherwise the bit that arrives at SLI.
 
-        The IDL bits stand for the IDs 0, 1, 2 and so on. A slave takes the first one that no slave further from the
+        The IDL bits stand for the IDs 0, 1, 2 and so on. A slave takes the first ID that no slave further from the
         master has taken.
         """
         if upstream or self._has_taken_id or self._bit_count > IDS:
@@ -813,7 +817,7 @@ class Slave:
     def _follow_header(self, cdm: int, upstream: int) -> int:
         """Return the answer to a CDM bit of steps 2 and 3, which are in the table of this module.
 
-        The answers to CTS, ID, ADR and their CRC are the IDL bits. Those to R and W follow.
+        The answers to CTS, ID, ADR and their CRC are the IDL bits. The answers to R and W follow.
         """
         self._received = append_bit(self._received, cdm)
         self._bit_count += 1
@@ -828,7 +832,7 @@ class Slave:
     def _take_address(self) -> None:
         """Take the address of the register from the header. Leave the frame if it is not for this slave.
 
-        It is not if it is a command (CTS = 0), has another ID, or has a CRC error.
+        It is not for this slave if it is a command (CTS = 0), has another ID, or has a CRC error.
         """
         head = ControlHead.decode_with_crc(self._received)
         is_for_this_slave = head is not None and head.is_register_access and head.slave_id == self.slave_id
@@ -858,7 +862,8 @@ class Slave:
     def _follow_start(self, cdm: int, upstream: int) -> int:
         """Return the answer of step 4 to S, the start bit of a register: 0 while the slave is busy, otherwise 1.
 
-        The slave is busy until the program has fulfilled its request (``wants``).
+        The slave is busy until the program has fulfilled its request (``wants``). If the master sends 0 instead of S,
+        leave the frame and return the bit that arrives at SLI.
         """
         if not cdm:
             self._leave_frame()
@@ -887,7 +892,10 @@ class Slave:
         return cdm
 
     def _answer_p_bit(self, cdm: int) -> int:
-        """Return the answer to P, the bit after a byte: 0 if the next register can be accessed, 1 to refuse it."""
+        """Return the answer to P, the bit after a byte: 0 if the next register can be accessed, 1 to refuse it.
+
+        A P of 1, which masters do not send, is answered with 1 too.
+        """
         # A control frame cannot go beyond 3Fh or 7Fh.
         is_last = self._register_address % REGISTERS == REGISTERS - 1
         if not is_last:

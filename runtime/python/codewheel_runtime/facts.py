@@ -145,7 +145,7 @@ class Crc(NamedTuple):
 
 
 class Scale(NamedTuple):
-    """Quantity that a number stands for: ``(number * numerator + offset) / denominator``, in ``unit``."""
+    """Quantity that a number represents: ``(number * numerator + offset) / denominator``, in ``unit``."""
 
     numerator: int
     denominator: int
@@ -190,10 +190,10 @@ class FieldFacts(NamedTuple):
     """Facts about a field. For its position in the frame, see ``bit_fields`` of the class.
 
     ``active`` is ``high`` or ``low`` for a flag. ``constant`` is the value of a constant field, ``unused`` the value of
-    unused bits in the manual. ``implemented`` is False for a field that this encoder does not have. ``reserved`` is the
-    only party that may use it. ``explained_by`` lists register fields with details, as ``register.field``.
-    ``zero_means`` is the value that is sent as 0, if there is one. ``scale`` gives the quantity that a number stands
-    for.
+    unused bits in the manual. ``implemented`` is False for a field that does not exist in this encoder. ``reserved`` is
+    the only party that may use it. ``explained_by`` lists register fields with details, as ``register.field``.
+    ``zero_means`` is the value that is sent as 0, if there is such a value. ``scale`` gives the quantity that a number
+    stands for.
     """
 
     name: str
@@ -221,7 +221,7 @@ class FieldFacts(NamedTuple):
 class RegisterMeaning(NamedTuple):
     """One of several meanings of a register. It applies while the field ``when`` has the value ``value``.
 
-    ``min`` and ``max`` are its limits as given in the manual. The register's class has them as numbers.
+    ``min`` and ``max`` are its limits as given in the manual. The register's class contains them as numbers.
     """
 
     name: str
@@ -268,7 +268,7 @@ class Register(NamedTuple):
 
 
 class Timing(NamedTuple):
-    """Time with its bounds in microseconds. ``only`` describes the order codes that have it, if not all do."""
+    """Time with its bounds in microseconds. ``only`` describes the order codes that have it, unless all have it."""
 
     name: str
     meaning: str
@@ -301,7 +301,7 @@ class Clock(NamedTuple):
 class CableLength(NamedTuple):
     """Clock limit: cables shorter than ``shorter_than_m`` need a clock below ``below_hz``.
 
-    ``only`` describes the order codes that have it, if not all do.
+    ``only`` describes the order codes that have it, unless all have it.
     """
 
     shorter_than_m: int
@@ -347,7 +347,7 @@ class PrintedTimeout(NamedTuple):
 
 
 class Timeout(NamedTuple):
-    """Time-out after a frame. ``only`` describes the order codes that have it, if not all do."""
+    """Time-out after a frame. ``only`` describes the order codes that have it, unless all have it."""
 
     rule: TimeoutRule
     half_clock_periods: int | None = None
@@ -364,7 +364,8 @@ class Timeout(NamedTuple):
             clock_hz: Clock frequency in hertz.
 
         Returns:
-            The time-out in nanoseconds, or None if the manual does not give it for this frequency.
+            The time-out in nanoseconds, or None if the manual does not give it for this frequency. A fixed time-out is
+            the typical one, or else the maximum.
         """
         if self.half_clock_periods is not None:
             return self.half_clock_periods * 500_000_000 / clock_hz
@@ -382,7 +383,7 @@ class NamedValue(NamedTuple):
 
 
 class ControlField(NamedTuple):
-    """Field of the BiSS control frame. ``crc`` is the name of the CRC in the field, if there is one."""
+    """Field of the BiSS control frame. ``crc`` is the name of the CRC in the field, if it has a CRC."""
 
     name: str
     bits: int
@@ -424,10 +425,10 @@ def _rows_for_code(rows: tuple[_Row, ...], code: str) -> tuple[_Row, ...]:
 
 
 def _fits(only: str, code: str) -> bool:
-    """Return whether an order code is among those of ``only``. An empty ``only`` means all of them.
+    """Return whether ``only`` selects an order code. An empty ``only`` means all of them.
 
-    ``...`` stands for any text and ``x`` for any one character: ``X-2x, Y...`` fits ``X-24`` and ``Y8``. Commas
-    separate several patterns. The hyphen after an order code on a label counts as part of it.
+    ``...`` represents any text and ``x`` any one character: ``X-2x, Y...`` fits ``X-24`` and ``Y8``. Commas separate
+    several patterns. The hyphen after an order code on a label counts as part of it.
     """
     if not only:
         return True
@@ -484,7 +485,8 @@ class SsiFacts(NamedTuple):
             cable_m: Length of the cable in metres.
 
         Returns:
-            The limit in hertz. The clock must be below it. None if the cable is too long for the table.
+            The limit in hertz. The clock must be below it. None if the cable is too long for the table, or if there is
+            no table.
         """
         rows = (row for row in self.cable_lengths if not row.only)
         return next((row.below_hz for row in rows if cable_m < row.shorter_than_m), None)
@@ -586,7 +588,7 @@ class SpiFacts(NamedTuple):
 
 
 class Rs485Facts(NamedTuple):
-    """Facts about the RS-485 interface. Its requests have either ``data_ids`` or ``exchanges``."""
+    """Facts about the RS-485 interface. Its requests are either in ``data_ids`` or in ``exchanges``."""
 
     port: Port
     data_ids: tuple[DataIdFacts, ...] = ()
@@ -611,7 +613,7 @@ class Alarm(NamedTuple):
     ``field`` is its flag, in a frame or in ``register``. ``latch`` is True if it stays active until it is reset.
     ``below_mv`` is the voltage in millivolts below which it is raised. ``cleared_by`` lists the procedures that clear
     it, and ``by_hand`` lists the characteristics that describe manual steps. ``only`` describes the order codes that
-    have it, if not all do.
+    have it, unless all have it.
     """
 
     name: str
@@ -632,7 +634,7 @@ class Alarm(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """Pin or wire. ``only`` describes the order codes that have it, if not all do."""
+    """Pin or wire. ``only`` describes the order codes that have it, unless all have it."""
 
     contact: str
     signal: str
@@ -655,8 +657,8 @@ class Connector(NamedTuple):
 class LedState(NamedTuple):
     """State of an LED and its meaning.
 
-    ``only`` describes the order codes that have it, if not all do. ``by_hand`` lists the characteristics that describe
-    manual steps.
+    ``only`` describes the order codes that have it, unless all have it. ``by_hand`` lists the characteristics that
+    describe manual steps.
     """
 
     state: str
@@ -722,7 +724,7 @@ class Quantity(NamedTuple):
 
 
 class Characteristic(NamedTuple):
-    """Further fact, as text and in ``values`` as quantities with units.
+    """Additional fact: its text, and its quantities with units in ``values``.
 
     ``only`` describes the order codes that it applies to, if not all.
     """

@@ -28,8 +28,8 @@ class Rotary(Encoder):
     def degrees(self, position: int) -> float:
         """Convert ``position`` from counts to degrees within one revolution.
 
-        A count of ``unwrap`` can be outside the range of positions. It is at the same angle as the position from which
-        it was computed. For continuous degrees, multiply by 360 and divide by ``counts_per_turn``.
+        A count of ``unwrap`` can be outside the range of positions. Such a count is at the same angle as the position
+        from which it was computed. For continuous degrees, multiply by 360 and divide by ``counts_per_turn``.
 
         Raises:
             RangeError: The encoder does not send such a position.
@@ -134,8 +134,8 @@ class FineLinear(Length):
 class Wrapping(Encoder):
     """Encoder whose positions wrap around. If they do not wrap around, the methods raise ValueError.
 
-    If frames of different classes have different ranges, ``range_of`` returns that of one class, and the methods and
-    attributes here raise ValueError.
+    If frames of different classes have different ranges, ``range_of`` returns the range of one class, and the methods
+    and attributes here raise ValueError.
     """
 
     @property

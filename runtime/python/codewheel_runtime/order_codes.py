@@ -26,7 +26,7 @@ class OrderCodeError(ValueError):
 
     Attributes:
         label: The label.
-        part: Name of the wrong part, if there is exactly one.
+        part: Name of the wrong part. The first of several that cannot be combined, or empty if it is not known.
         reason: What is wrong.
         nearest: Order codes most similar to the label.
     """
@@ -97,7 +97,7 @@ class Spelling(NamedTuple):
     source: str = ""
 
     def listed_text(self, part: str, text: str) -> str:
-        """Return the text of a part in the usual spelling. Texts that are spelled alike are returned unchanged."""
+        """Return the text of a part in the usual spelling. Texts with the same spelling are returned unchanged."""
         for spelled in self.values:
             if spelled.part == part and spelled.text.upper() == text.upper():
                 return spelled.value
@@ -107,11 +107,11 @@ class Spelling(NamedTuple):
 class Label(NamedTuple):
     """Label split into its parts.
 
-    ``code`` and ``parts`` are those of the label in the usual spelling. ``listed`` contains the parts of the listed
-    code used in place of the label. A value that the manual does not list is replaced by the first listed value that
-    can be combined with the others. ``unlisted`` are the names of these parts. ``tail`` is the text that follows the
-    code, from its ``-`` on, and ``special`` the ``/Sxxx`` suffix of the label. ``written_as_in`` is the document that
-    uses the label's spelling, if it is not the usual one.
+    ``code`` and ``parts`` describe the label in the usual spelling. ``listed`` contains the parts of the listed code
+    used in place of the label. A value that the manual does not list is replaced by the first listed value that can be
+    combined with the others. ``unlisted`` are the names of these parts. ``tail`` is the text that follows the code,
+    from its ``-`` on, and ``special`` the ``/Sxxx`` suffix of the label. ``written_as_in`` is the document that uses
+    the label's spelling, if it is not the usual spelling.
     """
 
     code: str
@@ -156,6 +156,7 @@ class OrderCode(NamedTuple):
 
         Raises:
             OrderCodeError: The label is not an order code of the family.
+            TypeError: ``label`` is not a string.
         """
         text = check_label(label)
         # A part of the code itself may look like /Sxxx, so only text after the code is treated as this suffix.
@@ -228,8 +229,9 @@ class OrderCode(NamedTuple):
     ) -> OrderCodeError:
         """Return the error for valid parts that cannot be combined.
 
-        It names each part of which another listed value would make a listed code. ``text`` is the label, and
-        ``part_texts`` has the text of each part. ``listed_values`` has its listed value, or None.
+        It names each part of which another listed value would make a listed code, or none if there is no such part.
+        ``text`` is the label, and ``part_texts`` has the text of each part. ``listed_values`` has its listed value, or
+        None.
         """
         names: list[str] = []
         for part in self.parts:
@@ -243,7 +245,7 @@ class OrderCode(NamedTuple):
     def _make_expression(self, any_for: str = "") -> str:
         """Return a regular expression for the whole code, with a named group for each part.
 
-        The part with the name ``any_for`` may have any text, also none.
+        The part with the name ``any_for`` may have any letters and digits, also none.
         """
         expressions = {part.name: _match_values(part) for part in self.parts}
         if any_for:
@@ -264,8 +266,8 @@ class OrderCode(NamedTuple):
     def _unknown_code_error(self, text: str, family: str, codes: Mapping[str, tuple[str, ...]]) -> OrderCodeError:
         """Return the error for a text that is not an order code.
 
-        It names the wrong part: with any text for this part, the label would be an order code. If there is no such
-        part, the message names none.
+        It names the wrong part: with any letters and digits allowed in this part, the label would be an order code. If
+        there is no such part, the message names none.
         """
         nearest_codes = find_nearest(codes, text)
         candidates: list[_WrongPart] = []
@@ -277,7 +279,7 @@ class OrderCode(NamedTuple):
                 candidates.append(_WrongPart(part, match[part.name], unlisted_count))
         if not candidates:
             return OrderCodeError(text, "", f"is not an order code of {family}", nearest_codes)
-        # Blame the part that leaves the fewest unlisted values in the others, and among equals a missing part.
+        # Blame the part that leaves the fewest unlisted values in the other parts, and among equals a missing part.
         part, part_text, _ = min(candidates, key=lambda candidate: (candidate.unlisted_count, candidate.text != ""))
         problem = f"has {part.name} '{part_text}'" if part_text else f"has no {part.name}"
         valid_values = ", ".join(value.text for value in part.values)
@@ -285,7 +287,7 @@ class OrderCode(NamedTuple):
 
 
 class _WrongPart(NamedTuple):
-    """Part of a label that may be the wrong one.
+    """Part of a label that may be wrong.
 
     Attributes:
         part: The part.
@@ -314,16 +316,16 @@ def check_label(label: str) -> str:
 
 
 def find_nearest(codes: Iterable[str], text: str) -> tuple[str, ...]:
-    """Return the three codes most similar to ``text``, or to the part of it before a tail.
+    """Return the codes most similar to ``text`` without its tail, at most three, the most similar first.
 
-    ``X-24-TAIL`` is compared with the code ``X-25`` as ``X-24``, because this code has two pieces.
+    ``X-24-TAIL`` is compared with the code ``X-25`` as ``X-24``, because the code has two pieces.
     """
     from difflib import SequenceMatcher
 
     pieces = text.upper().split("-")
 
     def likeness(code: str) -> float:
-        """Return the similarity of a code, from 0 to 1, to as many pieces of the text as the code has."""
+        """Return the similarity, from 0 to 1, of a code to the same number of pieces of the text."""
         piece_count = code.count("-") + 1
         text_without_tail = "-".join(pieces[:piece_count])
         return SequenceMatcher(None, code, text_without_tail).ratio()
@@ -335,7 +337,8 @@ def find_nearest(codes: Iterable[str], text: str) -> tuple[str, ...]:
 def _can_be_combined(part: Part, listed_values: Mapping[str, str | None]) -> bool:
     """Return whether an unlisted value of a part can be combined with the values of the other parts.
 
-    ``listed_values`` has the listed value of each part by name, None for an unlisted one, which is always accepted.
+    ``listed_values`` contains the listed value of each part by name, None for an unlisted value, which is always
+    accepted.
     """
     for name, allowed in part.open_only_with.items():
         value = listed_values[name]

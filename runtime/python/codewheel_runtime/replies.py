@@ -15,8 +15,9 @@ __all__ = ["FoundReply", "PendingRequest", "ReplyKind", "compute_xor", "find_err
 class ReplyKind(NamedTuple):
     """Request, by its first byte, and its reply.
 
-    ``control`` is the first byte of the request, and ``length`` the number of bytes of the reply. ``flags`` are the
-    names of the flags in the reply. ``repeats_first`` is True if the reply also begins with ``control``.
+    ``control`` is the first byte of the request, ``id`` its data ID, or 0 if it has none, and ``length`` the number of
+    bytes of the reply. ``flags`` are the names of the flags in the reply. ``repeats_first`` is True if the reply also
+    begins with ``control``.
     """
 
     name: str
@@ -61,8 +62,8 @@ class FoundReply(NamedTuple):
 def find_reply(received: bytes, pending: PendingRequest, kinds: Mapping[int, ReplyKind]) -> FoundReply | None:
     """Return the reply to a request in the received bytes, or None.
 
-    The reply has the length and the first byte of its kind, and no error. Any bytes may precede it, such as an echo,
-    but only complete replies may follow it. If several places fit, the last one is the reply.
+    The reply has the length and the first byte of its kind, and contains no error. Any bytes may precede it, such as an
+    echo, but only complete replies may follow it. If several places fit, the last one is the reply.
     """
     if not pending.kind.repeats_first:
         return _find_among_any_bytes(received, pending)
@@ -92,7 +93,7 @@ def _find_among_any_bytes(received: bytes, pending: PendingRequest) -> FoundRepl
     """Return a reply that can begin with any byte, or None.
 
     The received bytes, with or without the echo of the request in front, must be exactly one reply, or several replies
-    and nothing between them. Of several, the last one is the reply, and the others are in ``same_kind``.
+    and nothing between them. Of several, the last is the reply, and the others are in ``same_kind``.
     """
     length = pending.kind.length
     for candidate in (received, received.removeprefix(pending.data)):
@@ -125,13 +126,16 @@ def split_replies(data: bytes, pending: PendingRequest, kinds: Mapping[int, Repl
 
 
 def find_error(reply: bytes, pending: PendingRequest) -> FrameError | None:
-    """Return the error that decoding raises if ``reply`` is a reply to ``pending``, or None if it is valid."""
+    """Return the error that decoding raises if ``reply`` is a reply to ``pending``, or None if it is valid.
+
+    If its fields cannot be decoded without an answer to an open question, only its last byte is checked.
+    """
     try:
         pending.decode(reply)
     except FrameError as error:
         return error
     except TypeError:
-        # Fields that need an answer cannot be decoded here. The last byte is the XOR of all others.
+        # The last byte is the XOR of all others.
         difference = compute_xor(reply)
         return CrcError(reply[-1], reply[-1] ^ difference) if difference else None
     return None

@@ -30,7 +30,7 @@ class Write(NamedTuple):
 
     @property
     def data(self) -> bytes:
-        """Bytes to write. Raises RangeError if the value does not fit into them."""
+        """Bytes to write. Raises RangeError if the value does not fit into these bytes."""
         return check_width("value", self.value, 8 * self.length).to_bytes(self.length, "big")
 
 
@@ -54,7 +54,7 @@ class Send(NamedTuple):
         in_succession: True if no other request may be sent between the requests.
         reply_length: Number of bytes in the reply to each request, 0 if it is not known. The first byte of the reply
             equals the first byte of the request.
-        reply_ends_in_xor: True if the last byte of the reply is the XOR of all others.
+        reply_ends_in_xor: True if the last byte of the reply is the XOR of all other bytes.
     """
 
     request: bytes
@@ -94,7 +94,7 @@ class Verify(NamedTuple):
 
 @by_class
 class Modify(NamedTuple):
-    """Read a register, replace its bits in ``mask`` by those of ``value``, and write it.
+    """Read a register, replace its bits in ``mask`` by the bits of ``value``, and write it.
 
     ``mask`` and ``value`` apply to the number that the bytes form. ``order`` is its byte order, as in
     ``int.from_bytes``. ``whole`` is true if the register has a single address for several bytes.

@@ -17,8 +17,8 @@ runtimes = [place for place in places if (place / "codewheel_runtime").is_dir()]
 if runtimes:
     run_path(str(runtimes[0] / "codewheel_runtime" / "version.py"))["require"]("this package", NEEDED)
 
-# Archives and wheels are for other machines, so they do not refer to a folder of this one. pip reads the requirements
-# before it builds the wheel that it installs, and finds the runtime in its folder.
+# Archives and wheels are for other machines, so they do not refer to a folder of this machine. pip reads the
+# requirements before it builds the wheel that it installs, and finds the runtime in its folder.
 is_distribution = "sdist" in sys.argv or "bdist_wheel" in sys.argv
 requirement = f"codewheel-runtime @ {runtimes[0].as_uri()}" if runtimes and not is_distribution else FITTING
 if "bdist_wheel" in sys.argv and "--dist-info-dir" in sys.argv:

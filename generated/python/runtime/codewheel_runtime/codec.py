@@ -11,7 +11,7 @@ from typing import Any, Final, NamedTuple, NoReturn, Protocol, SupportsIndex, Ty
 
 from .errors import FrameError, LengthError, RangeError
 
-#: A frame or register made of bytes: any buffer of single bytes, such as one row of an array.
+#: A frame or register in bytes: any buffer of single bytes, such as one row of an array.
 Data = bytes | bytearray | memoryview
 
 #: A frame that is a string of bits: a number, the first bit sent most significant, text of 0 and 1, or bytes that
@@ -123,7 +123,7 @@ def check_kind(kind: object, kinds: object) -> None:
 
 
 def whole_number(name: str, value: SupportsIndex) -> int:
-    """Return an integer of any type as an int. A bool is rejected."""
+    """Return an integer of any type as an int. Raises TypeError for a bool and for other values."""
     if not isinstance(value, bool):
         try:
             return index(value)
@@ -135,10 +135,12 @@ def whole_number(name: str, value: SupportsIndex) -> int:
 def as_word(frame: Word, length: int, bits: int | None) -> int:
     """Return a frame of ``length`` bits as one number. ``bits`` is the number of bits received, if known.
 
+    The number itself is not checked: it can be negative, or have more than ``length`` bits.
+
     Raises:
-        LengthError: There are more or fewer bits.
+        LengthError: ``bits`` or the number of digits is not ``length``, or the bytes are not those of ``length`` bits.
         RangeError: The text contains characters other than 0 and 1.
-        TypeError: ``bits`` is not an integer.
+        TypeError: ``bits`` is not an integer, or the frame is not a ``Word``.
     """
     if bits is not None:
         bits = whole_number("bits", bits)
@@ -151,7 +153,7 @@ def as_word(frame: Word, length: int, bits: int | None) -> int:
         bits = len(digits)
         number = int(digits or "0", 2)
     elif isinstance(frame, (bytes, bytearray, memoryview)):
-        # As in files: as few bytes as possible, padded with zeros in front.
+        # As in files: as few bytes as possible, with leading zeros.
         data = as_bytes(frame)
         byte_count = (length + 7) // 8
         if len(data) != byte_count:
@@ -165,7 +167,9 @@ def as_word(frame: Word, length: int, bits: int | None) -> int:
 
 
 def _take_binary_digits(text: str) -> str:
-    """Return the binary digits of a frame, without ``0b`` in front. Raises RangeError if there are other characters.
+    """Return the binary digits of a frame, without a leading ``0b``.
+
+    Raises RangeError if the text contains other characters.
 
     Underscores and spaces between digits are accepted: they make long frames readable.
     """
@@ -190,7 +194,7 @@ def as_bytes(data: Data) -> bytes:
     except TypeError:
         advice = "bytes.fromhex(text)" if isinstance(data, str) else "bytes or another buffer of bytes"
         raise TypeError(f"expected bytes, got {shorten(data)}: pass {advice}") from None
-    # The formats of signed and unsigned bytes, and of characters. The byte order can be in front.
+    # The formats of signed and unsigned bytes, and of characters. A mark of the byte order can precede them.
     if view.ndim != 1 or view.itemsize != 1 or view.format[-1] not in "Bbc":
         shape = "items" if view.ndim == 1 else f"items in {view.ndim} dimensions"
         raise TypeError(f"expected a row of bytes, got a buffer of {shape} of the format '{view.format}': pass bytes")
@@ -205,7 +209,8 @@ def assert_never(kind: NoReturn) -> NoReturn:
 def check_width(field: str, value: SupportsIndex, bits: int) -> int:
     """Return ``value`` as an int. Raises RangeError unless it fits into ``bits`` bits."""
     number = value if type(value) is int else whole_number(field, value)
-    # Nothing is left of a number that fits. A negative number keeps its sign when it is shifted, so it is not 0 either.
+    # Nothing is left of a number that fits. A negative number keeps its sign when it is shifted, so the result is not 0
+    # either.
     if number >> bits:
         raise RangeError(field, number, f"0 to {(1 << bits) - 1}")
     return number
@@ -216,7 +221,10 @@ NO_SUCH_FLAG: Final = "False, since this encoder has no such flag"
 
 
 def check_flag(field: str, value: object) -> bool:
-    """Return ``value`` as a bool. The numbers 0 and 1 are accepted, and so are the bools of NumPy."""
+    """Return ``value`` as a bool. The numbers 0 and 1 are accepted, and so are the bools of NumPy.
+
+    Raises RangeError for other integers, and TypeError for other values.
+    """
     if type(value) is bool:
         return value
     # The bools of NumPy are not integers.
@@ -267,7 +275,7 @@ def check_power_of_two(field: str, value: SupportsIndex) -> None:
 
 
 def as_member(kind: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
-    """Return ``value`` as a member of ``kind``. Raises RangeError unless it is the number of one."""
+    """Return ``value`` as a member of ``kind``. Raises RangeError unless it is the number of a member."""
     number = value if type(value) is int else whole_number(field, value)
     try:
         return kind(number)
@@ -278,13 +286,13 @@ def as_member(kind: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
 def text_number(field: str, text: str, length: int) -> int:
     """Return ``length`` characters as one number, with the first one most significant: ``0x4142`` for ``"AB"``.
 
-    Latin-1 has a character for each byte, so every decoded text can be encoded again. Raises RangeError for another
-    length or other characters.
+    Latin-1 contains a character for each byte, so every decoded text can be encoded again. Raises RangeError for
+    another length or other characters.
     """
     try:
         data = text.encode("latin-1")
     except UnicodeEncodeError:
-        # No bytes have the wrong length, so the error below follows.
+        # No bytes are of the wrong length, so the error below follows.
         data = b""
     if len(data) != length:
         raise RangeError(field, text, f"{length} Latin-1 characters")
@@ -294,7 +302,7 @@ def text_number(field: str, text: str, length: int) -> int:
 def signed(value: int, bits: int) -> int:
     """Interpret ``bits`` bits as a two's complement number: with 4 bits, 15 is -1.
 
-    It is called for each frame, so it is one expression. A field without bits has no sign bit.
+    The function is called for each frame, so it is one expression. A field without bits has no sign bit.
     """
     return value - (1 << bits) if value & ((1 << bits) >> 1) else value
 
@@ -312,7 +320,10 @@ def zero_for(field: str, value: SupportsIndex, zero_means: int, bits: int) -> in
 
 
 def from_gray(number: int, low: int, width: int, excess: int = 0) -> int:
-    """Convert the ``width`` bits of ``number`` that start at bit ``low`` from Gray code to binary, minus ``excess``."""
+    """Return ``number`` with ``width`` bits from ``low`` up converted from Gray code to binary, minus ``excess``.
+
+    The difference wraps around in ``width`` bits. The other bits of ``number`` do not change.
+    """
     mask = (1 << width) - 1
     gray = (number >> low) & mask
     # Each bit of the binary number is the XOR of all Gray bits from it up to the highest.
@@ -324,7 +335,10 @@ def from_gray(number: int, low: int, width: int, excess: int = 0) -> int:
 
 
 def to_gray(number: int, low: int, width: int, excess: int = 0) -> int:
-    """Convert the ``width`` bits of ``number`` that start at bit ``low``, plus ``excess``, from binary to Gray code."""
+    """Return ``number`` with ``width`` bits from ``low`` up, plus ``excess``, converted from binary to Gray code.
+
+    The sum wraps around in ``width`` bits. The other bits of ``number`` do not change.
+    """
     mask = (1 << width) - 1
     binary = ((number >> low) + excess) & mask
     other_bits = number & ~(mask << low)
@@ -336,8 +350,9 @@ def unwrap(
 ) -> int:
     """Return the count nearest to ``previous`` that equals ``position`` modulo ``modulus``.
 
-    After 1023, the position 2 of 1024 is the count 1026. ``lowest`` and ``highest`` are the limits of ``position``, by
-    default 0 and ``modulus - 1``.
+    After 1023, the position 2 of 1024 is the count 1026. If two counts are equally near, the lower one is returned.
+    ``lowest`` and ``highest`` are the limits of ``position``, by default 0 and ``modulus - 1``. Raises RangeError for
+    positions outside them.
     """
     highest_position = modulus - 1 if highest is None else highest
     limits = (lowest, highest_position)
@@ -386,7 +401,7 @@ def crc_of_bits(
     """Return the CRC over ``bits`` bits of ``number``, most significant first.
 
     ``poly`` is the polynomial without its highest term, and ``init`` the start value. ``refout`` reverses the bits of
-    the CRC, and ``xorout`` inverts some of them.
+    the CRC, and ``xorout`` then inverts some of them. Raises RangeError if the number has more than ``bits`` bits.
     """
     number = check_width("number", number, bits)
     highest_place = width - 1
@@ -416,7 +431,7 @@ def crc_of_bytes(data: Data, *, width: int, poly: int, init: int, refin: bool, r
 
 
 def crc_by_xor(data: Data, xorout: int = 0) -> int:
-    """Return the CRC for x^8 + 1 with start value 0: the XOR of the bytes."""
+    """Return the CRC for x^8 + 1 with start value 0: the XOR of the bytes and of ``xorout``."""
     register = 0
     for byte in as_bytes(data):
         register ^= byte
@@ -429,8 +444,8 @@ def make_crc_tables(
 ) -> tuple[Sequence[int], ...]:
     """Return one table per 16 bits of a word. The XOR of the entries for the word is 0 if its CRC is correct.
 
-    ``crc`` computes the CRC over ``covered`` bits of the word. ``gap`` bits are between them and the ``width`` bits of
-    the CRC, which are the last ones of the word.
+    ``crc`` computes the CRC over ``covered`` bits, the highest ones of the word. ``gap`` bits are between them and the
+    ``width`` bits of the CRC, which are the lowest ones. There are ``count`` tables, enough for all bits of the word.
     """
     crc_of_zero = crc(0, covered)
     # How each bit of the word changes the XOR, the lowest bit first.
@@ -454,7 +469,7 @@ def make_crc_tables(
 def _make_table(first: int, changes: Sequence[int]) -> Sequence[int]:
     """Return a table with an entry for each number: ``first``, XORed with the change of each bit that is 1.
 
-    Each bit doubles the table: its second half has the entries with this bit set.
+    Each bit doubles the table: its second half contains the entries with this bit set.
     """
     table = [first]
     for change in changes:

@@ -108,7 +108,7 @@ class Encoder:
         unlisted: Names of the parts whose values the manual does not list.
         tail: Text that followed the order code on the label.
         special_code: Ending ``/Sxxx`` of the label, or empty.
-        written_as_in: Document that uses the label's spelling of the order code, if it is not the usual one.
+        written_as_in: Document that uses the label's spelling of the order code, if it is not the usual spelling.
     """
 
     family: ClassVar[Family]
@@ -182,7 +182,7 @@ class Encoder:
 
     def _facts(self) -> Any:
         """Return the facts about the interface for this order code, such as ``SsiFacts``."""
-        # The generated class of the family's encoders has the family.
+        # The generated class of the family's encoders knows the family.
         family_class = next(base_class for base_class in type(self).__mro__ if "family" in vars(base_class))
         facts: Any = load_fact(family_class.__module__, self.interface.name)
         return facts.for_code(self.code)
@@ -195,7 +195,7 @@ class Encoder:
             arguments, answers: Further arguments of the class for the family and the interface.
 
         Returns:
-            The frame. It is a :class:`PositionFrame` if it has a position.
+            The frame. It is a :class:`PositionFrame` if it contains a position.
 
         Raises:
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
@@ -261,7 +261,10 @@ class Encoder:
         return self._range_in(kind._frame_name(self))
 
     def _range_in(self, frame: str, /) -> PositionRange:
-        """Return the range of the positions in a frame of this name."""
+        """Return the range of the positions in a frame of this name.
+
+        This method is for families whose manual does not give the range. It raises ValueError. ``Wrapping`` returns it.
+        """
         raise ValueError(f"the manual does not say where the position of {self.code} wraps around")
 
     def _position_ranges(self) -> Mapping[str, PositionRange]:
@@ -314,7 +317,7 @@ class SerialEncoder(Encoder):
 class _BoundDecoder:
     """Method ``decode`` or ``try_decode`` of an encoder. The first access replaces it with the encoder's decoder.
 
-    So a decoder is as fast in a variable, in ``map`` or in another thread as it is as a method.
+    A decoder is therefore equally fast in a variable, in ``map``, in another thread and as a method.
     """
 
     def __init__(self, name: str, method: Any) -> None:
@@ -367,9 +370,9 @@ def look_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
     text = check_label(label)
     if text in variants:
         return variants[text]
-    # The label is not a listed code. It can have a tail, a suffix, unlisted values or another spelling. ``read`` splits
-    # it, and ``listed`` has the parts of the listed code that fits best. The encoder of that is changed where the label
-    # differs: X-24-TAIL becomes the encoder of X-24 with the tail "-TAIL".
+    # The label is not a listed code. The label can have a tail, a suffix, unlisted values or another spelling. ``read``
+    # splits it, and ``listed`` contains the parts of the listed code that fits best. The encoder of that is changed
+    # where the label differs: X-24-TAIL becomes the encoder of X-24 with the tail "-TAIL".
     codes = {code: variant.parts for code, variant in variants.items()}
     family = next(iter(variants.values())).family
     parsed_label = cast(OrderCode, load_fact(module, "ORDER_CODE")).read(text, family.name.upper(), codes)
@@ -425,7 +428,7 @@ def check_encoder(
 
 def raise_frame_error(error: Exception, frame: object, encoder: Encoder) -> NoReturn:
     """Raise an error with the frame and the encoder. This is the handler of ``decode``."""
-    raise _find_encoder(error, frame, encoder)
+    raise _with_encoder(error, frame, encoder)
 
 
 def _return_frame_error(error: Exception, frame: object, encoder: Encoder) -> Exception:
@@ -434,7 +437,7 @@ def _return_frame_error(error: Exception, frame: object, encoder: Encoder) -> Ex
     Raises:
         TypeError: The error is not a frame error, because the frame does not have the right type.
     """
-    error = _find_encoder(error, frame, encoder)
+    error = _with_encoder(error, frame, encoder)
     if isinstance(error, FrameError):
         return error
     raise error
@@ -443,7 +446,7 @@ def _return_frame_error(error: Exception, frame: object, encoder: Encoder) -> Ex
 return_frame_error: ErrorHandler = cast(ErrorHandler, _return_frame_error)
 
 
-def _find_encoder(error: Exception, frame: object, encoder: Encoder) -> Exception:
+def _with_encoder(error: Exception, frame: object, encoder: Encoder) -> Exception:
     """Return a frame error after the frame and the encoder are added to it. Others become a TypeError with the code."""
     if isinstance(error, FrameError):
         error.add(frame, encoder)

@@ -56,7 +56,10 @@ class Transport(Protocol):
         ...
 
     def read(self, timeout_s: float, /) -> bytes:
-        """Return all bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``."""
+        """Return all bytes that have arrived.
+
+        If no bytes have arrived, wait for the first byte for at most ``timeout_s``.
+        """
         ...
 
 
@@ -161,10 +164,14 @@ class Link:
             self.transport.write(request)
 
     def receive(self, length: int, /) -> bytes:
-        """Return ``length`` bytes, or fewer after a time-out."""
+        """Return the bytes that arrive, until there are at least ``length`` of them, or fewer after a time-out.
+
+        There are more if further bytes arrived together with the last one.
+        """
         data = b""
         deadline = monotonic() + self.session.timeout_s
-        # After the time-out, ``read`` returns what has arrived, without a wait. If that is nothing, the loop ends.
+        # After the time-out, ``read`` returns the bytes that have arrived, without a wait. If that is nothing, the loop
+        # ends.
         with self.lock:
             while len(data) < length and (further_bytes := self.transport.read(max(0.0, deadline - monotonic()))):
                 data += further_bytes
@@ -247,10 +254,13 @@ class SerialTransport:
         self._port.write(data)
 
     def read(self, timeout_s: float, /) -> bytes:
-        """Return all bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``."""
+        """Return all bytes that have arrived.
+
+        If no bytes have arrived, wait for the first byte for at most ``timeout_s``.
+        """
         try:
             handle = self._port.fileno()
-        except (OSError, AttributeError):  # Windows has no file number that can be waited for.
+        except (OSError, AttributeError):  # Windows offers no file number for waiting.
             self._port.timeout = timeout_s
             first_byte: bytes = self._port.read(1)
             return first_byte + bytes(self._port.read(self._port.in_waiting)) if first_byte else b""

@@ -39,12 +39,15 @@ class AsyncTransport(Protocol):
         ...
 
     async def read(self, timeout_s: float, /) -> bytes:
-        """Return all bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``."""
+        """Return all bytes that have arrived.
+
+        If no bytes have arrived, wait for the first byte for at most ``timeout_s``.
+        """
         ...
 
 
 class StreamTransport:
-    """Line over asyncio streams, such as those of ``asyncio.open_connection``."""
+    """Line over asyncio streams, for example from ``asyncio.open_connection``."""
 
     def __init__(self, reader: StreamReader, writer: StreamWriter) -> None:
         self._reader = reader
@@ -56,7 +59,10 @@ class StreamTransport:
         await self._writer.drain()
 
     async def read(self, timeout_s: float, /) -> bytes:
-        """Return all bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``."""
+        """Return the bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``.
+
+        At the end of the stream, there are none, and this returns at once.
+        """
         try:
             return await wait_for(self._reader.read(4096), max(timeout_s, 0.0005))
         except (Late, TimeoutError):
@@ -78,7 +84,10 @@ class ThreadTransport:
         await _finish_in_thread(self._transport.write, data)
 
     async def read(self, timeout_s: float, /) -> bytes:
-        """Return all bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``."""
+        """Return all bytes that have arrived.
+
+        If no bytes have arrived, wait for the first byte for at most ``timeout_s``.
+        """
         return await _finish_in_thread(self._transport.read, timeout_s)
 
     def close(self) -> None:
@@ -105,7 +114,8 @@ async def _finish_in_thread(function: Callable[[_Argument], _Result], argument: 
 class AsyncLink:
     """Link to an encoder, for asyncio. Requests of several tasks are sent one after the other.
 
-    The methods are those of :class:`codewheel_runtime.link.Link`.
+    ``position``, ``read``, ``exchange``, ``run`` and ``close`` are coroutines that do the same as the methods of
+    :class:`codewheel_runtime.link.Link`.
 
     Args:
         encoder: The encoder, with RS-485.
@@ -153,12 +163,12 @@ class AsyncLink:
         return await self._carry_out(self.session.exchange(request))
 
     async def run(self, steps: Sequence[Step]) -> None:
-        """Carry out a procedure, such as a reset."""
+        """Carry out a procedure, such as a reset. Raises StepError if a step fails."""
         await self._carry_out(self.session.run(steps))
 
     async def close(self) -> None:
         """Close the transport, if it can be closed."""
-        # A transport can have a function or a coroutine ``close``, or none.
+        # A transport can have a function or a coroutine ``close``, or neither.
         done = getattr(self.transport, "close", lambda: None)()
         if isawaitable(done):
             await done

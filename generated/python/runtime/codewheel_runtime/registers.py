@@ -40,9 +40,9 @@ def encode_register(
 class RegisterParameter(NamedTuple):
     """Parameter that a register holds at run time, in the ``width`` bits that start at ``low``.
 
-    ``zero_means`` is the value that is stored as 0, if there is one. ``codes`` lists the codes with their values, if
-    the register holds codes. ``by_order_code`` is true if the register has no default, so that the order code sets the
-    parameter.
+    ``min`` and ``max`` are the lowest and the highest allowed value. ``zero_means`` is the value that is stored as 0,
+    if there is one. ``codes`` lists the codes with their values, if the register holds codes. ``by_order_code`` is true
+    if the register has no default, so that the order code sets the parameter.
     """
 
     parameter: str
@@ -65,7 +65,7 @@ class RegisterParameter(NamedTuple):
             RangeError: The register holds a code that is not allowed.
         """
         bits = (int.from_bytes(data, self.order) >> self.low) & ((1 << self.width) - 1)
-        # Bits of 0 stand for ``zero_means``, which is 0 itself if 0 has no other meaning.
+        # Bits of 0 represent ``zero_means``, which is 0 itself if 0 has no other meaning.
         if not self.codes:
             return bits or self.zero_means
         codes = dict(self.codes)
@@ -76,7 +76,7 @@ class RegisterParameter(NamedTuple):
     def bytes_with(self, value: int) -> bytes:
         """Return the bytes of the register with this parameter and factory defaults for the rest."""
         mask = (1 << self.width) - 1
-        # The default with 0 in place of the parameter.
+        # The default with 0 instead of the parameter.
         number = int.from_bytes(self.default, self.order) & ~(mask << self.low)
         if self.codes:
             # Without a code for the value, the bits are 0.
@@ -91,7 +91,7 @@ def read_parameters(
 ) -> dict[str, int]:
     """Return the parameters by name, for bytes keyed by address.
 
-    If only some bytes of a parameter's register are given, the others are those for the parameter of ``variant``.
+    If only some bytes of a parameter's register are given, the other bytes come from the parameter of ``variant``.
     Parameters of other registers are left out.
 
     Raises:
@@ -162,6 +162,8 @@ def bytes_by_address(read: Mapping[int, int] | Mapping[str, Data], registers: Ma
     Raises:
         ValueError: There is no register of this name.
         LengthError: A register has another number of bytes.
+        RangeError: A byte is not 0 to 255.
+        TypeError: An address or a byte is not an integer, or a register is not bytes.
     """
     bytes_by_address: dict[int, int] = {}
     value: Any
@@ -184,8 +186,8 @@ def is_consistent(
 ) -> bool:
     """Return whether a register has the expected value. True if it was not read completely.
 
-    ``register_bytes`` are the bytes that were read, by address. ``is_expected`` decides for its bytes. If they cannot
-    be decoded, the value is not the expected one.
+    ``register_bytes`` are the bytes that were read, by address. ``is_expected`` decides for its bytes. If the bytes
+    cannot be decoded, the value does not count as expected.
     """
     addresses = range(address, address + length)
     data = [register_bytes[byte_address] for byte_address in addresses if byte_address in register_bytes]

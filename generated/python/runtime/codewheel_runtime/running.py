@@ -15,18 +15,18 @@ class Bus(Protocol):
     """Object that reads and writes registers, such as ``biss.RegisterBus`` or your own master."""
 
     def read(self, address: int, length: int, /) -> bytes:
-        """Return ``length`` bytes, starting at an address. Over SPI, they are those of the register there."""
+        """Return ``length`` bytes, starting at an address. Over SPI, they are the bytes of the register there."""
         ...
 
     def write(self, address: int, data: bytes, /) -> object:
-        """Write bytes, starting at an address. Over SPI, they are those of the register there."""
+        """Write bytes, starting at an address. Over SPI, they are the bytes of the register there."""
         ...
 
 
 class Line(Protocol):
     """Connection that sends a request and receives the reply, such as a serial port.
 
-    The reply to each request is read and checked, so it cannot be mistaken for a later one.
+    The reply to each request is read and checked, so it cannot be mistaken for a later reply.
     """
 
     def drain(self) -> object:
@@ -125,7 +125,8 @@ class _Procedure:
     def carry_out(self, steps: Sequence[Step], progress: Callable[[int, int, Step], object] | None) -> None:
         """Carry out steps. If one fails, the registers are closed and restored as far as possible.
 
-        ``progress`` is called before each step with its index, the number of steps, and the step.
+        ``progress`` is called before each step with its index, the number of steps, and the step. Raises StepError for
+        a failure. An interruption is raised as it is.
         """
         from logging import getLogger
 
@@ -138,7 +139,7 @@ class _Procedure:
                     progress(index, count, step)
                 self.do(step)
             except BaseException as error:
-                # An interruption, such as Ctrl-C, also restores registers, but is raised as it is.
+                # This includes interruptions, such as Ctrl-C.
                 left_open = self.restore(steps[index:])
                 open_text = left_open or "nothing"
                 logger.warning("step %d of %d failed: %r; left open: %s", index + 1, count, error, open_text)
@@ -165,7 +166,7 @@ class _Procedure:
         elif isinstance(step, Modify):
             data = self._read(step)
             number = (int.from_bytes(data, step.order) & ~step.mask) | step.value
-            # Of several changes, the first one has the original bytes.
+            # Of several changes, the first contains the original bytes.
             self._before.setdefault(step.address, (step.register, data))
             changed = number.to_bytes(step.length, step.order)
             self._store(step.address, changed, whole=step.whole)
@@ -176,14 +177,17 @@ class _Procedure:
             self._poll(step)
 
     def _store(self, address: int, data: bytes, *, whole: bool) -> None:
-        """Remember written bytes. With ``whole``, they are those of a register with a single address."""
+        """Remember written bytes. With ``whole``, they are the bytes of a register with a single address."""
         if whole:
             self._stored_registers[address] = data
         else:
             self._stored_bytes.update(enumerate(data, address))
 
     def _verify(self, step: Verify) -> None:
-        """Raise VerifyError if a bit of the step's mask differs between a register and the bytes that were written."""
+        """Raise VerifyError if a bit of the step's mask differs between a register and the bytes that were written.
+
+        Raises ValueError if not all bytes of the register were written.
+        """
         written = self._stored_registers.get(step.address)
         if written is None:
             addresses = range(step.address, step.address + step.length)
@@ -225,7 +229,7 @@ class _Procedure:
         line.drain()
 
     def restore(self, remaining: Sequence[Step]) -> tuple[str, ...]:
-        """Close the registers that remaining steps would have closed, and restore the modified ones.
+        """Close the registers that remaining steps would have closed, and restore the modified registers.
 
         Return the names of the registers for which this failed.
         """
@@ -239,7 +243,7 @@ class _Procedure:
         return tuple(failed)
 
     def _try_to_write(self, register: str, address: int, data: bytes) -> list[str]:
-        """Write to a register. Return a list with its name if this failed, otherwise an empty one."""
+        """Write to a register. Return a list with its name if this failed, otherwise an empty list."""
         try:
             cast(Bus, self.bus).write(address, data)
         except Exception:  # The original error is the one to report.
@@ -250,8 +254,8 @@ class _Procedure:
 def _check_reply(step: Send, reply: bytes) -> None:
     """Raise an error unless ``reply`` is a complete reply to the request of the step.
 
-    It has the length in the step, the first byte of the request, and at its end the XOR of all other bytes, if the step
-    says so.
+    A complete reply has the length in the step, the first byte of the request, and at its end the XOR of all other
+    bytes, if the step says so.
     """
     reply_text = f"the reply to {step.request.hex(' ').upper()} is {reply.hex(' ').upper()}"
     if not reply:
@@ -264,7 +268,7 @@ def _check_reply(step: Send, reply: bytes) -> None:
     for byte in reply[:-1]:
         crc ^= byte
     if step.reply_ends_in_xor and crc != reply[-1]:
-        # After an echo, the reply repeats the first byte of the request. So a request of one byte comes twice.
+        # After an echo, the reply repeats the first byte of the request. A request of one byte therefore comes twice.
         echo = ". Is it an echo of the request?" if reply.startswith(step.request * 2) else ""
         raise ValueError(f"{reply_text}: expected CRC {crc:#04x}, got {reply[-1]:#04x}{echo}")
 
@@ -284,7 +288,7 @@ def run(
     does not return the values that it stored.
 
     On a line, unread bytes are discarded before each request, and the reply to each request is checked before the
-    next request is sent.
+    next request is sent, if the length of the reply is known.
 
     Not yet tested on hardware.
 
@@ -304,7 +308,7 @@ def run(
             value that was written.
     """
     procedure = _Procedure(bus, poll_s, wait)
-    # Another thread must not send requests between those of a procedure.
+    # Another thread must not send requests between the requests of a procedure.
     lock: Any = getattr(bus, "lock", None)
     with lock if hasattr(lock, "__enter__") else nullcontext():
         procedure.carry_out(steps, progress)

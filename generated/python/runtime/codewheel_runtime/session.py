@@ -83,11 +83,11 @@ _BUSY_S, _BUSY_PAUSE_S = 1.0, 0.001
 _LATE = 4
 #: Seconds to wait for more bytes after a reply that follows other bytes.
 _QUIET_S = 0.002
-#: Seconds in which an encoder begins to reply, for the default of ``settle_s``. The manuals give no reply time.
+#: Seconds in which an encoder begins to reply, for the default of ``settle_s``. The manuals state no reply time.
 _TURNAROUND_S = 0.00025
 #: Number of kinds of requests that ``settle_s=0`` needs.
 _KINDS = 3
-#: Number of replies with which extra ones are compared.
+#: Number of replies with which extra replies are compared.
 _RECENT_REPLIES = 32
 #: Number of replies whose times are kept.
 _REPLY_TIMES = 16
@@ -101,7 +101,8 @@ _SINGLE_REPLIES = 2
 class Ask(NamedTuple):
     """Action of a session: send ``send``, then return the bytes that arrive.
 
-    All bytes that have arrived are returned. If there are none, wait for the first for at most ``wait_s`` seconds.
+    All bytes that have arrived are returned. If no bytes have arrived, wait for the first byte for at most ``wait_s``
+    seconds.
     """
 
     send: bytes
@@ -186,7 +187,7 @@ class Session:
         self._byte_s = bits_per_byte / port.baud
         #: First byte of the last request, if it failed. Otherwise 0.
         self._failed = 0
-        #: Number of replies in a row that look like those of another kind of encoder.
+        #: Number of replies in a row that look like replies of another kind of encoder.
         self._odd_replies = 0
         #: Last request, and the replies to the last requests. Extra replies are compared with them.
         self._last_request: PendingRequest | None = None
@@ -197,11 +198,16 @@ class Session:
         self._reply_times: deque[float] = deque(maxlen=_REPLY_TIMES)
         #: Number of requests whose reply can still arrive.
         self._unanswered = 0
-        #: First kind of request whose reply has the position, if there is one.
+        #: First kind of request whose reply has the position, if there is such a request.
         self._position = next((kind for kind in captures if kind.has_position), None)
 
     def position(self, request: Any = None) -> Work[int]:
-        """Request the position in counts, with ``request`` or with factory defaults."""
+        """Request the position in counts, with ``request`` or with factory defaults.
+
+        Raises:
+            NotUsableError: The encoder reports that its position is not usable.
+            LinkError: See ``exchange``.
+        """
         frame = yield from self.read(request)
         value = frame.usable_position
         if value is None:
@@ -213,7 +219,11 @@ class Session:
         return value
 
     def read(self, request: Any = None) -> Work[PositionFrame]:
-        """Request a frame with the position, with ``request`` or with factory defaults."""
+        """Request a frame with the position, with ``request`` or with factory defaults.
+
+        Raises:
+            LinkError: See ``exchange``. Or the request has no defaults, or no reply contains the position.
+        """
         position_request = self._make_position_request() if request is None else request
         frame = yield from self.exchange(position_request)
         return cast(PositionFrame, frame)
@@ -241,7 +251,7 @@ class Session:
         Raises:
             BusyError: The memory stayed busy.
             DisturbedError: The reply has another value than the request, such as another address.
-            LinkError: There is no valid reply.
+            LinkError: There is no valid reply, or no such request.
         """
         pending = self._make_pending(request)
         kind = pending.kind
@@ -261,7 +271,7 @@ class Session:
             yield from self.pause(_BUSY_PAUSE_S)
 
     def _find_difference(self, pending: PendingRequest, frame: Frame) -> str:
-        """Return how a reply differs from the values of its request, as text, or an empty string if it does not.
+        """Return how a reply differs from the values of its request, as text, or an empty string if it does not differ.
 
         Fields and joined numbers of the same name are compared, such as an address, but no answers to open questions.
         """
@@ -275,7 +285,11 @@ class Session:
         return ""
 
     def run(self, steps: Sequence[Step]) -> Work[None]:
-        """Carry out the steps of a procedure. If a request in a series fails, the series starts again."""
+        """Carry out the steps of a procedure. If a request in a series fails, the series starts again.
+
+        Raises:
+            StepError: A step failed, or is neither a request nor a wait.
+        """
         for index, step in enumerate(steps):
             try:
                 if isinstance(step, Wait):
@@ -288,7 +302,10 @@ class Session:
                 raise StepError(step, index, tuple(steps[:index]), (), str(error)) from error
 
     def pause(self, seconds: float) -> Work[None]:
-        """Wait, and discard all bytes that arrive. The last ones are searched for extra replies."""
+        """Wait, and discard all bytes that arrive. The last ones are searched for extra replies.
+
+        Raises SecondDeviceError if a second device seems to answer.
+        """
         deadline = self.clock() + seconds
         discarded = b""
         while (remaining_s := deadline - self.clock()) > 0:
@@ -297,13 +314,17 @@ class Session:
         self._discard(discarded)
 
     def drain(self) -> Work[None]:
-        """Discard all bytes that have arrived, until the line is quiet."""
+        """Discard all bytes that have arrived, until the line is quiet.
+
+        Raises SecondDeviceError if a second device seems to answer.
+        """
         yield from self._discard_waiting()
 
     def _send_series(self, step: Send) -> Work[None]:
         """Send a request several times in succession, and start again from the first one after a failure.
 
-        The encoder acts after ``step.times`` equal requests, which it counts.
+        The encoder acts after ``step.times`` equal requests, which it counts. After more than ``retries`` failures, the
+        last error is raised.
         """
         pending = self._make_pending(step.request)
         attempts_left = self.retries
@@ -322,7 +343,10 @@ class Session:
                 sent_count = 0
 
     def _send_with_retries(self, pending: PendingRequest) -> Work[bytes]:
-        """Send a request, again after each failure, and return the reply."""
+        """Send a request, again after each of at most ``retries`` failures, and return the reply.
+
+        Raises the error of the last attempt, and SecondDeviceError at once.
+        """
         attempts_left = self.retries
         while True:
             try:
@@ -355,9 +379,10 @@ class Session:
     def _resynchronise(self, control: int) -> Work[None]:
         """Get a reply to a request of another kind than ``control``. All earlier replies come before it.
 
-        The reply is discarded. Without one, wait for four time-outs.
+        The reply is discarded. Without a reply, wait for four time-outs.
         """
-        # The kinds take turns, so that a late reply to an earlier request of another kind is not taken for this one.
+        # The kinds take turns, so that a late reply to an earlier request of another kind is not taken for the reply to
+        # this request.
         self._capture_controls = self._capture_controls[1:] + self._capture_controls[:1]
         for other_control in self._capture_controls:
             if other_control == control:
@@ -381,7 +406,7 @@ class Session:
             reply = yield from self._receive_reply(pending)
         except LinkError as error:
             self.statistics.failures += 1
-            # A reply that has not arrived can still do so.
+            # A reply that has not arrived can still arrive.
             if isinstance(error, NoReplyError):
                 self._unanswered += 1
             raise
@@ -423,7 +448,7 @@ class Session:
     def _find_quiet_s(self, received: bytes, reply: bytes, pending: PendingRequest) -> float:
         """Return the time in seconds for which the line must be quiet after a reply.
 
-        It is the time to settle, but at least 2 ms unless the reply comes first and cannot be part of an echo.
+        This is the time to settle, but at least 2 ms unless the reply comes first and cannot be part of an echo.
         """
         # In this time, the reply to this request would follow if the reply were an extra one to an earlier request.
         settle_s = self._settle_s(pending)
@@ -439,7 +464,7 @@ class Session:
     def _settle_s(self, pending: PendingRequest) -> float:
         """Return the time in seconds after which no other reply to an earlier request follows.
 
-        It is the chosen one, or else the time that request and reply take, or the usual time of the last replies if
+        It is the chosen time, or else the time that request and reply take, or the usual time of the last replies if
         that is longer.
         """
         if self.settle_s is not None:
@@ -454,7 +479,12 @@ class Session:
         return max(reply_s, third_quartile)
 
     def _take_reply(self, found_reply: FoundReply, received: bytes, pending: PendingRequest) -> bytes:
-        """Return the reply among the ``received`` bytes, and count other replies. Raises an error if they differ."""
+        """Return the reply among the ``received`` bytes, and count other replies.
+
+        Raises:
+            DisturbedError: Other replies to such a request differ from it.
+            SecondDeviceError: A second device seems to answer.
+        """
         if found_reply.same_kind or found_reply.other_kinds:
             self._count_replies_beside(found_reply, received)
         else:
@@ -474,7 +504,7 @@ class Session:
         # One of the unknown replies of this kind is the reply to this request, so all but one are foreign.
         unknown_replies = {*found_reply.same_kind, found_reply.reply}.difference(self._recent_replies)
         foreign_replies = [*self._find_foreign(found_reply.other_kinds), *sorted(unknown_replies)[1:]]
-        # Late replies to failed requests are not extra ones.
+        # Late replies to failed requests are not extra replies.
         self._count_foreign(foreign_replies[:extra_count], received, _FOREIGN_REPLIES)
 
     def _find_foreign(self, replies: Sequence[bytes]) -> list[bytes]:
@@ -482,7 +512,10 @@ class Session:
         return [reply for reply in replies if reply not in self._recent_replies]
 
     def _count_foreign(self, replies: Sequence[bytes], received: bytes, limit: int) -> None:
-        """Count extra replies with other values. Raises SecondDeviceError if there are ``limit`` of them in total."""
+        """Count extra replies with other values.
+
+        Raises SecondDeviceError if there are ``limit`` of them in total, unless ``settle_s`` is 0.
+        """
         self._foreign_replies += len(replies)
         # Without a time to settle, one copy can cause several of them.
         if replies and self._foreign_replies >= limit and self.settle_s != 0:
@@ -494,7 +527,7 @@ class Session:
 
     def _discard_waiting(self) -> Work[None]:
         """Discard the bytes that have arrived since the last request. Raises an error if a second device answers."""
-        # Bytes that have arrived are taken at once. If there are any, the line must then be quiet.
+        # Bytes that have arrived are taken at once. If any have arrived, the line must then be quiet.
         waiting = b""
         quiet_s = 0.0
         for _ in range(_MOST_BYTES):
@@ -509,7 +542,8 @@ class Session:
     def _discard(self, data: bytes) -> None:
         """Count the replies in bytes that arrived without a request. Raises an error if a second device answers.
 
-        Two requests in a row that got exactly one reply show that there is none, so its count starts again.
+        Two requests in a row that got exactly one reply show that there is no such device, so the count of its replies
+        starts again.
         """
         last_request = self._last_request
         replies = split_replies(data, last_request, self.kinds) if last_request is not None else []
@@ -525,7 +559,7 @@ class Session:
     def _count_extra(self, count: int) -> int:
         """Count replies beyond those that are used. Return their number without late replies to failed requests.
 
-        As many of them as there are unanswered requests are late, and the others are extra.
+        The first of them, up to the number of unanswered requests, are late, and the rest are extra.
         """
         late_count = min(count, self._unanswered)
         self._unanswered -= late_count
@@ -536,8 +570,8 @@ class Session:
     def _failure_error(self, received: bytes, pending: PendingRequest) -> LinkError:
         """Return the error for bytes without a valid reply, of the class for the most likely cause.
 
-        It is NoReplyError if nothing, only the echo or only another reply has arrived, WrongEncoderError if two
-        replies in a row look like those of another encoder, and otherwise DisturbedError.
+        It is NoReplyError if nothing, only the echo or only another reply has arrived, WrongEncoderError if two replies
+        in a row look like replies of another encoder, and otherwise DisturbedError.
         """
         kind = pending.kind
         request_text = f"the request {_format_hex(pending.data)} to {self.encoder.code}"
@@ -579,8 +613,8 @@ class Session:
     ) -> LinkError:
         """Return the error for bytes without a valid reply of an encoder without data IDs.
 
-        It is that the reply is incomplete, or has another value than the request, or is invalid. ``request_text`` names
-        the request, and ``bytes_text`` has the received bytes.
+        Its text says that the reply is incomplete, has another value than the request, or is invalid. ``request_text``
+        names the request, and ``bytes_text`` contains the received bytes.
         """
         if len(received) < pending.kind.length:
             text = f"incomplete reply to {request_text}: {len(received)} of {pending.kind.length} bytes, {bytes_text}"
@@ -592,7 +626,8 @@ class Session:
     def _find_sign_of_other_encoder(self, received: bytes, pending: PendingRequest) -> str:
         """Return why the bytes look like a reply from another kind of encoder, or an empty string.
 
-        They begin like a reply and have a valid CRC, but another length, or values that this encoder does not send.
+        Such bytes begin like a reply and have a valid CRC, but another length, or values that this encoder does not
+        send.
         """
         # The CRC is the XOR of the other bytes, so the XOR of all is 0.
         if received[0] != pending.kind.control or len(received) < 3 or compute_xor(received):
@@ -605,13 +640,13 @@ class Session:
         """Return what is needed to send a request and to find its reply.
 
         ``request`` is bytes, an object of the encoder's module, or a member of its ``DataId``. Raises LinkError if the
-        encoder has no such request.
+        encoder does not have the request.
         """
         if self.exchanges:
             return self._make_pending_exchange(request)
         answers: dict[str, object] = {}
         if isinstance(request, IntEnum):
-            # A data ID: the request is its control byte. An unknown one has none.
+            # A data ID: the request is its control byte. An unknown data ID has none.
             data = bytes(kind.control for kind in self.kinds.values() if kind.id == request)
         elif isinstance(request, (bytes, bytearray)):
             data = bytes(request)
@@ -637,10 +672,10 @@ class Session:
         """Return what is needed to send a request of an encoder without data IDs, and to find its reply.
 
         ``object_or_bytes`` is an object of the class of a request, or the bytes of a request. The bytes are decoded as
-        each kind of request in turn, until one fits. Raises LinkError if they fit none, or if the encoder does not
-        answer the request.
+        each kind of request in turn, until one fits. Raises LinkError if they fit no request, or if the encoder does
+        not answer it.
         """
-        # Empty if the request is an object, or has no bytes, which fit no kind of request either.
+        # Empty if the request is an object, or contains no bytes, which fit no kind of request either.
         given_bytes = bytes(object_or_bytes) if isinstance(object_or_bytes, (bytes, bytearray)) else b""
         for exchange in self.exchanges:
             # The request as an object, or None if the bytes are not one of this kind.
@@ -717,7 +752,7 @@ def _find_request_kinds(encoder: Encoder) -> dict[int, ReplyKind]:
 def _may_begin(shape: Shape, data_id: Any) -> bool:
     """Return whether a reply with this shape may begin with the control byte of a data ID.
 
-    The constants in its first byte must be those of the control byte, and a field of data IDs must allow this one.
+    The constants in its first byte must match the control byte, and a field of data IDs must allow this data ID.
     """
     for check in shape.checks:
         is_in_first_byte = check.low + check.width <= 8

@@ -44,7 +44,7 @@ class Answer(NamedTuple):
 
 
 class _Sent(NamedTuple):
-    """Request that was sent in a word of ``bits`` bits, with the class of its register if it reads or writes one."""
+    """Request that was sent in a word of ``bits`` bits, with the class of the register that it reads or writes."""
 
     request: Any
     register: type | None
@@ -86,7 +86,7 @@ class Pipeline:
         self._registers = registers
         #: Request whose word is on the bus: its received word has not been taken. None between ``take`` and ``ask``.
         self._sent: _Sent | None = None
-        #: Request before that one, to which a late reply belongs.
+        #: Request before ``_sent``, to which a late reply belongs.
         self._before: _Sent | None = None
         #: Number of bits of the last word.
         self._bits = 0
@@ -110,26 +110,26 @@ class Pipeline:
         return self._start_request(request, None)
 
     def read(self, register: type) -> int:
-        """Return the word that reads a register. Its answer has the value in ``register``.
+        """Return the word that reads a register. Its answer contains the value in ``register``.
 
         Args:
             register: Class of the register.
 
         Raises:
-            TypeError: The encoder has no such register over SPI.
+            TypeError: The encoder has no such register over SPI, or no request that reads one.
             RuntimeError: The word that was received with the previous request has not been taken.
         """
         address, _ = self._find_place(register)
         return self._start_request(self._make_read_request(address), register)
 
     def write(self, value: Value) -> Iterator[int]:
-        """Yield the words that write a register. Exchange and take each one before the next.
+        """Yield the words that write a register. Exchange and take each word before the next.
 
         Args:
             value: The value, an object of the register's class.
 
         Raises:
-            TypeError: The encoder has no such register over SPI.
+            TypeError: The encoder has no such register over SPI, or no request that writes one.
             RangeError: The value does not fit.
             RuntimeError: The word that was received with the previous request has not been taken.
         """
@@ -152,11 +152,11 @@ class Pipeline:
         Args:
             word: Word that was received while the last request was sent: a number whose most significant bit was first,
                 or its bytes.
-            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
+            bits: Number of bits received, if known. The number itself does not show missing bits.
 
         Returns:
-            The answer, or None if no request was sent before this word, or if the word does not have the length of a
-            late reply.
+            The answer. With late replies, it belongs to the request before the last one, and is None if there was none
+            or if its word had another length.
 
         Raises:
             FrameError: The word is damaged. The pipeline stays in step: take the next word as usual.
@@ -170,7 +170,7 @@ class Pipeline:
         self._before = self._sent
         self._sent = None
         number = as_word(word, length, bits)
-        # A word of another length cannot hold a late reply.
+        # A word of another length cannot contain a late reply.
         if answered_request is None or answered_request.bits != length:
             return None
         request, register, _ = answered_request
@@ -185,7 +185,7 @@ class Pipeline:
         self._sent = self._before = None
 
     def _make_read_request(self, address: int) -> Request:
-        """Return the request that reads the register at an address."""
+        """Return the request that reads the register at an address. Raises TypeError if the encoder has none."""
         if self._read is None:
             raise TypeError(f"{self._encoder.code} has no request that reads a register")
         request: Request = self._read(address=address)
@@ -194,7 +194,7 @@ class Pipeline:
     def _make_write_requests(self, address: int, data: bytes) -> Iterator[Request]:
         """Yield the requests that write bytes to the register at an address, one of each class in ``write``.
 
-        A request has a field ``address``, a field ``data``, or both.
+        A request has a field ``address``, a field ``data``, or both. Raises TypeError if the encoder has none.
         """
         values = {"address": address, "data": int.from_bytes(data, "big")}
         if not self._write:

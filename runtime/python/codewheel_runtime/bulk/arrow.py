@@ -24,7 +24,12 @@ class NoFrame(ValueError):
 
 
 def read_column(column: Any, shape: Shape) -> Any:
-    """Convert a column of any library with Arrow's C interface to the form that ``decode_many`` expects."""
+    """Convert a column of any library with Arrow's C interface to the form that ``decode_many`` expects.
+
+    Raises:
+        InputError: Most cells of text are not frames.
+        TypeError: The type of the column does not fit the frames.
+    """
     pa: Any = load("pyarrow")
     if not isinstance(column, (pa.Array, pa.ChunkedArray)):
         column = pa.chunked_array(column) if hasattr(column, "__arrow_c_stream__") else pa.array(column)
@@ -39,7 +44,7 @@ def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: 
     """Convert an Arrow column to the form that ``decode_many`` expects. Missing items are masked or None.
 
     Text is read in the base ``digits``, see ``read_text``. ``done`` is the number of rows of the file that were read
-    before. If it is 0, most of these cells must be frames.
+    before. If it is 0, most of these cells must be frames, if they are text.
 
     Raises:
         NoFrame: Most of the first cells of text are not frames.
@@ -54,7 +59,7 @@ def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: 
         array = array.dictionary_decode()
         arrow_type = arrow_type.value_type
     if (type_name := str(arrow_type)) in ("string_view", "binary_view"):
-        # polars has text and bytes in this form. Old versions of pyarrow have no function to test for it.
+        # polars uses this form for text and bytes. Old versions of pyarrow lack a function to test for it.
         array = array.cast(pa.large_string() if type_name == "string_view" else pa.large_binary())
         arrow_type = array.type
     if kinds.is_null(arrow_type):
@@ -85,18 +90,18 @@ def _read_integers(array: Any, shape: Shape) -> Any:
 
 
 def _read_rows(array: Any, length: int) -> Any:
-    """Return byte strings as rows of an array, without copying them, or None if one has the wrong length."""
+    """Return byte strings as rows of an array, without copying them, or None if a string has the wrong length."""
     arrow_type = array.type
     count = len(array)
     if not count:
         return np.zeros((0, length), np.uint8)
     # Arrow stores the bytes of all strings in one buffer, the last one. With a fixed size, this is the second of two
-    # buffers. Otherwise it is the third, and the second has the offset of each string, and of the end.
+    # buffers. Otherwise it is the third, and the second contains the offset of each string, and of the end.
     buffers = array.buffers()
     if load("pyarrow").types.is_fixed_size_binary(arrow_type):
         if arrow_type.byte_width != length:
             return None
-        # Place of the first byte in the buffer. An array can be a slice of a longer one.
+        # Place of the first byte in the buffer. An array can be a slice of a longer array.
         start = array.offset * length
         data = buffers[1]
     else:

@@ -78,7 +78,8 @@ class Chunk:
     def take(self, low: int, width: int, out: Any = None) -> Any:
         """Return the ``width`` bits of each frame that start at ``low``.
 
-        With ``out``, an array of 64-bit numbers, they are written there. Without it, the type can be smaller.
+        With ``out``, an array of 64-bit numbers, they are written there, and callers must not use the result, which can
+        be None. Without it, the type can be smaller.
         """
         is_in_one_byte = low % 8 + width <= 8
         if not width or is_in_one_byte:
@@ -105,7 +106,10 @@ class Chunk:
         (np.not_equal if active else np.equal)(bit, 0, out=out)
 
     def ungray(self, low: int, width: int, excess: int) -> None:
-        """Convert the ``width`` bits from ``low`` on from Gray code to binary, minus ``excess``. The others stay."""
+        """Convert the ``width`` bits from ``low`` on from Gray code to binary, minus ``excess``. The others stay.
+
+        Frames with Gray code have a single limb. ``sent`` is the chunk as it was before.
+        """
         mask = shift_left(bit_mask(width), low)
         gray = self.limbs[0] & mask
         # Bit n is the XOR of all Gray bits from n on, which doubling shifts collect.
@@ -117,7 +121,7 @@ class Chunk:
         if excess:
             binary = (binary - np.uint64(excess << low)) & mask
         self._before_ungray = Chunk(self.limbs, self.bits)
-        # The XOR with ``gray`` clears its bits, and that with ``binary`` sets the converted ones.
+        # The XOR with ``gray`` clears its bits, and the XOR with ``binary`` sets the converted bits.
         self.limbs = [self.limbs[0] ^ gray ^ binary]
         self._bytes.clear()
 
@@ -125,8 +129,8 @@ class Chunk:
 def limbs_of(rows: Any, shape: Shape) -> list[Any]:
     """Return rows of bytes as limbs, the lowest limb first.
 
-    Each limb is read as one number of eight bytes. The highest one can have fewer bytes in the row. It is then read
-    together with bytes of the limb below, which are shifted out.
+    Each limb is read as one number of eight bytes. The highest limb can have fewer bytes in the row. This limb is then
+    read together with bytes of the limb below, which are shifted out.
     """
     contiguous_rows = np.ascontiguousarray(rows)
     row_bytes = contiguous_rows.shape[1]
@@ -161,7 +165,8 @@ def _get_limb_type(is_little: bool) -> str:
 def _read_short_rows(rows: Any, is_little: bool) -> Any:
     """Return rows of fewer than eight bytes as numbers.
 
-    Eight bytes are read for each row. Those of the last rows would be outside the array, so these rows are copied.
+    Eight bytes are read for each row. For the last rows, some of them would be outside the array, so these rows are
+    copied.
     """
     row_count, row_bytes = rows.shape
     # After these rows, at least eight bytes follow.
@@ -172,7 +177,7 @@ def _read_short_rows(rows: Any, is_little: bool) -> Any:
     padded_rows = np.zeros((row_count - direct_count, _LIMB_BYTES), np.uint8)
     padded_rows[:, :row_bytes] = rows[direct_count:]
     numbers[direct_count:] = padded_rows.view(_get_limb_type(is_little))[:, 0]
-    # The bytes of the next row are the high ones in little-endian order, otherwise the low ones.
+    # The bytes of the next row are the high bytes in little-endian order, otherwise the low bytes.
     if is_little:
         numbers &= bit_mask(8 * row_bytes)
     else:
@@ -184,7 +189,7 @@ def are_within(bits: Any, check: Check, limit: int) -> Any:
     """Return whether each number is from ``lowest`` to ``limit``. Negative ones are in two's complement."""
     bits_type = bits.dtype.type
     mask = (1 << check.width) - 1
-    # Modulo 2**width, the numbers from ``lowest`` to ``limit`` become those from 0 on.
+    # Modulo 2**width, the numbers from ``lowest`` to ``limit`` become the numbers from 0 on.
     if check.lowest:
         bits = (bits - bits_type(check.lowest & mask)) & bits_type(mask)
     return bits <= bits_type(limit - check.lowest)
@@ -223,7 +228,7 @@ def _fold_to_one_bit(bits: Any, width: int) -> Any:
 
 
 def compare_crc(chunk: Chunk, crc: CrcOf) -> Any:
-    """Return the bits in which each CRC differs from the computed one, 0 if it matches."""
+    """Return the bits in which each CRC differs from the computed CRC, 0 if it matches."""
     if crc.steps:
         return _fold_crc(chunk.limbs[0], crc, chunk.bits)
     if crc.is_xor:
@@ -262,7 +267,7 @@ def _fold_crc(number: Any, crc: CrcOf, bits: int) -> Any:
             continue
         high = remainder >> word_type(step.shift)
         remainder = remainder & word_type(step.mask)
-        # The width of the remainder: that of the low bits, or of the folded high bits.
+        # The width of the remainder: the width of the low bits, or of the folded high bits.
         folded_bits = remaining_bits - step.shift + step.back
         remaining_bits = max(step.shift, folded_bits)
         if word_type is np.uint64 and remaining_bits <= 32:

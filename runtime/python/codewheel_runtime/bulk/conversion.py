@@ -26,7 +26,7 @@ class Columns(Protocol):
     def __getitem__(self, name: str, /) -> Any: ...
 
     def hidden(self, name: str) -> Any:
-        """Return a mask of the rows in which a column has no meaning, or None if it always has one."""
+        """Return a mask of the rows in which a column has no meaning, or None if it always has a meaning."""
         ...
 
     def scale(self, name: str) -> Scale | None:
@@ -47,7 +47,7 @@ def list_texts(column: Any) -> list[str]:
 def arrow_columns(table: Columns, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
     """Return columns as Arrow arrays, ``fault`` and ``verdict`` as strings.
 
-    Values without meaning, such as a position that is not usable, are null unless ``raw``.
+    Values without meaning, such as a position that is not usable, are null unless ``raw``. NaN is always null.
     """
     pa: Any = load("pyarrow")
     arrays: dict[str, Any] = {}
@@ -65,7 +65,7 @@ def arrow_columns(table: Columns, names: Iterable[str], raw: bool = False) -> di
 
 
 def _arrow_array(pa: Any, column: Any, hidden: Any) -> Any:
-    """Return a column as an Arrow array. Values at ``hidden``, and NaN, become null."""
+    """Return a column as an Arrow array. In arrays of numbers and flags, values at ``hidden``, and NaN, become null."""
     if _is_text(column):
         return pa.array(list_texts(column), pa.string())
     is_numpy_array = hasattr(getattr(column, "dtype", None), "kind")
@@ -96,6 +96,6 @@ def pandas_columns(table: Columns, names: Iterable[str], raw: bool = False) -> d
 
 
 def _is_text(column: Any) -> bool:
-    """Return whether a column is an array of byte strings. Other columns of a file may have no type of NumPy."""
+    """Return whether a column is an array of byte strings. Other columns of a file may lack a NumPy type."""
     dtype = getattr(column, "dtype", None)
     return getattr(dtype, "kind", "") == "S"

@@ -18,7 +18,7 @@ ARRAY_KINDS: Final[Mapping[str, str]] = {"text": "SU", "flag": "uib", "not_flag"
 
 
 class RowError(RangeError):
-    """A field cannot be encoded. ``row`` is the index of the first row that has such a field."""
+    """A field cannot be encoded. ``row`` is the index of the first row with such a field."""
 
     def __init__(self, row: int, field: str, value: object, allowed: str) -> None:
         super().__init__(field, value, allowed)
@@ -48,7 +48,8 @@ class FirstError:
     def add(self, is_wrong: Any, field: str, values: Any, allowed: str) -> None:
         """Record the first row in which ``is_wrong`` is True, if no earlier or equal row has an error.
 
-        ``values`` are those of ``field`` in all rows, and ``allowed`` describes the allowed ones, for the message.
+        ``values`` are the values of ``field`` in all rows, and ``allowed`` describes the allowed values, for the
+        message.
         """
         if not is_wrong.any():
             return
@@ -84,7 +85,7 @@ def encode_many(columns: Mapping[str, Any] | Table, shape: Shape) -> Any:
 
 
 def _read_arrays(columns: Mapping[str, Any], shape: Shape, other_names: Iterable[str]) -> dict[str, Any]:
-    """Return the required columns as arrays of equal length. A single value applies to all rows.
+    """Return the columns of the frame that are present as arrays of equal length. A single value applies to all rows.
 
     ``other_names`` are the names of columns that do not belong to the frame and are ignored.
 
@@ -139,9 +140,8 @@ def _check_names(
 ) -> None:
     """Raise TypeError if a column is missing or unknown.
 
-    ``fields`` has the field of each column by name. Flags, fields without bits, and unused bits may be missing, as may
-    the fields of a joined number that is present. Columns that a decoded table has in addition to the fields are
-    ignored.
+    ``fields`` contains the field of each column by name. Flags, fields without bits, and unused bits may be missing, as
+    may the fields of a joined number that is present. Additional columns of a decoded table are ignored.
     """
     optional = {"unused"}
     for name, column in fields.items():
@@ -190,7 +190,7 @@ def _encode_rows(arrays: Mapping[str, Any], shape: Shape, first_error: FirstErro
             for piece in _encode_field(arrays, column, first_error):
                 _insert(limbs, piece.low, piece.width, piece.bits)
         elif column.kind == "not_flag":
-            # A missing flag is inactive. For an active-low one, the bit is 1.
+            # A missing flag is inactive. For an active-low flag, the bit is 1.
             _insert(limbs, column.low, column.width, np.ones(row_count, np.uint64))
     for join in shape.joins:
         if join.name in arrays:
@@ -222,7 +222,8 @@ class _Piece(NamedTuple):
 def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstError) -> Iterator[_Piece]:
     """Yield the pieces of a field. Wrong values are added to ``first_error``.
 
-    A string has one piece for each character, and any other field one. ``arrays`` has the columns by name.
+    A string has one piece for each character, and any other field has one piece. ``arrays`` contains the columns by
+    name.
     """
     # Only a field of decimal digits has several columns, which ``_encode_digits`` takes from ``arrays``.
     first_name = list_names(column)[0]
@@ -259,7 +260,10 @@ def _encode_flag(values: Any, column: Column, first_error: FirstError) -> Any:
 
 
 def _encode_digits(arrays: Mapping[str, Any], column: Column, first_error: FirstError) -> Any:
-    """Return the number that groups of decimal digits form. Each group has a column of its own."""
+    """Return the number that groups of decimal digits form. Each group has a column of its own.
+
+    Groups and numbers that are too large are added to ``first_error``.
+    """
     number = np.zeros(len(next(iter(arrays.values()))), np.uint64)
     for name, divisor, modulus in column.runs:
         digits = _check_unsigned(arrays[name], first_error, name, modulus - 1)
@@ -300,7 +304,7 @@ def _encode_number(values: Any, column: Column, first_error: FirstError) -> Any:
 
 
 def _check_unsigned(values: Any, first_error: FirstError, name: str, highest: int) -> Any:
-    """Return numbers as unsigned 64-bit numbers. Those outside 0 to ``highest`` are added to ``first_error``."""
+    """Return numbers as unsigned 64-bit numbers. Numbers outside 0 to ``highest`` are added to ``first_error``."""
     is_wrong = values < 0 if values.dtype.kind == "i" else np.zeros(len(values), bool)
     bits = values.astype(np.uint64)
     if highest < (1 << 64) - 1:
@@ -316,7 +320,7 @@ def _encode_text(values: Any, column: Column, first_error: FirstError) -> Iterat
     character that is not Latin-1, is added to ``first_error``.
     """
     length = column.width // _CHARACTER_BITS
-    # NumPy stores the characters of a bytes array (S) in one byte each, and those of a text array (U) in four.
+    # NumPy stores the characters of a bytes array (S) in one byte each, and the characters of a text array (U) in four.
     character_type = np.dtype(np.uint8 if values.dtype.kind == "S" else np.uint32)
     stored_count = values.dtype.itemsize // character_type.itemsize
     # A row for each string and a column for each character, with NUL where the strings are shorter than the field.
@@ -359,8 +363,8 @@ def _insert_join(
 def _insert_unused(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:
     """Insert unused bits as in the manual, inverted where the column ``unused`` of ``arrays`` is 1.
 
-    The column has all unused bits side by side: ``place`` is a position in it, and ``low`` one in the frame. Without
-    the column, all are as in the manual.
+    The column contains all unused bits side by side: ``place`` is a position in it, and ``low`` a position in the
+    frame. Without the column, all are as in the manual.
     """
     no_differences = np.zeros(len(limbs[0]), np.uint8)
     differences = arrays.get("unused", no_differences)
@@ -379,7 +383,7 @@ def _check_values(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, fir
     columns_by_place = {(column.low, column.width): column for column in shape.columns}
     for check in shape.checks:
         column = columns_by_place.get((check.low, check.width))
-        # Constants have no column at their place, and parity bits are computed.
+        # No column covers constants, and parity bits are computed.
         if column is None or check.parity_of:
             continue
         bits = Chunk(limbs, shape.bits).take(check.low, check.width)

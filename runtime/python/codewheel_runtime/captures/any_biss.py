@@ -24,7 +24,7 @@ _FILLERS: Final = ("zero", "unused")
 
 
 class _Field(NamedTuple):
-    """Field of a layout. The polynomial and the start value are those of a CRC."""
+    """Field of a layout. The polynomial and the start value belong to a CRC."""
 
     name: str
     width: int
@@ -54,7 +54,7 @@ class BissLayout(NamedTuple):
 
     @property
     def code(self) -> str:
-        """The layout as text, in place of an order code."""
+        """The layout as text, instead of an order code."""
         return self.text
 
     def __reduce__(self) -> tuple[Callable[[str], BissLayout], tuple[str]]:
@@ -72,7 +72,10 @@ class BissLayout(NamedTuple):
         return PositionRange(0, self.modulus - 1, self.modulus)
 
     def from_turns(self, turns: float) -> int:
-        """Return the count nearest to ``turns`` revolutions. Raises ValueError if the layout does not specify them."""
+        """Return the count nearest to ``turns`` revolutions.
+
+        Raises ValueError if the layout does not specify the counts per turn.
+        """
         if not self.counts_per_turn:
             raise ValueError(self._no_size)
         return round(turns * self.counts_per_turn)
@@ -100,10 +103,10 @@ def biss_layout(text: str) -> BissLayout:
 
     Fields are separated by commas, in the order of transmission, after CDS. ``position=32`` or ``multiturn=12`` and
     ``singleturn=24`` are numbers with their widths in bits. If one turn has all counts, write ``singleturn=32``, so
-    that degrees and speeds are known. ``error`` and ``warning`` are active-low bits. ``zero=2`` stands for two bits
-    that are always 0, and ``unused=2`` for two bits without meaning. ``crc=6:0x43`` is an inverted CRC of 6 bits with
-    this polynomial, whose highest bit may be left out. ``crc=16:0x190d9:0x0`` also has a start value. Any other name
-    with a width in bits is a number.
+    that degrees and speeds are known. ``error`` and ``warning`` are active-low bits. ``zero=2`` describes two bits that
+    are always 0, and ``unused=2`` two bits without meaning. ``crc=6:0x43`` is an inverted CRC of 6 bits with this
+    polynomial, whose highest bit may be left out. ``crc=16:0x190d9:0x0`` also has a start value. Any other name with a
+    width in bits is a number.
 
     Args:
         text: The layout.
@@ -131,7 +134,10 @@ def biss_layout(text: str) -> BissLayout:
 
 
 def _check_fields(fields: Sequence[_Field]) -> None:
-    """Raise UsageError if the fields together are not a frame: wrong length, names used twice, or a misplaced CRC."""
+    """Raise UsageError if the fields together are not a frame.
+
+    This is for a wrong length, names that are used twice or reserved, and a misplaced CRC.
+    """
     bits = sum(field.width for field in fields)
     names = [field.name for field in fields if field.name not in _FILLERS]
     if not 0 < bits <= 64:
@@ -145,7 +151,7 @@ def _check_fields(fields: Sequence[_Field]) -> None:
 
 
 def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tuple[Join, ...]) -> Shape:
-    """Return the description of a frame. ``widths`` are those of its columns, by name."""
+    """Return the description of a frame. ``widths`` are the widths of its columns, by name."""
     columns: list[Column] = []
     checks: list[Check] = []
     unused: list[Unused] = []
@@ -157,7 +163,7 @@ def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tupl
     for field in fields:
         name = field.name
         width = field.width
-        # The first field has the highest bits.
+        # The first field forms the highest bits.
         low -= width
         if name == "crc":
             crc = CrcOf(low, width, compare_bits(field.crc(), covered=bits - width, width=width))
@@ -218,7 +224,8 @@ def _parse_crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
     ``crc=6:0x43`` has the numbers ``[0x43]``, and its field the polynomial ``0x03``: the highest bit is left out.
 
     Raises:
-        UsageError: A number does not fit the width, the polynomial is even, or there are more numbers.
+        UsageError: A number does not fit the width, the polynomial is missing or even, there are more numbers, or the
+            CRC has more than 32 bits.
     """
     top_bit = 1 << width
     poly = numbers[0] if numbers else 0
@@ -237,7 +244,7 @@ def _parse_crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
 
 def _parse_number(text: str) -> int:
     """Return a number that is not negative, such as ``6`` or ``0x43``. Raises ValueError for other texts."""
-    # ``int`` also accepts spaces around the digits, digits of other scripts, and underscores between digits.
+    # Spaces around the digits are accepted. ``int`` would also accept digits of other scripts, and underscores.
     if len(text) > _LONGEST_NUMBER or not text.strip().isascii() or "_" in text:
         raise ValueError
     number = int(text, 0)

@@ -33,7 +33,7 @@ def measure_size(file: BinaryIO) -> int:
 
 
 def _read_blocks(file: BinaryIO, path: str, kind: str) -> Generator[tuple[bytes, int], None, None]:
-    """Yield blocks of whole lines, and the amount read. The last line gets a line end if it has none.
+    """Yield blocks of whole lines, and the amount read. If the last line lacks a line end, one is added.
 
     ``kind`` is the format, for the error about a line that is longer than a block.
     """
@@ -61,12 +61,12 @@ def read_table_signals(
 ) -> Signals:
     """Return the signals of a table: columns of 0 and 1, with one row per sample or a time in the first column.
 
-    Columns can also have voltages. Those above ``threshold`` are 1. By default, it is in the middle of their range.
+    Columns can also have voltages. Voltages above ``threshold`` are 1. By default, it is in the middle of their range.
     ``head`` are the first bytes of the file, and ``rate`` the sample rate in Hz, if it is chosen.
     """
     form = find_table_form(path, head)
     places = names.places(form.channels, path)
-    # A column of times or of numbers is in front of the channels.
+    # A column of times or of numbers is before the channels.
     offset = int(form.unit is not None)
     columns = [offset + place for place in places]
     parts = _read_table_parts(file, path, form, columns, threshold)
@@ -106,7 +106,7 @@ class _RowReader:
     """Reader of the times and the levels of rows.
 
     ``_first_stamp`` is the first time stamp, from which times are counted, and ``_voltages`` the converter from
-    voltages to levels. Both are None if the table has none.
+    voltages to levels. Both are None if the table has no time stamps or voltages.
     """
 
     def __init__(self, form: TableForm, columns: list[int], path: str) -> None:
@@ -119,8 +119,8 @@ class _RowReader:
     def find_voltages(self, file: BinaryIO, threshold: float | None) -> None:
         """Read the whole file for the range of its voltages, then go back to its beginning.
 
-        It stops at the first rows if they have no voltages: all cells are whole numbers, or some are not finite. With
-        ``threshold``, the columns always have voltages.
+        It stops after the first block if that has no voltages: all cells are whole numbers, or some are not finite.
+        With ``threshold``, the columns always have voltages.
         """
         # The lowest and the highest voltage of each column, block by block.
         ranges: list[Any] = []
@@ -165,7 +165,10 @@ class _RowReader:
             raise InputError(self._path, f"from line {line}", reason) from None
 
     def read(self, block: bytes, line: int) -> tuple[Any, Any]:
-        """Return the times and the levels of some rows. Without a time column, the times are None."""
+        """Return the times and the levels of some rows. The times are None if there are none, or if they are not used.
+
+        Raises InputError if a cell is wrong. ``line`` is the number of the first row, for that error.
+        """
         # A unit of 0 means that times are not used.
         has_time = bool(self._form.unit)
         if not has_time:
@@ -199,7 +202,10 @@ class _RowReader:
         return pack_bits(cells)
 
     def _split_off_stamps(self, block: bytes, line: int) -> tuple[Any, bytes]:
-        """Return the time stamps as seconds from the first one, and the rows with 0 in their place."""
+        """Return the time stamps as seconds from the first one of the file, and the rows with 0 in their place.
+
+        Raises InputError if a row does not begin with a time stamp.
+        """
         delimiter = (self._form.delimiter or " ").encode()
         stamp_texts: list[str] = []
         rows_without_stamps: list[bytes] = []
@@ -212,7 +218,11 @@ class _RowReader:
                 raise InputError(self._path, f"from line {line}", "expected a time stamp in the first column")
             stamp_texts.append(stamp[0].decode().replace(" ", "T"))
             rows_without_stamps.append(b"0" + delimiter + following_cells)
-        times = np.array(stamp_texts, "datetime64[ns]")
+        try:
+            times = np.array(stamp_texts, "datetime64[ns]")
+        except ValueError as error:
+            # Not every text in the form of a time stamp is one, such as that of a 13th month.
+            raise InputError(self._path, f"from line {line}", str(error)) from None
         if self._first_stamp is None:
             self._first_stamp = times[0]
         # The differences are in nanoseconds.
@@ -223,7 +233,7 @@ class _RowReader:
 class Voltages:
     """Converter from voltages to levels. Noise near the threshold is ignored: a voltage must pass it by a margin.
 
-    ``_last`` has the level of each column in the last row that was converted, or None before the first.
+    ``_last`` contains the level of each column in the last row that was converted, or None before the first.
     """
 
     def __init__(self, lowest: Any, highest: Any, threshold: float | None) -> None:
@@ -239,7 +249,7 @@ class Voltages:
         if self._last is None:
             self._last = cells[0] > self._threshold
         # A voltage near the threshold has the level of the last one that is not. Rows are numbered from 1, and 0 stands
-        # for the row before these.
+        # for the row before the block.
         rows = np.where(is_high | is_low, np.arange(1, count + 1)[:, None], 0)
         last_clear = np.maximum.accumulate(rows, axis=0)
         clear_levels = np.concatenate([self._last[None, :], is_high])
@@ -251,8 +261,8 @@ class Voltages:
 def _read_regular_rows(block: bytes, delimiter: str | None, columns: list[int]) -> Any:
     """Return the levels of rows in which every cell is at the same place, each row as one number, or None.
 
-    This is much faster than parsing numbers. It works if all rows have the length of the first one, the same
-    separators, and a single 0 or 1 in each of ``columns``.
+    Such rows are read much faster than by parsing numbers. It works if all rows have the length of the first row, the
+    same separators, and a single 0 or 1 in each of ``columns``.
     """
     first_row = block[: block.index(b"\n") + 1]
     row_bytes = len(first_row)
@@ -334,7 +344,10 @@ class _ValueChanges:
         self._begin = self._now = _NO_TIME
 
     def edges_in(self, block: bytes, done: int) -> Edges:
-        """Return the edges in a block of whole lines. The first level of a signal is not an edge."""
+        """Return the edges in a block of whole lines. The first level of a signal is not an edge.
+
+        Changes to other levels than 0 and 1, such as ``x`` and ``z``, are ignored.
+        """
         changes = self._changes
         levels = self._levels
         first_levels = [level or 0 for level in levels]
@@ -360,7 +373,10 @@ class _ValueChanges:
         return Edges(tuple(first_levels), edge_times, float(self._begin), float(self._now), done)
 
     def _advance(self, token: bytes) -> None:
-        """Set the time to the one in ``token``, such as ``#1200``."""
+        """Set the time to the one in ``token``, such as ``#1200``.
+
+        Raises InputError if it is not a time, or earlier than the last one.
+        """
         digits = token[1:]
         if not digits.isdigit() or len(digits) > _MAX_TIME_DIGITS:
             raise InputError(self._path, "", f"the time {_shown(token)} is not a number of at most 18 digits")

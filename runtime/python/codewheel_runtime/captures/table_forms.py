@@ -49,7 +49,7 @@ class TableForm(NamedTuple):
         unit: Unit of the time column in seconds. None if there is no such column, and 0 if its times are not used.
         rate: Sample rate in Hz, if the file contains it.
         skipped: Number of lines before the first row.
-        is_stamped: True if times are time stamps, which are converted to seconds from the first one.
+        is_stamped: True if times are time stamps, which are converted to seconds from the first stamp.
         has_decimal_commas: True if numbers are written like ``0,5``.
     """
 
@@ -120,9 +120,10 @@ def find_table_form(path: str, head: bytes) -> TableForm:
 
 
 def _find_delimiter(lines: Sequence[str]) -> str | None:
-    """Return the separator of the cells. A comma counts only if there is no other one, since it can be decimal.
+    """Return the separator of the cells, or None for white space.
 
-    The last line may be cut off, and the first lines can be titles, so the second-to-last line is examined.
+    A comma counts only if there is no other one, since it can be decimal. The last line may be cut off, and the first
+    lines can be titles, so the second-to-last line is examined, or the first of at most two lines.
     """
     sample_line = lines[-2] if len(lines) > 2 else lines[0]
     return next((mark for mark in ";\t," if mark in sample_line), None)
@@ -154,17 +155,18 @@ def _find_headers(cells_by_line: Sequence[list[str]]) -> _Headers | None:
 
 
 def _is_time(name: str) -> bool:
-    """Return whether a name is that of a time column, such as ``TIME`` or ``Time (s)``, and not only a unit."""
+    """Return whether a name belongs to a time column, such as ``TIME`` or ``Time (s)``, and is not only a unit."""
     return name.strip().lower().startswith(("time", "zeit"))
 
 
 def _name_channels(
     headers: _Headers, comments: Sequence[str], first_rows: Sequence[list[str]], has_times: bool
 ) -> list[str]:
-    """Return the names of the channels: those of a comment of sigrok, those of the header, or numbers from 1.
+    """Return the names of the channels: from a comment of sigrok, from the header, or numbers from 1.
 
-    ``comments`` are lines without the mark of the comment. ``first_rows`` are the cells of some rows, whose number
-    shows that of the channels. ``has_times`` is True if a column of times or of numbers is in front of the channels.
+    The names of a comment count only if there is one for each channel. ``comments`` are lines without the mark of the
+    comment. ``first_rows`` are the cells of some rows, the first of which shows the number of channels. ``has_times``
+    is True if a column of times or of numbers is in front of the channels.
     """
     first_channel = int(has_times)
     column_count = len(first_rows[0])
@@ -206,7 +208,7 @@ def _find_increment_rate(headers: _Headers) -> float | None:
 
 
 def _is_row(cells: Sequence[str]) -> bool:
-    """Return whether all cells can be those of a row: numbers, a time stamp, or X for a channel that was off."""
+    """Return whether the cells can form a row: numbers, a time stamp, or X for a channel that was off."""
     if not cells:
         return False
     for index, cell in enumerate(cells):
@@ -232,7 +234,10 @@ def _is_number(text: str) -> bool:
 
 
 def _are_numbered(rows: Sequence[list[str]]) -> bool:
-    """Return whether the first cells of four or more rows are successive numbers, such as those of samples."""
+    """Return whether the first cells of four or more rows are successive numbers, such as those of samples.
+
+    Rows of a single cell do not count.
+    """
     first_cells = [row[0] for row in rows if len(row) > 1]
     if len(first_cells) < _FIRST_ROWS or not all(cell.isascii() and cell.isdigit() for cell in first_cells):
         return False
@@ -253,7 +258,10 @@ def _find_comment(comments: Sequence[str], name: str) -> str:
 
 
 def _find_first_row(head: bytes, header_count: int) -> int:
-    """Return the offset in bytes of the first row of a table, after its headers, comments and empty lines."""
+    """Return the offset in bytes of the first row of a table, after its headers, comments and empty lines.
+
+    Without a row, this is the length of ``head``.
+    """
     offset = 0
     headers_left = header_count
     for line in io.BytesIO(head):
@@ -268,7 +276,7 @@ def _find_first_row(head: bytes, header_count: int) -> int:
 
 
 def _split_cells(line: str, delimiter: str | None) -> list[str]:
-    """Return the cells of a line. Empty ones at its end are left out."""
+    """Return the cells of a line without spaces and quotes around them. Empty ones at its end are left out."""
     cells = [cell.strip().strip('"') for cell in line.split(delimiter)]
     while cells and not cells[-1]:
         cells.pop()
@@ -289,5 +297,5 @@ def _find_unit(name: str) -> float | None:
     unit = match["unit"].lower().replace("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}")
     if unit in UNITS:
         return UNITS[unit]
-    # Without a unit, the sample rate gives the times.
+    # Without a unit, the times follow from the sample rate.
     return 0.0 if name.strip().lower() in ("time", "zeit") else None

@@ -66,12 +66,13 @@ def read_serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, 
                 level, is_first_part = part.levels[0], False
             edges = np.concatenate([edges, part.times[0]])
             end, done = part.end, part.done
-        # An edge with an even index starts from the first level. If that is 1, these edges fall, otherwise the others.
+        # An edge with an even index starts from the first level. If that is 1, these edges fall, otherwise the edges
+        # with an odd index fall.
         falls = edges[1 - level :: 2]
         # Falling edges whose byte is complete. At the end of the capture (None), all are used.
-        complete_count = (
-            int(np.searchsorted(falls, end - _BITS * bit_time, "right")) if part is not None else len(falls)
-        )
+        complete_count = len(falls)
+        if part is not None:
+            complete_count = int(np.searchsorted(falls, end - _BITS * bit_time, "right"))
         falls = falls[:complete_count]
         if not len(falls):
             continue
@@ -125,7 +126,7 @@ def read_exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> 
     """Yield the bytes of a table with one byte a row, as Saleae's serial analyser exports them.
 
     Raises:
-        InputError: A cell is not a byte, or a time is not a number.
+        InputError: A cell is not a byte, a time is not a number, or a row ends before these cells.
     """
     time_column, byte_column = columns
     text = io.TextIOWrapper(file, "utf-8-sig", "replace", newline="")
@@ -172,7 +173,7 @@ def _split_parts(signals: Signals) -> Iterator[Any]:
 
 
 class Kinds(NamedTuple):
-    """Kinds of frames on a line: those of the encoder and of the master, by name, and the requested one or none."""
+    """Kinds of frames on a line: from the encoder and from the master, by name, and the requested kind or none."""
 
     replies: Mapping[str, Shape]
     requests: Mapping[str, Shape]
@@ -184,17 +185,17 @@ def find_replies(
 ) -> Generator[CapturedFrames, None, None]:
     """Yield the replies of one kind.
 
-    The line may also carry requests and other kinds of replies. If no kind is requested, the most frequent kind
-    with a position is used.
+    The line may also carry requests and other kinds of replies. If no kind is requested, the kind with a position that
+    is most frequent in the first stretch with such replies is used, and nothing is yielded before that was read.
 
     Args:
         line: The bytes on the line.
         name: Name of the file, for errors.
-        baud: Bits per second.
+        baud: Bits per second, or per sample if times are in samples.
         kinds: Kinds of frames.
 
     Raises:
-        InputError: The line never changes.
+        InputError: There is no byte on the line.
     """
     finder = _Replies(kinds, _BITS / baud)
     # Frames wait here until their kind is known.
@@ -216,7 +217,7 @@ class _Places(NamedTuple):
 
     Attributes:
         starts: First byte of each reply, by the name of its kind.
-        gaps: First byte, and the byte after the last one, of each gap between replies. A request directly before its
+        gaps: First byte, and the byte after its last byte, of each gap between replies. A request directly before its
             reply is in no gap.
         end: End of the bytes that belong to a reply or a gap.
     """
@@ -261,7 +262,7 @@ class _Replies:
     def with_kind(self, stretch: CapturedFrames) -> CapturedFrames:
         """Return a stretch with the name of the kind of replies, which may not have been known when it was found.
 
-        A stretch with frames has it already. In others, the empty array gets the length of this kind.
+        A stretch with frames has it already. In other stretches, the empty array gets the length of this kind.
         """
         if not self.wanted or len(stretch.frames):
             return stretch
@@ -292,7 +293,10 @@ class _Replies:
         return is_valid
 
     def _take_replies(self, until: int) -> CapturedFrames:
-        """Return the replies that begin before the byte ``until``, and forget their bytes."""
+        """Return the replies that begin before the byte ``until``, and forget the bytes up to their end.
+
+        If no kind of reply is wanted yet, these replies choose it.
+        """
         shapes = self._kinds.replies
         # If several kinds of reply begin at a byte, the longest one counts.
         names = sorted(shapes, key=lambda name: (-shapes[name].length, name))
@@ -320,7 +324,7 @@ class _Replies:
     def _find_reply_kinds(self, names: Sequence[str]) -> list[int]:
         """Return the index in ``names`` of the reply that begins at each byte, or -1.
 
-        ``names`` begins with the longest reply. The list also has an item for the end of the bytes, which is -1.
+        ``names`` begins with the longest reply. The list also contains an item for the end of the bytes, which is -1.
         """
         kinds = np.full(len(self._values) + 1, -1)
         # The first names are set last, so they take precedence.
@@ -332,7 +336,7 @@ class _Replies:
     def _find_request_lengths(self) -> list[int]:
         """Return the length of the longest valid request that begins at each byte, or 0.
 
-        The list also has an item for the end of the bytes, which is 0.
+        The list also contains an item for the end of the bytes, which is 0.
         """
         longest = np.zeros(len(self._values) + 1, np.int64)
         for shape in self._kinds.requests.values():
@@ -347,8 +351,8 @@ class _Replies:
     ) -> _Places:
         """Return the places of the replies that begin before the byte ``until``, one after another, and of the gaps.
 
-        ``reply_kinds`` has the index in ``names`` of the reply that begins at each byte, or -1. ``request_lengths`` has
-        the length of the request that begins at each byte, or 0.
+        ``reply_kinds`` contains the index in ``names`` of the reply that begins at each byte, or -1.
+        ``request_lengths`` contains the length of the request that begins at each byte, or 0.
         """
         byte_count = len(self._values)
         starts: dict[str, list[int]] = {name: [] for name in names}
@@ -381,7 +385,8 @@ class _Replies:
     def _collect_frames(self, places: _Places, request_lengths: list[int]) -> CapturedFrames:
         """Return the replies of the wanted kind, and the gaps as lost bytes.
 
-        A gap with exactly one reply that has a CRC error, after a request or not, is a frame with an error instead.
+        A gap that contains exactly one reply with a CRC error, after a request or not, is a frame with an error
+        instead.
         """
         lost: list[Lost] = []
         reply_starts = [*places.starts.get(self.wanted, [])]
@@ -415,7 +420,7 @@ class _Replies:
     def _is_damaged_reply(self, first: int, start: int, end: int) -> bool:
         """Return whether the bytes from ``start`` to ``end`` are a reply of the wanted kind with a CRC error.
 
-        All bytes from ``first`` on, those of a request before the reply too, must have a stop bit.
+        All bytes from ``first`` on must have a stop bit, including the bytes of a request before the reply.
         """
         shape = self._kinds.replies.get(self.wanted)
         if shape is None or not self._has_stop_bit[first:end].all() or end - start != shape.length:

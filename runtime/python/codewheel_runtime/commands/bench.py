@@ -72,7 +72,10 @@ def plot(package: str, chosen: argparse.Namespace) -> None:
 
 
 def _has_frames(path: str) -> bool:
-    """Return whether a file has a column of frames: Parquet, or CSV with ``word`` or ``frame``. Others are captures."""
+    """Return whether a file has a column of frames: Parquet, or CSV with ``word`` or ``frame``.
+
+    Other files are captures.
+    """
     kind = find_kind(path)
     if kind == "parquet":
         return True
@@ -124,7 +127,7 @@ def _take_encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLay
             return biss_layout(chosen.biss)
         except UsageError as error:
             raise Failed(error, USAGE) from None
-    # The command line has both in one list, because the label is omitted with --biss.
+    # The command line puts both into one list, because the label is omitted with --biss.
     chosen.order_code, *chosen.files = chosen.files
     try:
         encoder = find_encoder(package, chosen)
@@ -145,7 +148,7 @@ def _read_probes(chosen: argparse.Namespace) -> dict[str, Any]:
     """
     names = ("clock", "data", "rate", "rest", "baud", "threshold", "layout")
     arguments: dict[str, Any] = {name: getattr(chosen, name) for name in names}
-    # ``choose`` has pairs of the name of a question and the answer.
+    # ``choose`` contains pairs of the name of a question and the answer.
     arguments["answers"] = dict(chosen.choose)
     return arguments
 

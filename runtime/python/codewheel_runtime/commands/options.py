@@ -113,11 +113,12 @@ def add_encoder(parser: argparse.ArgumentParser) -> None:
         type=_parse_answer,
         default=[],
         metavar="NAME=ANSWER",
-        help="answer to a question that the manual leaves open; repeatable",
+        help="answer to a question about frames that the manual leaves open. Without it, the command lists the answers "
+        "if a frame needs one; repeatable",
     )
 
 
-# The functions below parse the text of an option. They raise ValueError for a wrong one, which argparse reports.
+# The functions below parse the text of an option. They raise ValueError for a wrong text, which argparse reports.
 
 
 def _names(text: str) -> tuple[str, ...]:

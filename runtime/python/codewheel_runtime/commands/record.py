@@ -136,7 +136,7 @@ _RECORDERS: Final[dict[RecordKind, Callable[[Any], Recorder]]] = {
 
 
 def record_kind(target: str, kind: RecordKind | None) -> RecordKind:
-    """Return the format to write: the requested one, or that of the file name.
+    """Return the format to write: the requested format, or the format of the file name.
 
     Raises:
         UsageError: Parquet cannot be written to standard output.

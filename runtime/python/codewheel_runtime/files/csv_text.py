@@ -23,12 +23,13 @@ _LONGEST: Final = 1 << 20
 
 
 def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, shape: Shape, share: Share) -> Source:
-    """Return the frames and the other columns of a CSV file.
+    """Read the first rows of a CSV file, and return a source that reads the frames and the other columns later.
 
-    ``name`` and ``size`` in bytes are those of the file. ``share`` returns the fraction of valid frames.
+    ``name`` and ``size`` in bytes describe the file. ``share`` returns the fraction of valid frames.
 
     Raises:
         InputError: The text is UTF-16, there is no such column, or the first row cannot be read.
+        UsageError: Two of the other columns to keep have the same name.
     """
     blocks = split_into_blocks(b"", file)
     head = next(blocks, b"")
@@ -43,7 +44,7 @@ def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, s
     place, is_header = _find_frame_column(first_row, name, stored, shape)
     header = [cell.strip() for cell in first_row] if is_header else [""] * len(first_row)
     names = [cell or f"column_{number}" for number, cell in enumerate(header, 1)]
-    # The index and the name of each column other than that of the frames.
+    # The index and the name of each column except the column of frames.
     other_columns = [(index, column_name) for index, column_name in enumerate(names) if index != place]
     other_names = tuple(column_name for _, column_name in other_columns)
     empty_columns = select_columns(other_names, stored, lambda _: [], name)
@@ -53,11 +54,11 @@ def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, s
     skipped = lines.number if is_header else lines.number - 1
     start = 0
     for _ in range(skipped):
-        # ``find`` returns -1 if no line follows, which becomes 0 here.
+        # ``find`` returns -1 if no line follows, and -1 becomes 0 here.
         start = head.find(b"\n", start) + 1 or len(head)
     if b"\r" in head[:start].replace(b"\r\n", b""):
-        # A line ends with a single CR, which only the reader of rows counts. It reads from the beginning, so it skips
-        # the header itself.
+        # A line ends with a single CR, which only the reader of rows counts. The slow reader reads from the beginning,
+        # so it skips the header itself.
         skipped, start = 0, 0
     slow_reader = _SlowReader(lines, delimiter, place, columns, is_header and not start)
     read_fast = None
@@ -90,8 +91,8 @@ class _Batch(NamedTuple):
 class _SlowReader:
     """Reader of a CSV file row by row, for all contents.
 
-    ``place`` is the index of the column of frames, ``columns`` are those of the other columns to keep, with their
-    names, and ``count`` is the number of rows that are read at once.
+    ``place`` is the index of the column of frames, ``columns`` are the indices and names of the other columns to keep,
+    and ``count`` is the number of rows that are read at once.
     """
 
     def __init__(
@@ -117,7 +118,10 @@ class _SlowReader:
             self._skips_header = False
 
     def read_batch(self) -> _Batch:
-        """Return the cells of the next rows. At the end of the blocks, there are none."""
+        """Return the cells of the next rows. At the end of the blocks, there are none.
+
+        A cell that the row does not have is empty. So is the frame at the end of the file if it may be cut off.
+        """
         cells: list[str] = []
         line_numbers: list[int] = []
         # Only cells are kept, because rows are lists, which the garbage collector would traverse repeatedly.
@@ -165,7 +169,7 @@ def _read_parts(
     """Yield the frames of blocks. ``lines`` and ``done`` are the numbers of lines and bytes before the first block.
 
     ``read_fast`` reads a block, or is None without pyarrow. It returns None for blocks with unusual content.
-    ``slow_reader`` reads these, and the rest of the file with them if a row may continue in the next block.
+    ``slow_reader`` reads these blocks, and the rest of the file with them if a row may continue in the next block.
     """
     cells = Cells(csv_file.shape, csv_file.stored.digits)
     is_first = True
@@ -202,8 +206,9 @@ def _read_parts(
 def _check_first_cells(cells: Cells, texts: list[str], csv_file: _CsvFile) -> None:
     """Raise InputError if most of the first cells are not frames, or if they fit the other base much better.
 
-    The base is checked only if ``--digits`` chose one: ``check_form`` compares the fraction of valid frames, which
-    ``share`` returns, in both bases. ``cells`` has read the cells already, and ``texts`` are up to 1000 of them.
+    The base is checked only for frames of bits, and only if ``--digits`` chose one: ``check_form`` compares the
+    fraction of valid frames, which ``share`` returns, in both bases. ``cells`` has read the cells already, and
+    ``texts`` are up to 1000 of them.
     """
     name, stored, shape, share = csv_file
     if cells.are_mostly_unread:
@@ -224,7 +229,8 @@ def _read_frames(texts: list[str], shape: Shape, digits: DigitKind) -> list[int 
 class _Lines:
     """Lines of a text, counted and limited in length. ``is_cut`` is True if the last one is not terminated.
 
-    ``number`` is the number of the line, from 1, and ``read`` the number of characters so far.
+    ``number`` is the number of the last line, from 1. ``read`` is the amount read so far: the bytes before these lines,
+    and the characters of these.
     """
 
     def __init__(self, file: io.TextIOWrapper, name: str, number: int = 0, read: int = 0) -> None:
@@ -235,7 +241,7 @@ class _Lines:
         self.is_cut = False
 
     def __iter__(self) -> Iterator[str]:
-        """Yield the lines. Raises InputError if one is too long."""
+        """Yield the lines. Raises InputError if a line is too long."""
         while line := self._file.readline(_LONGEST):
             self.number += 1
             self.read += len(line)
@@ -289,12 +295,12 @@ class _FrameColumn(NamedTuple):
 def _find_frame_column(first_row: list[str], name: str, stored: Stored, shape: Shape) -> _FrameColumn:
     """Return the column of frames.
 
-    The column is the requested one, by name or by number from 1, or the only one, or one named ``frame`` or ``word``.
-    Names are those of a header. Otherwise the first row is a header if its cell in the column is not a frame. ``name``
-    is the name of the file, for errors, and ``stored.column`` is the requested column.
+    The column is the requested one (by name, or by number from 1), the only column, or a column named ``frame`` or
+    ``word``. Names come from a header. Otherwise the first row is a header if its cell in the column is not a frame.
+    ``name`` is the name of the file, for errors, and ``stored.column`` is the requested column.
 
     Raises:
-        InputError: There is no such column.
+        InputError: There is no such column, or none is requested and it is not clear which one to use.
     """
     names = [cell.strip() for cell in first_row]
     chosen = stored.column

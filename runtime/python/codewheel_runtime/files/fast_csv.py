@@ -24,7 +24,15 @@ for _digit in range(16):
 
 
 class Block(NamedTuple):
-    """Rows of a block: the frames, the cells of other columns, the first and the last frame as text, and all lines."""
+    """Rows of a block.
+
+    Attributes:
+        frames: The frames.
+        other_columns: Cells of the other columns, by name.
+        first: Cells of the first frames, at most 1000.
+        last: Cell of the last frame, or an empty string if there is none.
+        lines: Number of lines.
+    """
 
     frames: Any
     other_columns: dict[str, Any]
@@ -34,7 +42,7 @@ class Block(NamedTuple):
 
 
 def split_into_blocks(data: bytes, file: BinaryIO) -> Iterator[bytes]:
-    """Yield blocks of whole lines. The last block may end within one. ``data`` was read from the file before.
+    """Yield blocks of whole lines. The last block may end within a line. ``data`` was read from the file before.
 
     A line that is longer than a block ends the blocks, because the file is not CSV.
     """
@@ -104,9 +112,9 @@ def make_block_reader(
 ) -> Callable[[bytes], Block | None] | None:
     """Return a function that reads a block, or None if pyarrow is not installed.
 
-    The function returns None if a cell is missing, or is not a frame in the usual form. ``names`` are those of all
-    columns. ``place`` is the index of the column of frames, and ``kept_columns`` have the index and the name of each
-    other column to keep. ``digits`` is the base of numbers without ``0x``.
+    The function returns None if a cell is missing, has a line end in quotes, or is not a frame in the usual form.
+    ``names`` are those of all columns. ``place`` is the index of the column of frames, and ``kept_columns`` have the
+    index and the name of each other column to keep. ``digits`` is the base of numbers without ``0x``.
     """
     try:
         pa: Any = load("pyarrow")
@@ -116,14 +124,14 @@ def make_block_reader(
         return None
     columns = [str(index) for index in range(len(names))]
     parse = csv.ParseOptions(delimiter=delimiter)
-    # Columns are named by their index, because names in the file can be equal. That of the frames comes first.
+    # Columns are named by their index, because names in the file can be equal. The column of frames comes first.
     wanted = [str(place), *(str(index) for index, _ in kept_columns)]
     convert = csv.ConvertOptions(
         include_columns=wanted, column_types=dict.fromkeys(wanted, pa.string()), strings_can_be_null=False
     )
 
     def read(block: bytes) -> Block | None:
-        """Return the frames and the other columns of whole lines, or None if they need the slower reader."""
+        """Return the frames and the other columns of whole lines, or None if the slower reader is needed."""
         # pyarrow must not split the block.
         options = csv.ReadOptions(column_names=columns, use_threads=False, block_size=len(block) + 1)
         line_count = block.count(b"\n")
@@ -141,7 +149,7 @@ def make_block_reader(
             return None
         if frames is None:
             return None
-        # Column 0 has the frames.
+        # Column 0 contains the frames.
         other_columns = {name: table.column(index).combine_chunks() for index, (_, name) in enumerate(kept_columns, 1)}
         last_cell = cells[-1].as_py() if len(cells) else ""
         # These cells are for the check of the first frames.
@@ -154,7 +162,8 @@ def make_block_reader(
 def _read_words(cells: Any, digits: DigitKind | None, pa: Any, pc: Any) -> Any:
     """Return numbers, or None if they need the slower reader. The conversion raises ArrowInvalid for other cells.
 
-    Cells without ``0x`` are in the base ``digits``. If this is hexadecimal, all cells or none must have ``0x``.
+    Cells without ``0x`` are in the base ``digits``. If it is hexadecimal, either all cells or none must begin with
+    ``0x``.
     """
 
     def begins_with(text: str) -> Any:
@@ -172,11 +181,11 @@ def _read_words(cells: Any, digits: DigitKind | None, pa: Any, pc: Any) -> Any:
 
 
 def _read_bytes(cells: Any, length: int, pc: Any) -> Any:
-    """Return rows of bytes, or None if a cell has a different length or is not hexadecimal."""
+    """Return rows of bytes, or None if there is no cell, or if one has a different length or is not hexadecimal."""
     packed_cells = pc.replace_substring(cells, " ", "")
     count = len(packed_cells)
     # Arrow stores the cells one after another in ``data``, and the start of each in ``offsets``, followed by the end of
-    # the last one. An array can be a slice of a longer one, which begins at the cell ``first``.
+    # the last cell. An array can be a slice of a longer array, which begins at the cell ``first``.
     _, offsets, data = packed_cells.buffers()
     first = packed_cells.offset
     after_last = first + count
@@ -187,7 +196,7 @@ def _read_bytes(cells: Any, length: int, pc: Any) -> Any:
         return None
     characters = np.frombuffer(data, np.uint8, count=digits_per_cell * count, offset=int(starts[0]))
     digits = _HEX[characters]
-    # 255 stands for a character that is not a hexadecimal digit.
+    # 255 represents a character that is not a hexadecimal digit.
     if digits.max() > 15:
         return None
     # Each cell has an even number of digits, so this also holds across the cells.

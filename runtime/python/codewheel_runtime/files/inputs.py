@@ -22,7 +22,7 @@ ROWS: Final = 1 << 16
 FIRST: Final = 1000
 
 FileKind = Literal["binary", "csv", "parquet"]
-#: Function that decodes frames and returns the fraction of valid ones, from 0 to 1. It must get at least one frame.
+#: Function that decodes frames and returns the fraction of valid frames, from 0 to 1. It must get at least one frame.
 Share = Callable[[Any], float]
 
 #: Default names of the column that contains the frames.
@@ -51,7 +51,7 @@ class Stored(NamedTuple):
     wanted: Sequence[str] = ()
 
     def keeps(self, name: str) -> bool:
-        """Return True if the column ``name``, which does not contain the frames, is to be kept."""
+        """Return True if the column ``name``, which does not contain the frames, must be kept."""
         return not self.wanted or name in self.wanted
 
 
@@ -70,7 +70,7 @@ class Part(NamedTuple):
 class Source(NamedTuple):
     """Frames of a file, the total amount of data if known, and the other columns.
 
-    ``names`` lists all other columns. ``empty_columns`` has an empty column for each that is read.
+    ``names`` lists all other columns. ``empty_columns`` contains an empty column for each that is read.
     """
 
     parts: Generator[Part, None, None]
@@ -82,7 +82,7 @@ class Source(NamedTuple):
 def select_columns(names: Iterable[str], stored: Stored, empty: Callable[[str], Any], file: str) -> dict[str, Any]:
     """Return an empty column, made by ``empty``, for each of the other columns to keep, by name.
 
-    ``names`` are those of all columns but that of the frames. ``file`` is the name of the file, for errors.
+    ``names`` are the names of all columns except the column of frames. ``file`` is the name of the file, for errors.
 
     Raises:
         UsageError: Two of these columns have the same name.
@@ -96,12 +96,12 @@ def select_columns(names: Iterable[str], stored: Stored, empty: Callable[[str], 
 
 
 def find_column(names: list[str], wanted: str, file: str) -> str:
-    """Return the name of the column with the frames: the requested one, the only one, or one with a default name.
+    """Return the name of the column with the frames: the requested or only column, or one with a default name.
 
-    ``names`` are those of all columns, and ``wanted`` is the requested one, or empty. ``file`` is for errors.
+    ``names`` are the names of all columns, and ``wanted`` is the requested name, or empty. ``file`` is for errors.
 
     Raises:
-        InputError: There is no such column, or there are several.
+        InputError: The column does not exist, or there are several.
     """
     if wanted:
         if names.count(wanted) == 1:
@@ -115,7 +115,7 @@ def find_column(names: list[str], wanted: str, file: str) -> str:
 
 
 def find_usual_column(names: list[str]) -> int | None:
-    """Return the index of the only column, or of the only one named ``frame`` or ``word``. None if there is none."""
+    """Return the index of the only column, or of the only one named ``frame`` or ``word``, otherwise None."""
     named = [index for index, name in enumerate(names) if len(names) == 1 or name.lower() in _NAMES]
     return named[0] if len(named) == 1 else None
 
@@ -142,12 +142,12 @@ def check_form(name: str, chosen_frames: Any, other_forms: Iterable[tuple[str, A
 
 
 def read_seconds(cells: Any, source: str) -> Any:
-    """Return the cells of a column of times as an array of seconds. An empty cell becomes NaN.
+    """Return the cells of a column of times as an array of seconds. An empty cell becomes NaN. Arrays stay as they are.
 
     Raises:
         InputError: A cell is not a number.
     """
-    # It is a NumPy array already. Others are lists or Arrow arrays.
+    # Only a NumPy array has a ``dtype``. Other columns are lists or Arrow arrays.
     if hasattr(cells, "dtype"):
         return cells
     cells = cells.to_pylist() if hasattr(cells, "to_pylist") else cells

@@ -22,7 +22,8 @@ _BUFFER: Final = 1 << 20
 def read_parquet_batches(file: BinaryIO, name: str, stored: Stored, shape: Shape) -> Source:
     """Open a Parquet file, and return a source that reads the frames and the other columns later.
 
-    Raises InputError if the file is not Parquet, or has no such columns.
+    Raises InputError if the file is not Parquet, or has no such columns, and UsageError if two columns to keep have the
+    same name.
     """
     with _convert_to_readable(name):
         # Without a buffer, a whole column is read at once.
@@ -49,7 +50,7 @@ def _read_batches(
     """Yield the frames of a column, with the other columns of the same rows, and the number of rows read.
 
     Raises:
-        InputError: The column has no frames, or the file is damaged.
+        InputError: The column contains no frames, or the file is damaged.
     """
     done = 0
     with _convert_to_readable(name):

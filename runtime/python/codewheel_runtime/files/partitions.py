@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Decodes the frames in partitions of data frames, such as those of Arrow and pandas."""
+"""Decodes the frames in partitions of data frames, such as data frames of Arrow and pandas."""
 
 from __future__ import annotations
 
@@ -39,7 +39,13 @@ class PartitionDecoder(NamedTuple):
     raw: bool
 
     def decode(self, partition: Any) -> Any:
-        """Return the partition with the fields in place of the column of frames. Raises TypeError for other objects."""
+        """Return the partition without the column of frames, and with the fields after the other columns.
+
+        Raises:
+            TypeError: ``partition`` is not a table.
+            InputError: There is no column of frames.
+            UsageError: Another column has the name of a field.
+        """
         library = type(partition).__module__.partition(".")[0]
         class_name = type(partition).__name__
         if library == "pyarrow" and class_name in ("Table", "RecordBatch"):
@@ -51,7 +57,7 @@ class PartitionDecoder(NamedTuple):
         raise TypeError(f"expected a table of Arrow, pandas, polars or DuckDB, got {class_name}")
 
     def _decode_arrow(self, partition: Any) -> Any:
-        """Return a table of Arrow: the columns other than that of the frames, then the decoded ones."""
+        """Return a table of Arrow: the columns without the column of frames, then the decoded columns."""
         names = list(partition.schema.names)
         column = find_column(names, self.column, _NAME)
         try:
@@ -66,7 +72,7 @@ class PartitionDecoder(NamedTuple):
         return partition.__class__.from_arrays([*columns.values()], names=[*columns])
 
     def _decode_pandas(self, partition: Any) -> Any:
-        """Return a table of pandas: the columns other than that of the frames, then the decoded ones."""
+        """Return a table of pandas: the columns without the column of frames, then the decoded columns."""
         names = list(map(str, partition.columns))
         column = find_column(names, self.column, _NAME)
         column_index = names.index(column)
@@ -86,7 +92,8 @@ class PartitionDecoder(NamedTuple):
 def _read_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
     """Convert a pandas column to the form that ``decode_many`` expects. Missing items are None or NaN.
 
-    Numbers stay an array. Other columns become a list of cells. ``digits`` is the base of numbers in text.
+    Integers stay an array, as do floats for frames of bits. Other columns become a list of cells. ``digits`` is the
+    base of numbers in text.
 
     Raises:
         ValueError: Most cells of text contain no frame.
@@ -106,7 +113,9 @@ def _read_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
 
 
 def _read_cell(cell: object, shape: Shape, cells: Cells, row: int) -> Any:
-    """Return the frame in a cell of text, bytes or an integer. ``cells`` reads text, and returns None if there is none.
+    """Return the frame in a cell of text, bytes or an integer.
+
+    ``cells`` reads text, and returns None for a cell without a frame.
 
     Raises:
         TypeError: The cell is something else, or a number for a frame of bytes.
@@ -122,7 +131,7 @@ def _read_cell(cell: object, shape: Shape, cells: Cells, row: int) -> Any:
 
 
 def check_apart(source_columns: Iterable[str], decoded_columns: Iterable[str], source: str) -> None:
-    """Raise UsageError if another column of ``source`` has the same name as a decoded one."""
+    """Raise UsageError if another column of ``source`` has the name of a decoded column."""
     shared = sorted({*source_columns} & {*decoded_columns})
     if shared:
         raise UsageError(

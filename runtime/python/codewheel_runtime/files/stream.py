@@ -118,10 +118,11 @@ class Files(NamedTuple):
     ) -> Summary:
         """Decode a file of frames into a file of columns, in bounded memory.
 
-        Each frame becomes a row. The other columns of the file come first, unchanged. The position is empty if it is
-        not usable, or if the frame has an error. The error is in ``fault``. A cell without a frame becomes a row with a
-        length error. The target appears when it is complete. On error, no file is created and an existing file is left
-        unchanged.
+        Each frame becomes a row. The other columns of the file come first. They are unchanged, except that a column of
+        CSV becomes numbers in Parquet and Arrow if its first cells are numbers. Later cells that are not are left
+        empty, and counted as ``lost``. The position is empty if it is not usable, or if the frame has an error. The
+        error is in ``fault``. A cell without a frame becomes a row with a length error. The target appears when it is
+        complete. On error, no file is created and an existing file is left unchanged.
 
         Args:
             encoder: The encoder, or its label.
@@ -232,7 +233,9 @@ class Output(NamedTuple):
 
 
 def find_target_format(target: str | os.PathLike[str], to: TargetKind | None) -> TargetKind:
-    """Return the format to write: the requested one, or that of the file name. ``-`` stands for standard output.
+    """Return the format to write: the requested format, or the format of the file name.
+
+    ``-`` stands for standard output.
 
     Raises:
         UsageError: Another format than CSV is requested for standard output.
@@ -255,7 +258,9 @@ def _decode_file(
     """Decode a file into a file of columns, part by part. For ``limit`` and ``progress``, see ``decode_file``.
 
     Raises:
-        UsageError: Speeds are requested, but the source has no column ``time``, or has a column of the same name.
+        UsageError: Speeds are requested, but the source has no column ``time``, or has a column with the name of an
+            added one. Or see ``open_source``, ``open_for_writing`` and ``make_plan``.
+        InputError: The source does not contain such frames.
     """
     # A table without frames shows which columns the result has.
     empty = decode_many([], shape, encoder)
@@ -301,6 +306,7 @@ def decode_parts(
 
     Raises:
         UsageError: ``limit`` is negative.
+        InputError: A part of the source cannot be read.
     """
     if limit is not None and whole_number("limit", limit) < 0:
         raise UsageError(f"limit must be at least 0, got {limit}")
@@ -340,7 +346,7 @@ class Derived:
         Raises:
             UsageError: The times are not in seconds, or the encoder has no SI units.
         """
-        # Without a sample rate, a capture has a column of sample numbers in place of ``time``.
+        # Without a sample rate, a capture has a column of sample numbers instead of ``time``.
         if self._time != "time":
             raise UsageError("speeds need the sample rate: give it with --rate")
         try:
@@ -356,7 +362,7 @@ class Derived:
         if len(usable_rows):
             # Unwrapping continues from the last position of the previous table.
             previous_position = None if self._last is None else self._last[0]
-            # Later frames without a usable position have the same count.
+            # Later frames without a usable position get the same count.
             last_position = int(table.unwrapped(previous_position)[-1])
             last_usable_row = usable_rows[-1]
             self._last = (last_position, float(times[last_usable_row]))
@@ -364,7 +370,7 @@ class Derived:
 
 
 class _Counts:
-    """Running counts of frames, by error and by the index of the verdict in ``Verdict``."""
+    """Running counts of frames, by error, and of valid frames by the index of the verdict in ``Verdict``."""
 
     def __init__(self) -> None:
         self.frames = 0
@@ -384,7 +390,7 @@ class _Counts:
                 self._verdicts[index] = self._verdicts.get(index, 0) + int((valid_verdicts == index).sum())
 
     def summary(self, lost: int) -> Summary:
-        """Return the counts, without verdicts that no frame has. ``lost`` is the number of cells left empty."""
+        """Return the counts, without verdicts that do not occur. ``lost`` is the number of cells left empty."""
         all_verdicts = [*Verdict]
         verdicts = {all_verdicts[index]: count for index, count in self._verdicts.items() if count}
         return Summary(self.frames, dict(sorted(self._faults.items())), verdicts, lost)

@@ -27,7 +27,7 @@ _TUPLE: Any = tuple
 class Coded:
     """Frame or register. Another base of each class is the NamedTuple of its fields.
 
-    Objects are equal only to those of the same class, unlike a plain NamedTuple.
+    Objects are equal only to objects of the same class, unlike a plain NamedTuple.
     """
 
     __slots__ = ()
@@ -50,7 +50,8 @@ class Coded:
 
         Returns:
             The fields by name. A choice is its name in lower case. The encoder is its ``order_code``. A frame with a
-            position also has ``position``, ``usable_position`` and ``verdict``, and one from an encoder ``reports``.
+            position also contains ``position``, ``usable_position`` and ``verdict``, and a frame from an encoder also
+            contains ``reports``.
         """
         kind: Any = type(self)
         values: dict[str, Any] = {}
@@ -72,17 +73,17 @@ class Coded:
 
     @classmethod
     def _frame_name(cls, encoder: Encoder) -> str:
-        """Return the name of the frame if its range of positions differs from that of other frames, otherwise empty."""
+        """Return the name of the frame if its range of positions differs from other frames, otherwise empty."""
         return find_any_shape(cls, encoder).frame
 
     def _arguments(self) -> tuple[Any, ...]:
-        """Return the encoder and the answers, which are the first fields, as many as the description has arguments."""
+        """Return the encoder and the answers, which are the first fields, one for each argument of the description."""
         kind = cast(Any, type(self))
         values = cast("tuple[Any, ...]", self)
         return values[: len(find_description(kind)[1])]
 
     def _encoder(self) -> Encode:
-        """Return the function that encodes such frames. It is made once for each class."""
+        """Return the function that encodes such frames. The function is made once for each class."""
         try:
             return _ENCODERS[self.__class__]
         except KeyError:
@@ -126,7 +127,7 @@ class InBits(Coded):
 
 
 class InBytes(Coded):
-    """Frame or register that is made of bytes."""
+    """Frame or register that consists of bytes."""
 
     __slots__ = ()
 
@@ -180,6 +181,9 @@ class FixedFrame(Fixed):
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+
+        Raises:
+            TypeError, ValueError: ``frames`` are not in this form.
         """
         return decode_many(frames, cls, variant=None)
 
@@ -195,7 +199,8 @@ class FixedFrame(Fixed):
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
-            TypeError: A column is missing or unknown.
+            TypeError: A column is missing or unknown, or its type does not fit the field.
+            ValueError: The columns have different lengths.
         """
         return encode_many(columns, cls, variant=None)
 
@@ -251,7 +256,7 @@ class ByEncoder(ForEncoder, _Of[_Encoder]):
     def bit_fields(cls, variant: _Encoder) -> tuple[BitField, ...]:
         """Return the bit position of each field in the number that the frame or register forms.
 
-        A field that the encoder does not have is 0 bits wide.
+        A field that does not exist in the encoder is 0 bits wide.
         """
         return shape_of(cls, variant).fields
 
@@ -271,6 +276,10 @@ class FrameOf(ByEncoder[_Encoder]):
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+
+        Raises:
+            TypeError, ValueError: ``frames`` are not in this form.
+            TypeError, FamilyError, InterfaceError: ``variant`` is not an encoder that sends such frames.
         """
         return decode_many(frames, cls, variant=variant)
 
@@ -287,7 +296,9 @@ class FrameOf(ByEncoder[_Encoder]):
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
-            TypeError: A column is missing or unknown.
+            TypeError: A column is missing or unknown, or its type does not fit the field.
+            ValueError: The columns have different lengths.
+            TypeError, FamilyError, InterfaceError: ``variant`` is not an encoder that sends such frames.
         """
         return encode_many(columns, cls, variant=variant)
 
@@ -316,9 +327,9 @@ class RegisterOf(ByEncoder[_Encoder], InBytes):
 
 
 class Limited(InBytes):
-    """Register with limits for the values that may be written. They apply to objects that a program creates.
+    """Register with limits for the values that may be written. The limits apply to objects that a program creates.
 
-    A decoded register keeps its bytes, because its content can be outside these limits.
+    A decoded register keeps its bytes, because their content can be outside these limits.
     """
 
     def encode(self) -> bytes:
@@ -327,7 +338,7 @@ class Limited(InBytes):
         Raises:
             RangeError: A value does not fit its field, or may not be written.
         """
-        # Only ``keep_bytes`` sets these, for a decoded register.
+        # Only ``keep_bytes`` sets these attributes, for a decoded register.
         data: bytes | None = self.__dict__.get("_bytes")
         return super().encode() if data is None else data
 
@@ -352,7 +363,7 @@ def keep_bytes(register: _Limited, data: bytes) -> _Limited:
 def decode_many(frames: object, kind: type, /, *, variant: Encoder | None, **answers: object) -> Table:
     """Decode many frames of one class. ``variant`` is None for frames that are the same for every encoder.
 
-    ``answers`` are the answers to open questions by name. Those that the class does not need are ignored.
+    ``answers`` are the answers to open questions by name. Answers that the class does not need are ignored.
     """
     shape = shape_of(kind, *decoding_arguments(kind, variant=variant, **answers))
     from ..bulk import decode as bulk_decode

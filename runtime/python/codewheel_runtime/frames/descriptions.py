@@ -24,7 +24,7 @@ def shape_of(kind: type, *arguments: object) -> Shape:
             that the manual leaves open for these frames. An answer is a member of the enumeration of its question.
 
     Raises:
-        TypeError: An argument is not an encoder, or an answer is not a member of the enumeration.
+        TypeError: An argument is missing or not an encoder, or an answer is not a member of the enumeration.
         FamilyError, InterfaceError: The encoder belongs to another family, or has another interface.
     """
     make, argument_types = find_description(kind)
@@ -56,8 +56,8 @@ def find_any_shape(kind: type, encoder: Encoder) -> Shape:
 
 def find_kinds(encoder: Encoder) -> tuple[type, ...]:
     """Return the classes of the frames that an encoder sends over its interface."""
-    # FRAMES has the functions for shapes by interface and sender, and there by the name of the frame. SHAPES has the
-    # functions by class. Both have the same functions, so these connect the two.
+    # FRAMES contains the functions for shapes by interface and sender, and there by the name of the frame. SHAPES
+    # contains the functions by class. Both contain the same functions, so these connect the two.
     package, _, family = type(encoder).__module__.rpartition(".")
     module = import_module(f"{package}._shapes.{family}")
     makers = module.FRAMES.get((encoder.interface.value, "encoder"), {}).values()
@@ -69,7 +69,7 @@ def find_description(kind: type) -> tuple[Callable[..., Shape], tuple[type, ...]
     """Return the function that creates the description of a class, and the types of its arguments.
 
     The arguments are an encoder, unless all encoders have the same description, and the answers to open questions. A
-    class derived from a class of frames has the description of that.
+    class derived from a class of frames uses the description of its base.
     """
     shapes: Mapping[type, Callable[..., Shape]] = module_of(kind, "_shapes").SHAPES
     make = next(shapes[base] for base in kind.__mro__ if base in shapes)
@@ -79,16 +79,17 @@ def find_description(kind: type) -> tuple[Callable[..., Shape], tuple[type, ...]
 
 def module_of(kind: type, folder: str) -> Any:
     """Return the module in ``folder``, such as ``facts``, that belongs to the family of a class."""
-    # The base that has the fields is in the module of the family. A class derived from it can be elsewhere.
+    # The base class with the fields is in the module of the family. A class derived from it can be elsewhere.
     fields = next(base for base in kind.__mro__ if "_fields" in vars(base))
     package, _, family = fields.__module__.rpartition(".")
     return import_module(f"{package}.{folder}.{family}")
 
 
 def decoding_arguments(kind: type, /, **arguments: object) -> tuple[object, ...]:
-    """Return those of ``arguments`` that a class of frames needs, in the order of its first fields.
+    """Return the ``arguments`` that a class of frames needs, in the order of its first fields.
 
-    They are ``variant``, which is the encoder, and the answers to open questions. Others are ignored.
+    They are ``variant``, which is the encoder, and the answers to open questions. Others are ignored. Raises KeyError
+    if one that the class needs is missing.
     """
     fields: tuple[str, ...] = cast(Any, kind)._fields
     # The first fields of a class are the arguments of the function for its description.

@@ -2,7 +2,7 @@
 """Encoders of one frame: a function for each class and encoder, made from the description of the frame.
 
 The function handles values that fit their fields and have exactly the usual type, such as ``int`` and no subclass.
-``encode_number`` handles all others, and raises the errors.
+``encode_number`` handles all other values, and raises the errors.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def find_class_encoder(frame: Any) -> Encode:
     """Return the function that encodes frames of the class of ``frame`` for its encoder.
 
     The first members of a frame are the encoder and the answers to open questions, in the order of ``needed``. The
-    function compiles one encoder for each combination of answers, when a frame first has it.
+    function compiles one encoder for each combination of answers, when it first occurs in a frame.
     """
     kind = cast(type, frame.__class__)
     needed = find_description(kind)[1]
@@ -60,13 +60,13 @@ def find_class_encoder(frame: Any) -> Encode:
 def make_encoder(kind: type, arguments: tuple[Any, ...]) -> Encode:
     """Return a function that encodes frames of a class. ``arguments`` are the encoder and the answers that it needs.
 
-    The function is compiled for this class. If a field is of a kind without a fast path, or has limits of the encoder,
-    it is ``encode_any`` instead, which reads the description of the frame each time.
+    The function is compiled for this class. If a field has no fast path, or limits that depend on the encoder, it is
+    ``encode_any`` instead, which reads the description of the frame each time.
     """
     shape = shape_of(kind, *arguments)
 
     def encode_any(frame: Any) -> int | bytes:
-        """Encode a frame with any values, and raise an error if one does not fit."""
+        """Encode a frame with any values, and raise an error if a value does not fit."""
         number = encode_number(frame, shape, arguments)
         return number.to_bytes(shape.length, shape.order) if shape.length else number
 
@@ -81,7 +81,7 @@ def make_encoder(kind: type, arguments: tuple[Any, ...]) -> Encode:
 
 
 class _Bits(NamedTuple):
-    """Two texts of code for a field, in which ``{0}`` stands for the variable of the value.
+    """Two texts of code for a field, in which ``{0}`` is replaced by the variable of the value.
 
     ``condition`` is True if the value has the usual type and fits, and ``bits`` is an expression for its bits. For a
     number of 20 bits: ``"type({0}) is int and not {0} >> 20"`` and ``"{0}"``.
@@ -94,8 +94,8 @@ class _Bits(NamedTuple):
 def _describe_usual_bits(column: Column) -> _Bits | None:
     """Return the condition and the bits of a field, or None if ``encode_number`` must handle it.
 
-    ``encode_number`` handles strings, decimal digits, numbers with a list of values, powers of two, numbers whose value
-    0 has another meaning, and signed numbers without bits.
+    ``encode_number`` handles strings, decimal digits, numbers and choices with a list of values, powers of two, numbers
+    whose value 0 has another meaning, and signed numbers without bits.
     """
     width = column.width
     if column.zero_means or column.power_of_two:
@@ -134,7 +134,7 @@ class _FunctionText:
     """
 
     def __init__(self, shape: Shape, fields: tuple[str, ...]) -> None:
-        # The name of each field's variable. The bits of all terms are joined by |, starting with the constant ones.
+        # The name of each field's variable. The bits of all terms are joined by |, starting with the constant bits.
         self._fields = {name: f"field_{index}" for index, name in enumerate(fields)}
         self._conditions: list[str] = []
         self._terms: list[str] = [f"{shape.fixed:#x}"] if shape.fixed else []
@@ -175,7 +175,7 @@ class _FunctionText:
         """Add the condition on the field ``unused``, and the unused bits, as code.
 
         In a register that keeps its other bits, ``unused`` holds these bits at their places. Otherwise a bit of
-        ``unused`` is 1 where the sent bit differs from the manual, so 0 stands for the values in the manual.
+        ``unused`` is 1 where the sent bit differs from the manual, so 0 represents the values in the manual.
         """
         if shape.kept_mask is None and not shape.unused:
             return

@@ -17,10 +17,11 @@ _MISSING: Final = frozenset(("", "nan", "na", "n/a", "<na>", "null", "none"))
 
 
 def read_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
-    """Return the frame that a string contains. Raises ValueError if there is none.
+    """Return the frame that a string contains. Raises ValueError if the string contains no frame.
 
-    Spaces and underscores are ignored. A frame of bytes is a row of hexadecimal bytes, with or without ``0x`` in front.
-    A frame of bits is a number: ``0x`` and ``0b`` specify its base, and ``digits`` that of other texts.
+    Spaces and underscores are ignored. A frame of bytes is a row of hexadecimal bytes, with or without a leading
+    ``0x``. A frame of bits is a number: ``0x`` and ``0b`` specify its base, and ``digits`` specifies the base of other
+    texts.
     """
     packed = text.replace(" ", "").replace("_", "")
     if shape.length:
@@ -54,9 +55,9 @@ def _read_bytes(packed: str, text: str) -> bytes:
 class Cells:
     """Reader of text cells that contain frames. An empty cell, or one without a frame, yields None.
 
-    ``seen`` is the number of cells that are not empty, and ``unread`` the number of those without a frame. Words for a
-    missing value, such as ``nan``, count as empty. ``place`` and ``error`` are the location and the error message of
-    the first cell without a frame.
+    ``seen`` is the number of cells that are not empty, and ``unread`` the number of these cells without a frame. Words
+    for a missing value, such as ``nan``, count as empty. ``place`` and ``error`` are the location and the error message
+    of the first cell without a frame.
     """
 
     def __init__(self, shape: Shape, digits: DigitKind | None) -> None:

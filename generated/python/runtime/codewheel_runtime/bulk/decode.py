@@ -38,8 +38,8 @@ _MANY_VALUES: Final = 16
 def decode_many(frames: object, shape: Shape, encoder: FrameSource | None) -> Table:
     """Decode ``frames`` into columns, ``CHUNK`` frames at a time.
 
-    A frame with a wrong length gets the error LENGTH, and values that mean nothing. For the arguments, see
-    ``decode_many`` of the frame's class.
+    A frame with a wrong length gets the error LENGTH, and meaningless values. For the arguments, see ``decode_many`` of
+    the frame's class.
     """
     if _is_arrow(frames):
         from .arrow import read_column
@@ -100,7 +100,7 @@ def _allocate_columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
 
 
 class ReadFrames(NamedTuple):
-    """Frames as an array of rows of bytes or of 64-bit numbers, and the indices of those with a wrong length.
+    """Frames as an array of rows of bytes or of 64-bit numbers, and the indices of frames with a wrong length.
 
     Zeros replace frames with a wrong length.
     """
@@ -112,7 +112,11 @@ class ReadFrames(NamedTuple):
 def read_rows(frames: Any, length: int) -> ReadFrames:
     """Return frames as rows of bytes.
 
-    A missing frame counts as one of 0 bytes. Arrays have frames of one length only.
+    A missing frame counts as one of 0 bytes. Arrays and buffers have frames of one length only.
+
+    Raises:
+        TypeError: The frames are not bytes.
+        ValueError: An array or a buffer does not have complete frames of this length.
     """
     if isinstance(frames, (list, tuple)):
         return _read_list_of_rows(cast(Iterable[Any], frames), length)
@@ -144,7 +148,14 @@ def _read_list_of_rows(frames: Iterable[Any], length: int) -> ReadFrames:
 
 
 def _read_words(frames: Any, bits: int) -> ReadFrames:
-    """Return frames as 64-bit numbers. A missing frame has a wrong length."""
+    """Return frames as 64-bit numbers. A missing frame has a wrong length.
+
+    A buffer has eight bytes per frame, least significant first. ``bits`` is the length of a frame.
+
+    Raises:
+        TypeError: The frames are not integers or a buffer.
+        ValueError: The length of a buffer is not a multiple of eight bytes.
+    """
     if isinstance(frames, (bytes, bytearray, memoryview)):
         data = cast(Any, frames)
         if len(data) % 8:
@@ -158,7 +169,10 @@ def _read_words(frames: Any, bits: int) -> ReadFrames:
 
 
 def _read_array_of_words(frames: Any, bits: int) -> ReadFrames:
-    """Return an array of integers, or of floating-point numbers without fractions, as 64-bit numbers."""
+    """Return an array of integers, or of floating-point numbers without fractions, as 64-bit numbers.
+
+    Negative integers become those modulo 2**64. Raises TypeError for other arrays.
+    """
     if frames.dtype.kind == "f" and frames.ndim == 1:
         frames = read_floats(frames, bits)
     if frames.dtype.kind not in "ui" or frames.ndim != 1:
@@ -170,7 +184,10 @@ def _read_array_of_words(frames: Any, bits: int) -> ReadFrames:
 
 
 def _read_list_of_words(frames: Iterable[Any]) -> ReadFrames:
-    """Return a list of numbers as 64-bit numbers."""
+    """Return a list of numbers as 64-bit numbers. Negative and longer ones have a wrong length.
+
+    Raises TypeError for items that are neither integers nor missing.
+    """
     words: list[int] = []
     wrong_rows: list[int] = []
     for index, frame in enumerate(frames):
@@ -196,7 +213,8 @@ def _is_missing(frame: object) -> bool:
 def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
     """Decode some frames into the columns ``out``, and their errors into ``fault``.
 
-    Frames that fail a quick check are examined for their errors. All frames are written, also those with an error.
+    Frames that fail a quick check are examined for their errors. All frames are written, including frames with an
+    error.
     """
     # Arrays that are nonzero for frames that fail a check.
     doubts: list[Any] = []
@@ -246,14 +264,14 @@ def _find_doubtful_frames(chunk: Chunk, shape: Shape) -> list[Any]:
 
 
 def _find_faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
-    """Return the error of each frame, or 0. If there are several, it is the one that ``decode`` checks first.
+    """Return the error of each frame, or 0. If there are several errors, it is the first that ``decode`` checks.
 
     This is the one with the lowest ``ErrorKind``, because ``decode`` checks in the order of these numbers. ``limbs``
     are the frames as numbers. In ``source``, which are the frames as they were passed, bits above the frame are still
     set.
     """
     chunk = Chunk(limbs, shape.bits)
-    # Each kind of error, with an array that is True for the frames that have it.
+    # Each kind of error, with an array that is True for the frames with this error.
     errors: list[tuple[ErrorKind, Any]] = []
     if shape.crc is not None:
         errors.append((ErrorKind.CRC, compare_crc(chunk, shape.crc) != 0))
@@ -263,7 +281,7 @@ def _find_faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
     if not shape.length and shape.bits < 64:
         errors.append((ErrorKind.LENGTH, shift_right(source, shape.bits) != 0))
     faults = np.zeros(len(source), np.uint8)
-    # The highest kind comes first, so that lower ones replace it.
+    # The highest kind comes first, so that lower kinds replace it.
     for error_kind, has_error in sorted(errors, key=lambda error: -error[0]):
         # In the frames with this error, its number replaces an earlier one.
         faults *= np.logical_not(has_error)
@@ -292,8 +310,8 @@ def _is_met(chunk: Chunk, check: Check) -> Any:
 def _write(chunk: Chunk, shape: Shape, out: Mapping[str, Any]) -> None:
     """Write the columns of the fields, of the joined numbers and of unused bits into ``out``, by name."""
     columns_by_name = {column.name: column for column in shape.columns}
-    # Fields that are extracted from a joined number on access are not in ``out``. The columns of digits have names of
-    # their own.
+    # Fields that are extracted from a joined number on access are not in ``out``. The columns of digits have separate
+    # names.
     for column in shape.columns:
         if column.name in out or column.runs:
             _write_column(chunk, column, out)
@@ -304,10 +322,12 @@ def _write(chunk: Chunk, shape: Shape, out: Mapping[str, Any]) -> None:
 
 
 def _write_join(chunk: Chunk, shape: Shape, join: Join, columns: Mapping[str, Column], number: Any) -> None:
-    """Write a number that consists of several fields into the array ``number``. The first has its lowest bits.
+    """Write a number that consists of several fields into the array ``number``.
 
-    ``columns`` has the descriptions of all fields by name. ``low`` is a place in the frame, and ``offset`` one in the
-    joined number.
+    The first field provides its lowest bits.
+
+    ``columns`` contains the descriptions of all fields by name. ``low`` is a position in the frame, and ``offset`` a
+    position in the joined number.
     """
     first_name, _ = join.fields[0]
     first = columns[first_name]
@@ -402,9 +422,9 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
         return
     active_by_verdict = _find_active_conditions(shape, out)
     warnings = active_by_verdict.get(Verdict.USABLE_WITH_WARNING)
-    # A warning does not improve on an unknown position.
+    # A warning cannot improve an unknown verdict.
     if warnings and shape.default_verdict is not Verdict.UNKNOWN:
-        # Subtracting this from the default gives the verdict of a warning.
+        # Subtracting this from the default yields the verdict of a warning.
         decrease = np.uint8((default - VERDICTS.index(Verdict.USABLE_WITH_WARNING)) % 256)
         has_warning = reduce(np.logical_or, warnings)
         verdicts -= has_warning.view(np.uint8) * decrease
@@ -416,10 +436,10 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
 
 
 def _find_active_conditions(shape: Shape, out: Mapping[str, Any]) -> dict[Verdict, list[Any]]:
-    """Return the conditions of each verdict: arrays that are True for the frames that meet one.
+    """Return the conditions of each verdict: one array each, True for the frames that meet it.
 
-    ``out`` has the decoded columns. The conditions on unused bits are left out if none of these bits differs from the
-    manual.
+    ``out`` contains the decoded columns. The conditions on unused bits are left out if none of these bits differs from
+    the manual.
     """
     # Each bit of this column is 1 where an unused bit differs from the manual.
     unused: Any = out.get("unused")

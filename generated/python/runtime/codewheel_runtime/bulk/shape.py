@@ -18,10 +18,11 @@ class Column(NamedTuple):
     """Field of ``width`` bits that starts at bit ``low`` of the number that a frame forms.
 
     ``kind`` is the type of value that the bits encode. ``not_flag`` is an active-low flag. If ``zero_means`` is not 0,
-    bits that are all 0 stand for this number. ``runs`` contains the name, divisor and modulus of each group of decimal
-    digits: its number is ``bits // divisor % modulus``. ``field`` is the name of the field in messages, if it differs
-    from ``name``. ``values`` lists the only allowed values of the field, if they are limited. ``scale`` has the first
-    members of its ``Scale``.
+    bits that are all 0 stand for this number. With ``power_of_two``, only such numbers can be encoded. ``runs``
+    contains the name, divisor and modulus of each group of decimal digits: its number is
+    ``bits // divisor % modulus``. ``field`` is the name of the field in messages, if it differs from ``name``.
+    ``values`` lists the only allowed values of the field, if they are limited. ``scale`` has the first members of its
+    ``Scale``.
     """
 
     name: str
@@ -56,12 +57,15 @@ class Check(NamedTuple):
 
     def parity(self, number: int) -> int:
         """Return the parity bit for a frame, or 0 if the encoder does not send it."""
-        # A mask of 0 stands for all bits.
+        # A mask of 0 selects all bits.
         ones = (((number >> low) & ((1 << width) - 1) & (self.mask or -1)).bit_count() for low, width in self.parity_of)
         return ((sum(ones) & 1) ^ self.odd) & self.width
 
     def is_within(self, bits: int) -> bool:
-        """Return whether the bits are at most ``limit``, and if they are signed, at least ``lowest``."""
+        """Return whether the bits are at most ``limit``, and if they are signed, at least ``lowest``.
+
+        Without a limit, this is True.
+        """
         # Modulo 2**width, the numbers from ``lowest`` to ``limit`` become those from 0 on.
         return self.limit is None or (bits - self.lowest) & ((1 << self.width) - 1) <= self.limit - self.lowest
 
@@ -77,7 +81,7 @@ class Fold(NamedTuple):
 class CrcOf(NamedTuple):
     """CRC of ``width`` bits at ``low``.
 
-    ``differs`` returns the bits in which the CRC of a frame differs from the computed one. ``steps`` fold a number
+    ``differs`` returns the bits in which the CRC of a frame differs from the computed CRC. ``steps`` fold a number
     whose last bits are inverted by ``xorout``. ``is_xor`` is True for a CRC that is the XOR of all bytes.
     """
 
@@ -98,7 +102,7 @@ def compare_bytes(
     """
 
     def differs(number: int) -> int:
-        """Return the bits in which the CRC of a frame differs from the computed one."""
+        """Return the bits in which the CRC of a frame differs from the computed CRC."""
         data = number.to_bytes(length, order)
         return function(data[:-width]) ^ int.from_bytes(data[-width:], order)
 
@@ -123,7 +127,7 @@ class Join(NamedTuple):
 
 
 class Unused(NamedTuple):
-    """Bits without meaning. Those that differ from ``value`` are 1 in ``unused``, starting at bit ``place``."""
+    """Bits without meaning. Bits that differ from ``value`` are 1 in ``unused``, starting at bit ``place``."""
 
     low: int
     width: int
@@ -134,7 +138,7 @@ class Unused(NamedTuple):
 class VerdictCause(NamedTuple):
     """Condition for a ``verdict``: a flag is active and certain others are not, or unused bits in ``mask`` differ.
 
-    With ``when``, all these columns have the values next to them, 1 for an active flag.
+    With ``when``, all these columns must have the values next to them, 1 for an active flag.
     """
 
     verdict: Verdict
@@ -162,7 +166,7 @@ class ReportCause(NamedTuple):
         return report if self.chosen_verdict is None else report._replace(makes_position=self.chosen_verdict)
 
     def is_active(self, frame: Any) -> bool:
-        """Return whether a decoded frame has the report."""
+        """Return whether the report applies to a decoded frame."""
         if self.when:
             return all(getattr(frame, name) == value for name, value in self.when)
         return bool(getattr(frame, self.flag) if self.flag else frame.unused & self.mask)
@@ -256,8 +260,8 @@ def count_unused_bits(shape: Shape) -> int:
 class UnusedGroup(NamedTuple):
     """Unused bits that are shifted together.
 
-    ``low`` is their lowest bit in the frame, and ``place`` that in ``unused``. Bit 0 of ``mask``, and of the ``value``
-    in the manual, is this bit.
+    ``low`` is their lowest bit in the frame, and ``place`` that in ``unused``. Bit 0 of ``mask``, and of ``value``,
+    which is that in the manual, is the bit ``low`` of the frame.
     """
 
     low: int
@@ -316,8 +320,8 @@ def find_deferred_fields(shape: Shape, join: Join) -> list[tuple[str, int, int]]
 def find_position_columns(shape: Shape) -> frozenset[str]:
     """Return the columns whose values have no meaning if the position is not usable.
 
-    These are the position and its parts. A frame without the whole position but with a verdict has only a part of it,
-    so all its numbers count. Other frames have none.
+    These are the position and its parts. A frame with a verdict but without the whole position contains only a part of
+    it, so all its numbers count. Other frames have none.
     """
     if shape.position:
         parts = (name for join in shape.joins if join.name == shape.position for name, _ in join.fields)
@@ -350,7 +354,7 @@ class QuickChecks(NamedTuple):
 
 @lru_cache(maxsize=256)
 def find_quick_checks(shape: Shape) -> QuickChecks:
-    """Return the checks of a shape, combined into allowed values of bytes and one check for all constant bits.
+    """Return the checks of a shape, combined into allowed values of bytes and a single check of all constant bits.
 
     If the four lowest bits of a frame must be 1010, the result is ``fixed=((0xF, 0xA),)``.
     """

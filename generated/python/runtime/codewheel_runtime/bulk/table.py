@@ -33,7 +33,7 @@ _UNITS: Final = ("counts", *_OF_A_TURN, *_OF_A_LENGTH)
 
 
 def all_match(columns: Any, when: Iterable[tuple[str, int]]) -> Any:
-    """Return an array that is True where all these columns have the values next to them."""
+    """Return an array that is True where all these columns have the corresponding values."""
     matches: Any = True
     for name, value in when:
         matches = matches & (columns[name] == value)
@@ -51,7 +51,7 @@ class UnitError(ValueError, AttributeError):
 
 
 class FrameSource(Protocol):
-    """Encoder of the frames in a table, or a layout of frames in its place."""
+    """Encoder of the frames in a table, or a layout of frames instead."""
 
     @property
     def code(self) -> str:
@@ -62,7 +62,7 @@ class FrameSource(Protocol):
 
 
 if TYPE_CHECKING:
-    # Type checkers have this module, which the standard library of Python 3.10 does not replace.
+    # Type checkers know this module, which the standard library of Python 3.10 does not replace.
     from typing_extensions import TypeVar
 
     _Name = TypeVar("_Name", bound=str, default=Any)
@@ -86,7 +86,7 @@ class Table(_TableOf[_Name, _Unit]):
     """Columns of many frames: a NumPy array for each field, and ``fault`` with the error of each frame.
 
     The arrays hold the raw bits of every frame, including invalid ones. Use ``usable_position`` for positions: it is
-    masked if there is none. ``to_arrow`` and ``to_pandas`` return null for these.
+    masked if there is none. ``to_arrow`` and ``to_pandas`` return null for frames without a usable position.
 
     Frames with a verdict also have a column ``verdict``: the index of the verdict in ``Verdict``. It is 0 if the
     position is not usable or the frame has an error.
@@ -96,9 +96,9 @@ class Table(_TableOf[_Name, _Unit]):
 
     A table can also have other columns, such as ``time``.
 
-    A table is a sequence of frames: ``len(table)`` is their number, ``table[10:20]`` a table of some, and ``table[7]``
-    a dictionary with the values of one. Iteration gives such a dictionary for each frame. ``table["singleturn"]`` is a
-    column, and ``columns`` has all of them.
+    A table is a sequence of frames: ``len(table)`` is their number, ``table[10:20]`` a table of ten frames, and
+    ``table[7]`` a dictionary with the values of one frame. Iteration gives such a dictionary for each frame.
+    ``table["singleturn"]`` is a column, and ``columns`` contains all of them.
     """
 
     def __init__(
@@ -177,7 +177,10 @@ class Table(_TableOf[_Name, _Unit]):
 
     @property
     def usable(self) -> Any:
-        """True for each valid frame whose position is usable, with or without a warning."""
+        """True for each valid frame whose verdict is not ``NOT_USABLE``. Without verdicts, for each valid frame.
+
+        This includes positions with a warning, and those with the verdict ``UNKNOWN``.
+        """
         worst = [*Verdict].index(Verdict.NOT_USABLE)
         return self.ok if self._verdict is None else (self._verdict != worst) & self.ok
 
@@ -225,7 +228,7 @@ class Table(_TableOf[_Name, _Unit]):
         return {name: self._find_column(name) for name in self.names}
 
     def with_columns(self, **columns: Any) -> Table:
-        """Return a table that also has other columns, which come first.
+        """Return a table with other columns added in front.
 
         Args:
             columns: Columns by name, each with a value for every frame. ``time`` is in seconds.
@@ -249,7 +252,7 @@ class Table(_TableOf[_Name, _Unit]):
     def _replace_columns(
         self, columns: dict[str, Any], fault: Any, verdict: Any, other_columns: Mapping[str, Any]
     ) -> Table:
-        """Return a table with these columns, for instance of other rows, and everything else as in this one."""
+        """Return a table with these columns, for instance of other rows, and everything else unchanged."""
         return Table(
             encoder=self.encoder,
             columns=columns,
@@ -274,7 +277,10 @@ class Table(_TableOf[_Name, _Unit]):
     def __getitem__(self, name: slice) -> Table[_Name, _Unit]: ...
 
     def __getitem__(self, name: Any) -> Any:
-        """Return a column by its name, a frame by its index, or a table of several frames by a slice."""
+        """Return a column by its name, a frame by its index, or a table of several frames by a slice.
+
+        Raises KeyError for an unknown name, IndexError for an unknown index, and TypeError for other keys.
+        """
         if isinstance(name, slice):
             verdict = None if self._verdict is None else self._verdict[name]
             columns = {column_name: column[name] for column_name, column in self._columns.items()}
@@ -320,7 +326,10 @@ class Table(_TableOf[_Name, _Unit]):
         return [cell.decode("latin-1") if isinstance(cell, bytes) else cell for cell in cells]
 
     def _find_column(self, name: str) -> Any:
-        """Return a column, which is computed on first use if it is a quantity or a part of a number."""
+        """Return a column, which is computed on first use and kept if it is a quantity or a part of a number.
+
+        Raises KeyError if there is no such column.
+        """
         if name in self._others:
             return self._others[name]
         if name == "fault":
@@ -347,7 +356,7 @@ class Table(_TableOf[_Name, _Unit]):
         """Return a column of numbers in its unit, as decimals."""
         np: Any = load("numpy")
         # Numbers such as temperatures repeat, so only a few conversions are needed.
-        # ``places`` has the index in ``numbers`` of each value.
+        # ``places`` contains the index in ``numbers`` of each value.
         numbers, places = np.unique(self._find_column(name), return_inverse=True)
         quantities = np.array([scale.decimal(number) for number in numbers.tolist()], object)
         return quantities[places]
@@ -372,15 +381,17 @@ class Table(_TableOf[_Name, _Unit]):
         return f"<{len(self._fault)} frames{encoder_text}, {error_count} with an error: {', '.join(self.names)}>"
 
     def faults(self) -> dict[ErrorKind, int]:
-        """Return the number of valid frames and the number of frames with each error."""
+        """Return the number of valid frames and the number of frames with each error, without those that are 0."""
         kinds = ((kind, int((self._fault == kind).sum())) for kind in ErrorKind)
         return {kind: count for kind, count in kinds if count}
 
     def unwrapped(self, previous: int | None = None) -> Any:
         """Return the position of each frame as a count that continues when the position wraps around.
 
-        It starts with the first usable position. A frame without a usable position has the count of the preceding
-        frame. Between two usable frames the encoder must move by less than half of the modulus, if the position wraps.
+        The count of the first usable position is this position, or the one nearest to ``previous``. A later frame
+        without a usable position has the count of the preceding frame. An earlier one has ``previous``, or the first
+        count. If no position is usable, all counts are ``previous`` or 0. Between two usable frames the encoder must
+        move by less than half of the modulus, if the position wraps.
 
         Args:
             previous: Last count of the preceding frames, to continue from.
@@ -389,7 +400,7 @@ class Table(_TableOf[_Name, _Unit]):
             An array of counts.
 
         Raises:
-            AttributeError: The frames have no position.
+            AttributeError: The frames have no position, or belong to no encoder.
             RangeError: A position is above the highest or below the lowest that this encoder sends.
             ValueError: The manual does not say where the position of this encoder wraps around.
         """
@@ -410,7 +421,7 @@ class Table(_TableOf[_Name, _Unit]):
         if valid.modulus is not None:
             # The shorter way around: from minus half of the modulus to half of it.
             steps = (steps + valid.modulus // 2) % valid.modulus - valid.modulus // 2
-        # Index 0 is the count before the first usable position, and index n that of the n-th one.
+        # Index 0 is the count before the first usable position, and index n the count at the n-th usable position.
         count_before = start if previous is None else previous
         counts = np.concatenate([[count_before, start], start + np.cumsum(steps)])
         # For each frame, the number of usable positions up to it.
@@ -450,18 +461,19 @@ class Table(_TableOf[_Name, _Unit]):
 
         Returns:
             An array of speeds. It is NaN for frames without a usable position, for the first frame that has one, and
-            where the time is not after that of the previous usable frame.
+            where the time is not later than at the previous usable frame.
 
         Raises:
             AttributeError, RangeError, ValueError: See ``unwrapped`` and ``in_units``.
-            ValueError: The time between two frames is 0 or negative.
+            ValueError: ``seconds`` is a single time that is 0 or negative, or not as many times as there are frames.
+                Or there is no column ``time``.
         """
         return self._compute_speed(seconds, unit, None)
 
     def _compute_speed(self, seconds: Any, unit: SpeedUnit, previous: tuple[int, float] | None) -> Any:
         """Return the speed in each row, from the previous usable position. It is NaN where there is none.
 
-        ``previous`` is the unwrapped position and the time of the last usable frame before these, or None.
+        ``previous`` is the unwrapped position and the time of the last usable frame before the table, or None.
         """
         np: Any = load("numpy")
         times = self._check_times(seconds)
@@ -479,7 +491,7 @@ class Table(_TableOf[_Name, _Unit]):
             positions = np.insert(self.unwrapped(previous_position)[usable_rows], 0, previous_position)
             times = np.insert(times, 0, previous_time)
         elapsed = np.diff(times)
-        # A clock that stands still or is set back gives no speed.
+        # If the clock stops or is set back, there is no speed.
         elapsed = np.where(elapsed > 0, elapsed, np.nan)
         numerator, denominator = self._find_unit_size("turns" if unit == "rpm" else unit)
         units_per_second = np.diff(positions) * (_find_time_factor(unit) * numerator) / denominator / elapsed
@@ -493,8 +505,8 @@ class Table(_TableOf[_Name, _Unit]):
         ``seconds`` is the time between two frames, an array of times, or None for the column ``time``.
 
         Raises:
-            ValueError: There is no such column, the number of times is not that of the frames, or the time between two
-                frames is 0 or negative.
+            ValueError: There is no such column, the number of times is not that of the frames, or a single time is 0 or
+                negative.
         """
         np: Any = load("numpy")
         if seconds is None:
@@ -517,10 +529,10 @@ class Table(_TableOf[_Name, _Unit]):
         there is no usable position, and null in Arrow. The table needs a column ``time`` in seconds.
 
         Args:
-            previous: Unwrapped position and time of the last usable frame before these, for the first speed.
+            previous: Unwrapped position and time of the last usable frame before the table, for the first speed.
 
         Returns:
-            The table. It also has the other columns of this one.
+            The table. It also has the other columns of this table.
 
         Raises:
             AttributeError, RangeError, ValueError: See ``velocity``.
@@ -556,7 +568,10 @@ class Table(_TableOf[_Name, _Unit]):
         raise ValueError(f"'{unit[:40]}' is not a unit of positions{explanation}: use {', '.join(_UNITS)}")
 
     def _wrong_unit_error(self, unit: str, kind_of_unit: Mapping[str, float]) -> str:
-        """Return the message for a unit that the encoder does not measure in. ``kind_of_unit`` has all of this kind."""
+        """Return the message for a unit that the encoder does not measure in.
+
+        ``kind_of_unit`` contains all of this kind.
+        """
         if self.encoder is None:
             return f"these frames belong to no encoder, so they have no {unit}: use counts"
         measured = "angles, not lengths" if kind_of_unit is _OF_A_LENGTH else "lengths, not angles"
@@ -564,12 +579,12 @@ class Table(_TableOf[_Name, _Unit]):
         return f"{self.encoder.code} measures {measured}: use {', '.join(('counts', *units))} instead of {unit}"
 
     def hidden(self, name: str) -> Any:
-        """Return a mask of the rows in which a column has no meaning, or None if it always has one.
+        """Return a mask of the rows in which a column has no meaning, or None if it always has a meaning.
 
         A column that is the position or a part of it has no meaning in rows without a usable position, and a flag has
-        none in rows of missing frames and of frames with a wrong length.
+        no meaning in rows of missing frames and of frames with a wrong length.
         """
-        # A quantity has no meaning where its number has none.
+        # A quantity has no meaning where its number has no meaning.
         if name in self._scales:
             number_name, _ = self._scales[name]
             return self.hidden(number_name)
@@ -597,7 +612,7 @@ class Table(_TableOf[_Name, _Unit]):
         return load("pyarrow").table(arrow_columns(table, self.names, raw))
 
     def __arrow_c_stream__(self, requested_schema: Any = None) -> Any:
-        """Return the columns as an Arrow stream, for polars, DuckDB and others. Needs pyarrow."""
+        """Return the columns as an Arrow stream, for example for polars and DuckDB. Needs pyarrow."""
         return self.to_arrow().__arrow_c_stream__(requested_schema)
 
     def to_pandas(self, *, raw: bool = False) -> Any:

@@ -14,7 +14,8 @@ np: Any = load("numpy")
 WordKind = Literal["packed", "little", "big", "little32", "big32"]
 DigitKind = Literal["hex", "decimal"]
 
-#: Number of bytes and byte order of a word. 0 stands for packed words, which have as many bytes as their bits need.
+#: Number of bytes and byte order of a word. 0 stands for packed words, whose number of bytes is the minimum for their
+#: bits.
 WORDS: Final[Mapping[WordKind, tuple[int, str]]] = MappingProxyType(
     {
         "packed": (0, ">"),
@@ -32,7 +33,7 @@ def numbers(rows: Any, words: WordKind = "packed") -> Any:
     Rows of ``packed`` words have one to eight bytes, most significant first. The rows of other words have the number of
     bytes of the word.
     """
-    # A length of 0 stands for packed words. Those of eight bytes need no zeros in front, so they are read like words
+    # A length of 0 stands for packed words. Words of eight bytes need no zeros in front, so they are read like words
     # whose length is 8.
     length, order = WORDS[words]
     if length or rows.shape[1] == 8:
@@ -47,7 +48,7 @@ def numbers(rows: Any, words: WordKind = "packed") -> Any:
 def read_floats(frames: Any, bits: int, done: int = 0) -> Any:
     """Return floating-point frames as integers, masked if they are NaN or out of range.
 
-    NaN, infinities, negative values, and values from 2**63 on stand for missing frames. ``done`` is the number of
+    NaN, infinities, negative values, and values from 2**63 on represent missing frames. ``done`` is the number of
     earlier rows, to number the row in an error.
 
     Raises:

@@ -61,9 +61,10 @@ class Probes(NamedTuple):
         clock: Channel of the clock (MA), by name or by number from 1. By default, a channel with a common name.
         data: Channel of the data line (SLO), or of the serial line.
         rate: Sample rate in Hz, needed if the file does not specify it.
-        rest: Shortest pause of the clock between two cycles, in seconds. The default is 1.4 periods. Use a longer one
-            if the master pauses within a frame.
-        baud: Bits per second on a serial line, if they differ from the manual.
+        rest: Shortest pause of the clock between two cycles, in seconds, or in samples if the sample rate is unknown.
+            The default is 1.4 periods. Use a longer one if the master pauses within a frame.
+        baud: Bits per second on a serial line, if they differ from the manual, or bits per sample if the sample rate is
+            unknown.
         threshold: Voltage above which the level is 1, for a table of voltages. The default is the middle of their
             range.
     """
@@ -76,7 +77,7 @@ class Probes(NamedTuple):
     threshold: float | None = None
 
     def check(self) -> None:
-        """Raise UsageError unless the rates and the rest are above 0, and the threshold is a number."""
+        """Raise UsageError unless the rates and the rest are above 0 and the threshold is finite, if they are given."""
         for name in ("rate", "rest", "baud"):
             number = getattr(self, name)
             if number is not None and not (_is_finite(number) and number > 0):
@@ -85,7 +86,10 @@ class Probes(NamedTuple):
             raise UsageError(f"threshold must be a number, got {self.threshold!r}")
 
     def names(self, is_serial: bool) -> Names:
-        """Return the choice of the channels. A serial line has no clock."""
+        """Return the choice of the channels. A serial line has no clock.
+
+        Raises UsageError if a channel is neither a name nor a number.
+        """
         for channel in (self.clock, self.data):
             if not isinstance(channel, (str, int)) or isinstance(channel, bool):
                 raise UsageError(f"a channel is a name or a number from 1, got {channel!r}")
@@ -120,7 +124,7 @@ class CaptureSummary(NamedTuple):
 
     Attributes:
         frames: Counts of the frames.
-        lost: Number of lost cycles by reason.
+        lost: Number of lost cycles by reason. Only the part of the reason in front of a colon counts.
         first_lost: The first lost cycles, at most 1000.
         accesses: The first accesses to registers, at most 1000.
         access_count: Number of accesses.
@@ -225,10 +229,12 @@ def _open_capture(
 ) -> Generator[_CaptureFrames, None, None]:
     """Open a capture, and yield its frames. With ``exchanged``, the clock and the data line are exchanged.
 
-    For the other arguments, see ``read_capture``. ``probes`` has those about the connection and the timing.
+    For the other arguments, see ``read_capture``. ``probes`` contains the arguments about the connection and the
+    timing.
 
     Raises:
-        UsageError: Captures of this encoder are not read, or a rate or another number is not one.
+        UsageError: Captures of this encoder are not read, or an argument is invalid.
+        InputError: The source is not a capture, or has no such signals.
     """
     if isinstance(encoder, Encoder) and encoder.interface is Interface.SPI:
         how = "let the analyser's own SPI decoder export the words, and decode them as a file of frames"
@@ -269,11 +275,11 @@ def _find_replies(
 ) -> _CaptureFrames:
     """Return the replies among the bytes on a serial line.
 
-    The first stretch is read at once, because it shows the kind of the replies, and so their shape. ``name`` is that of
-    the file, for errors. For the other arguments, see ``read_capture``.
+    The first stretch is read at once, because it shows the kind of the replies, and so their shape. ``name`` is the
+    name of the file, for errors. For the other arguments, see ``read_capture``.
 
     Raises:
-        InputError: There is no valid reply.
+        InputError: No byte was sent. Or ``layout`` is empty, and there is no valid reply with a position.
     """
     kinds = _find_frame_kinds(encoder, layout, answers)
     stretches = find_replies(line, name, _find_baud_rate(encoder, probes), kinds)
@@ -298,8 +304,8 @@ def _find_frames(
 ) -> _CaptureFrames:
     """Return the frames in the signals of a capture, with the column ``time``, or ``sample`` without a sample rate.
 
-    ``name`` is that of the file, for errors. ``probes`` has the arguments of ``read_capture`` about the connection and
-    the timing. For the other arguments, see there.
+    ``name`` is that of the file, for errors. ``probes`` has the arguments about the connection and the timing. For
+    the other arguments, see ``read_capture``.
 
     Raises:
         UsageError: A frame has more than 64 bits.
@@ -343,7 +349,7 @@ def _find_frame_kinds(encoder: Encoder, layout: str, answers: Mapping[str, Any])
 
 
 def _find_baud_rate(encoder: Encoder, probes: Probes) -> float:
-    """Return the bits per second: those chosen, or those in the manual."""
+    """Return the bits per second: the chosen number, or the manual's."""
     if probes.baud:
         return probes.baud
     package, _, family = type(encoder).__module__.rpartition(".")
@@ -374,7 +380,7 @@ class Captures(NamedTuple):
 
         Formats are sigrok sessions, CSV from sigrok and Saleae, Saleae binary files, the bytes that Saleae's serial
         analyser exports, VCD, NumPy files (``.npy``, ``.npz``), and tables of 0 and 1 or of voltages. They are
-        recognised by their contents. Times of time stamps are in seconds from the first one.
+        recognised by their contents. Times of time stamps are in seconds from the first stamp.
 
         Args:
             encoder: The encoder, its label, or a layout of BiSS frames (``biss_layout``).
@@ -382,10 +388,13 @@ class Captures(NamedTuple):
                 array of samples: one row per sample with one column of 0 and 1 per channel, or one number per sample
                 whose bits are the channels.
             clock: Channel of the clock (MA), by name or by number from 1.
-            data: Channel of the data line (SLO), or of the serial line.
+            data: Channel of the data line (SLO), or of the serial line. By default, both are channels with common
+                names.
             rate: Sample rate in Hz, needed if the source does not specify it.
-            rest: Shortest pause of the clock between two cycles, in seconds. The default is 1.4 periods of the clock.
-            baud: Bits per second on a serial line, if they differ from the manual.
+            rest: Shortest pause of the clock between two cycles, in seconds, or in samples if the sample rate is
+                unknown. The default is 1.4 periods of the clock.
+            baud: Bits per second on a serial line, if they differ from the manual, or bits per sample if the sample
+                rate is unknown.
             threshold: Voltage above which the level is 1, for a table of voltages. The default is the middle of their
                 range.
             layout: Kind of the replies, if there are several. The default is the most frequent one with a position.
@@ -458,7 +467,7 @@ class Captures(NamedTuple):
 def _read_capture(
     encoder: Encoder | BissLayout, source: Captured, probes: Probes, layout: str, answers: Mapping[str, Enum | str]
 ) -> Capture:
-    """Decode a capture into one table. Raises InputError if no frame is valid because the lines are exchanged."""
+    """Decode a capture into one table. Raises InputError also if no frame is valid because the lines are exchanged."""
     log = _Log(None)
     frames: list[Any] = []
     times: list[Any] = []
@@ -485,8 +494,8 @@ def _report_exchanged_lines(
 ) -> None:
     """Raise InputError if a capture has valid frames with the clock and the data line exchanged.
 
-    Otherwise, return normally. The caller has found none without the exchange. With it, more than nine in ten of the
-    first cycles must be valid.
+    Otherwise, return normally. The caller has found no valid frames without the exchange. With it, more than nine in
+    ten of the first cycles must be valid.
     """
     if isinstance(encoder, Encoder) and encoder.interface not in (Interface.BISS, Interface.SSI):
         return
@@ -518,6 +527,7 @@ def _decode_capture(
     """Decode a capture into a file. If no frame is valid, ``report_exchanged_lines`` can raise InputError.
 
     ``opening`` opens the capture, and ``sources`` are its files. For ``limit`` and ``progress``, see ``decode_file``.
+    Raises UsageError if the frames have a field with the name of the column of times.
     """
     log = _Log(_SHOWN)
     with opening as opened, open_for_writing(output.target, sources, output.force) as file:
@@ -554,7 +564,7 @@ def _decode_capture(
 
 
 def _list_paths(source: str | os.PathLike[str] | Sequence[str]) -> list[str]:
-    """Return the paths of one or more files. Raises UsageError if there is none."""
+    """Return the paths of one or more files. Raises UsageError if the sequence is empty."""
     if isinstance(source, (str, os.PathLike)):
         return [os.fspath(source)]
     if not source:
@@ -570,5 +580,5 @@ def _convert_stretches(opened: _CaptureFrames, log: _Log) -> Generator[Part, Non
 
 
 def _round_times(seconds: Any) -> Any:
-    """Return times without the digits that computing them has added, such as 3e-05 for 2.9999999999999997e-05."""
+    """Return times without rounding errors of the computation, such as 3e-05 for 2.9999999999999997e-05."""
     return np.round(seconds, _TIME_DIGITS)

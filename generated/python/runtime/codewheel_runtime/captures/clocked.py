@@ -66,7 +66,7 @@ class CapturedFrames(NamedTuple):
         lost: Cycles without a frame.
         done: Amount of the file that has been read.
         control: Over BiSS, the bits of register accesses.
-        kind: Over RS-485, the kind of the frames. Empty if no valid frame was found.
+        kind: Over RS-485, the kind of the frames. Empty if none is requested, and no valid frame was found.
         others: Number of frames of other kinds, by name.
     """
 
@@ -123,7 +123,7 @@ class _Cycles(NamedTuple):
         rises: Number of rising edges.
         begin: Time of the first falling edge.
         last: Time of the last edge.
-        after: Time of the first edge of the next cycle.
+        after: Time of the first edge after the cycle. Infinity if there is none.
         period: Period of the clock.
     """
 
@@ -196,7 +196,11 @@ class _CycleFinder:
         self.is_clocked, self._is_new = False, True
 
     def feed(self, part: Edges, name: str) -> CapturedFrames | None:
-        """Return the frames that the next stretch of the capture completes, or None if it completes no cycle."""
+        """Return the frames that the next stretch of the capture completes.
+
+        Return None if it completes no cycle, or while the clock has too few edges to determine its period. Raises
+        InputError if the clock has very many edges without a pause.
+        """
         self._append(part)
         count = len(self._clock)
         if not self._rest:
@@ -215,7 +219,7 @@ class _CycleFinder:
         return None
 
     def _append(self, part: Edges) -> None:
-        """Append the edges of the next stretch of the capture: those of the clock, then those of the data line."""
+        """Append the edges of the next stretch of the capture: first of the clock, then of the data line."""
         # Only the first stretch shows the levels at the beginning.
         if self._is_new:
             self._levels, self._begin = (part.levels[_CLOCK], part.levels[_DATA]), part.begin
@@ -226,18 +230,18 @@ class _CycleFinder:
         self.is_clocked = self.is_clocked or len(self._clock) > 0
 
     def finish(self) -> CapturedFrames:
-        """Return the frames at the end of the capture. All cycles end here, even if the clock has not rested."""
+        """Return the frames at the end of the capture. All cycles end here, even if the clock was not at rest."""
         if not self._rest and len(self._clock) > 2:
             self._set_rest()
         if not self._rest:
-            # Two edges have no period, so all edges are one cycle.
+            # Two edges define no period, so all edges are one cycle.
             first_edge = float(self._clock[0]) if len(self._clock) else 0.0
             self._rest = self._chosen_pause or max(self._end - first_edge, _LEAST)
         ends = self._find_ends() if len(self._clock) else np.zeros(0, np.int64)
         return self._take_cycles(ends, is_last=True)
 
     def _set_rest(self) -> None:
-        """Set the time without an edge after which a cycle has ended, from the usual period of the clock."""
+        """Set the time without an edge after which a cycle has ended: the chosen pause, or 1.4 usual periods."""
         # Within a cycle, two edges are one period, regardless of the duty cycle. Longer spans contain a pause.
         spans = self._clock[2:] - self._clock[:-2]
         spans_of_periods = spans[spans <= 2 * np.median(spans)]
@@ -245,7 +249,7 @@ class _CycleFinder:
         self._rest = max(self._chosen_pause or _REST * float(spans_of_periods.mean()), _LEAST)
 
     def _find_ends(self) -> Any:
-        """Return the index after the last edge of each cycle, also of the last one, which may not be complete."""
+        """Return the index after the last edge of each cycle, even if the last cycle is incomplete."""
         ends = np.flatnonzero(np.diff(self._clock) > self._rest) + 1
         return np.append(ends, len(self._clock)) if len(self._clock) else ends
 
@@ -268,7 +272,8 @@ class _CycleFinder:
     def _find_data_end(self, clock_end: int, is_last: bool) -> int:
         """Return the number of edges of the data line that belong to the cycles before the edge ``clock_end``.
 
-        The data line may change after the clock rests, so its edges up to the next cycle belong to them.
+        The data line may change after the clock rests, so its edges up to the next cycle belong to them. While the next
+        cycle is not known, these are its edges within the pause.
         """
         if clock_end < len(self._clock):
             next_cycle = self._clock[clock_end]
@@ -291,7 +296,7 @@ class _CycleFinder:
         has_glitch = self._find_shortest_gaps(cycles) < _SPIKE * cycles.period
         bits.reasons[has_glitch] = _SPIKED
         good = np.flatnonzero(bits.reasons == 0)
-        # Over BiSS, CDS is in front of the frame.
+        # Over BiSS, CDS is before the frame.
         front_bits = 1 if self._is_biss else 0
         levels = self._read_levels(cycles, bits, good, front_bits + self._bits)
         lost = self._list_lost_cycles(cycles, bits)
@@ -316,7 +321,7 @@ class _CycleFinder:
         return ControlBits(times=cycles.begin * self._unit, cds=cds, cdm=timeout_level ^ 1)
 
     def _find_cycles(self, starts: Any, ends: Any) -> _Cycles:
-        """Return the cycles with edges from ``starts`` to ``ends``. Those without a falling edge are left out."""
+        """Return the cycles with edges from ``starts`` to ``ends``. Cycles without a falling edge are left out."""
         clock = self._clock
         # The level before edge n is the first level, inverted if n is odd. After a low level, the next edge rises, and
         # the one after it is the first that falls.
@@ -332,7 +337,8 @@ class _CycleFinder:
         begin = clock[falls]
         last = clock[ends - 1]
         rises = (ends - falls) // 2
-        # The edges of a cycle are half a period apart on average. With one rising edge, the rest shows the period.
+        # The edges of a cycle are half a period apart on average. With fewer than two rising edges, the pause shows the
+        # period.
         half_periods = np.maximum(ends - 1 - falls, 1)
         period = np.where(rises > 1, 2 * (last - begin) / half_periods, self._rest / _REST)
         period = np.maximum(period, _SHORTEST_PERIOD * self._rest)
@@ -358,7 +364,7 @@ class _CycleFinder:
         reasons[has_no_start] = _NO_START
         reasons[start_bits.data_fall > latest_acknowledgement] = _HIGH
         reasons[start_bits.first_level == 0] = _LOW
-        # The first rising edge after the start bit is that of CDS.
+        # The first rising edge after the start bit belongs to CDS.
         sent = np.where(reasons == _SHORT, np.maximum(rises_after_start - 1, 0), cycles.rises)
         return _Bits(reasons=reasons, skipped=start_bits.rise_number + 1, delay=start_bits.delay, sent=sent)
 
@@ -415,7 +421,10 @@ class _CycleFinder:
         )
 
     def _find_shortest_gaps(self, cycles: _Cycles) -> Any:
-        """Return the shortest time between two successive edges of each cycle, from its first falling edge on."""
+        """Return the shortest time between two successive edges of each cycle, from its first falling edge on.
+
+        If the next cycle begins with a rising edge, the time from this edge to its first falling one counts too.
+        """
         gaps = np.append(np.diff(self._clock), np.inf)
         # A gap after the last edge of a cycle is a rest.
         gaps[cycles.ends - 1] = np.inf
@@ -424,7 +433,7 @@ class _CycleFinder:
     def _list_lost_cycles(self, cycles: _Cycles, bits: _Bits) -> list[Lost]:
         """Return the cycles without a frame, with their reasons."""
         lost: list[Lost] = []
-        # Without a rest in front, the capture may have begun within the first cycle.
+        # Without a rest before it, the capture may have begun within the first cycle.
         is_first_cut = cycles.begin[0] - self._begin < self._rest
         for index in np.flatnonzero(bits.reasons):
             is_cut = bool(index == 0 and is_first_cut)

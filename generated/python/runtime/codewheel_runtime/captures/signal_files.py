@@ -43,7 +43,8 @@ def open_signals(
 
     Raises:
         InputError: The file is not a capture, or does not have these channels.
-        UsageError: There are several files, but not one signal in each.
+        UsageError: The number of files is not that of the signals in binary files of Saleae, or not 1 in other formats.
+            Or both signals have the same channel.
         OSError: A file cannot be read.
     """
     with ExitStack() as stack:
@@ -81,7 +82,7 @@ def _open_single_file(
     """
     head = file.read(HEADER)
     file.seek(0)
-    # Binary formats begin with a fixed mark. All other files are text, which has no bytes of 0.
+    # Binary formats begin with a fixed mark. All other files are text, which contains no bytes of 0.
     if head.startswith(b"PK"):
         return _read_archive(stack, file, path, names, rate, threshold)
     if head.startswith(b"\x93NUMPY"):
@@ -146,7 +147,7 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: Names, rate: float
         clock=_find_numbered_probe(names.clock, probes, numbers, path),
         data=_find_numbered_probe(names.data, probes, numbers, path),
     )
-    # Places are those in ``channels``. The lowest bit is probe 1.
+    # Places are indices in ``channels``. The lowest bit is probe 1.
     masks = tuple(1 << (numbers[place] - 1) for place in numbered_names.places(channels, path))
     entries = _list_sample_files(archive, stem)
     if not entries:
@@ -164,7 +165,7 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: Names, rate: float
 def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], path: str) -> Any:
     """Return a name that ``Names`` understands for a chosen channel.
 
-    A number is that of a probe, as in the session. It becomes the place among the probes in use, from 1: with the
+    A number is the number of a probe, as in the session. It becomes the place among the probes in use, from 1: with the
     probes 2 and 5, ``"5"`` becomes ``"2"``. Any other name, or None, is returned unchanged.
 
     Raises:
@@ -234,7 +235,10 @@ class _ArrayForm(NamedTuple):
 
 
 def _read_array_form(file: BinaryIO, path: str) -> _ArrayForm:
-    """Read the header of a NumPy file, and leave the file at its first sample."""
+    """Read the header of a NumPy file, and leave the file at its first sample.
+
+    Raises InputError if the file does not have whole numbers, one row per sample.
+    """
     numpy_format = np.lib.format
     try:
         version = numpy_format.read_magic(file)
@@ -270,7 +274,7 @@ def _read_array_parts(
 ) -> Generator[tuple[Any, int, Any], None, None]:
     """Yield the samples of some rows as unsigned numbers, the amount read, and None, because samples have no times.
 
-    ``places`` are the columns of the signals. Only these are read, unless ``channels`` is None.
+    ``places`` are the columns of the signals. If ``channels`` is None, there are no columns, and all bits are kept.
     """
     row_width = 1 if channels is None else channels
     row_bytes = row_width * dtype.itemsize
@@ -298,7 +302,7 @@ class _Arrays(NamedTuple):
 
 
 def _load_arrays(archive: zipfile.ZipFile, path: str) -> _Arrays:
-    """Return the arrays of an ``.npz`` file. Raises InputError if one does not have numbers."""
+    """Return the arrays of an ``.npz`` file. Raises InputError if one is damaged or does not have numbers."""
     channels: dict[str, Any] = {}
     times: Any = None
     rate: float | None = None
@@ -322,8 +326,8 @@ def _read_array_archive(
 ) -> Signals:
     """Return the signals of an ``.npz`` file: one array of samples, or an array for each channel.
 
-    The names of the arrays are those of the channels. A channel has levels, 0 and 1, or voltages. A single number can
-    give the sample rate, see ``_RATES``, and an array the times in seconds, see ``_TIMES``.
+    The names of the arrays are the names of the channels. A channel has levels, 0 and 1, or voltages. A single number
+    can give the sample rate, see ``_RATES``, and an array the times in seconds, see ``_TIMES``.
     """
     total = sum(info.file_size for info in archive.infolist())
     if total > _MOST_UNPACKED:
@@ -332,7 +336,10 @@ def _read_array_archive(
     sample_rate = rate or rate_in_file
     arrays = list(channels.values())
     if len(arrays) == 1 and arrays[0].dtype.kind != "f" and times is None:
-        return read_array(arrays[0], names, sample_rate)
+        try:
+            return read_array(arrays[0], names, sample_rate)
+        except TypeError as error:
+            raise InputError(path, "", str(error)) from None
     columns = arrays if times is None else [times, *arrays]
     shapes = {column.shape for column in columns}
     if len(shapes) != 1 or any(column.ndim != 1 for column in columns):
@@ -352,7 +359,10 @@ def _read_array_archive(
 
 
 def _convert_to_levels(cells: Any, threshold: float | None) -> Any:
-    """Return the levels of samples, a column for each channel. Numbers other than 0 and 1 are voltages."""
+    """Return the levels of samples, a column for each channel.
+
+    All numbers are voltages if one of them is neither 0 nor 1, or if there is a ``threshold``.
+    """
     if threshold is None and ((cells == 0) | (cells == 1)).all():
         return cells
     return Voltages(cells.min(axis=0), cells.max(axis=0), threshold).levels(cells)
@@ -379,8 +389,8 @@ class _Saleae:
     """Binary file of one digital channel, version 0 or 1. Version 1 has several chunks with gaps between them.
 
     ``chunks`` is their number. ``end`` is the latest end of the chunks read so far, in seconds. ``_start`` is the
-    beginning of the last one. ``_ready`` has the first level and the number of edges of the first chunk, whose header
-    is read when the file is opened.
+    beginning of the last chunk. ``_ready`` contains the first level and the number of edges of the first chunk, whose
+    header is read when the file is opened.
     """
 
     def __init__(self, file: BinaryIO, path: str) -> None:
@@ -403,14 +413,17 @@ class _Saleae:
             self._ready = self._read_chunk()
 
     def _read_exactly(self, size: int) -> bytes:
-        """Return the next ``size`` bytes. Raises InputError if there are fewer."""
+        """Return the next ``size`` bytes. Raises InputError if there are fewer bytes."""
         data = self._file.read(size)
         if len(data) != size:
             raise InputError(self._path, "", "this Saleae file ends early")
         return data
 
     def _read_chunk(self) -> tuple[int, int]:
-        """Read the header of the next chunk. Return its first level and the number of its edges, which follow."""
+        """Read the header of the next chunk. Return its first level and the number of its edges, which follow.
+
+        Raises InputError if the header is damaged.
+        """
         # First level, sample rate in version 1, begin, end and number of edges.
         header_format = "<IdddQ" if self._has_rate else "<IddQ"
         header = struct.Struct(header_format)
@@ -425,7 +438,7 @@ class _Saleae:
     def edges(self) -> Generator[tuple[int, Any, int], None, None]:
         """Yield the level before some edges, their times, and the amount read so far.
 
-        The first one has no edges, but shows the level at the beginning.
+        The first part has no edges, but shows the level at the beginning.
         """
         last_time = -np.inf
         level, _ = self._ready

@@ -1,17 +1,22 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Shows an encoder live in a terminal, and records its readings."""
+"""Command that shows an encoder over RS-485 live in a terminal, and records its readings."""
 
 from __future__ import annotations
 
+import argparse
 import shutil
 import sys
 from collections import Counter, deque
+from contextlib import nullcontext
 from time import monotonic, sleep
 from typing import Any, NamedTuple, Protocol, TextIO
 
 from ..codec import PositionRange
 from ..encoder import Encoder
-from .record import Reading, Recorder
+from ..link import LinkError, open_encoder
+from ..reports import Interface
+from .common import USAGE, Failed, find_encoder, show_progress
+from .record import Reading, Recorder, open_recorder
 
 #: Number of updates of the screen per second.
 _RATE = 10
@@ -25,7 +30,7 @@ class Reader(Protocol):
     """Source of frames, such as a link."""
 
     def read(self) -> Any:
-        """Return a frame. Raises RuntimeError if there is no valid one."""
+        """Return a frame. Raises RuntimeError if no frame is valid."""
         ...
 
 
@@ -34,6 +39,45 @@ class Readings(NamedTuple):
 
     total: int
     failures: int
+
+
+def monitor(package: str, chosen: argparse.Namespace) -> None:
+    """Show an encoder live, and record its readings.
+
+    Raises:
+        Failed: The encoder has no RS-485, it never answered, or more readings failed than ``--max-errors`` allows.
+    """
+    encoder = find_encoder(package, chosen)
+    if encoder.interface is not Interface.RS485:
+        is_spi = encoder.interface is Interface.SPI
+        how = "export the words that it finds, and use 'decode'" if is_spi else "use 'capture'"
+        problem = f"{encoder.code} has the interface {encoder.interface.title}, and a serial port cannot send its clock"
+        raise Failed(f"{problem}: record it with a logic analyser, and {how}", USAGE)
+    # On a terminal, readings are shown. In a pipe, they are written as a table.
+    target = chosen.output if chosen.output or sys.stdout.isatty() else "-"
+    out = sys.stderr if target == "-" else sys.stdout
+    try:
+        with (
+            show_progress(package, chosen.port),
+            open_recorder(target, chosen.write, chosen.force) if target else nullcontext() as recorder,
+            # Without retries, every error is counted.
+            open_encoder(chosen.port, encoder, retries=0) as opened,
+        ):
+            readings = watch(
+                opened,
+                encoder,
+                chosen.port,
+                count=chosen.count,
+                interval_s=chosen.interval,
+                out=out,
+                recorder=recorder,
+                is_shown=target != "-",
+            )
+    except LinkError as error:
+        raise Failed(error) from None
+    if 100 * readings.failures > chosen.max_errors * readings.total:
+        failures_text = f"{readings.failures} of {readings.total} readings failed"
+        raise Failed(f"{failures_text}; --max-errors is {chosen.max_errors:g}")
 
 
 def watch(
@@ -87,7 +131,7 @@ def watch(
 def _wait_until(due: float) -> float:
     """Wait until a time, and return it, or the present time if that is later.
 
-    So readings keep their interval, and after a late one the interval is counted from that.
+    Readings therefore keep their interval, and after a late reading the interval is counted from that reading.
     """
     sleep(max(0.0, due - monotonic()))
     return max(due, monotonic())
@@ -116,7 +160,7 @@ class _Screen:
         self.frames = self.failures = 0
 
     def show_reading_of(self, reader: Reader) -> None:
-        """Show the next frame or failure. Raises the error of the reader if the encoder never answered."""
+        """Show the next frame or failure. Raises the error of the reader at the tenth failure without any frame."""
         try:
             self.add(reader.read())
         except RuntimeError as error:
@@ -184,7 +228,7 @@ class _Screen:
             self._draw()
 
     def _draw(self) -> None:
-        """Draw the readings over the previous ones."""
+        """Draw the readings over the previous readings."""
         # The last column stays empty, because some terminals would begin a new line.
         columns = shutil.get_terminal_size().columns - 1
         head = f"{self._encoder.code}, {self._encoder.interface.title}, {self._place}    Ctrl-C ends"
@@ -253,7 +297,7 @@ class _Screen:
 def _convert_to_unit(encoder: Any, position: int | None) -> tuple[str, str]:
     """Return the name and the value of a position in a unit, such as ``("angle", "12.34500°")``.
 
-    The value is ``-`` for None, and for encoders whose manual gives no size of a count.
+    The value is ``-`` for None, and for encoders whose manual does not state the size of a count.
     """
     measures_length = hasattr(encoder, "millimetres")
     name = "length" if measures_length else "angle"

@@ -34,8 +34,8 @@ class Layout(NamedTuple):
 
 
 def list_layouts(encoder: Encoder) -> tuple[Layout, ...]:
-    """Return all kinds of frames of an encoder's interface. Those that it sends come first."""
-    # FRAMES of the family has functions for shapes, by interface and sender and then by the name of the frame.
+    """Return all kinds of frames of an encoder's interface. Kinds that the encoder sends come first."""
+    # FRAMES of the family contains functions for shapes, by interface and sender and then by the name of the frame.
     package, _, module = type(encoder).__module__.rpartition(".")
     frames: Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]
     frames = import_module(f"{package}._shapes.{module}").FRAMES
@@ -57,10 +57,10 @@ def _list_answers(make: Callable[..., Shape]) -> dict[str, type[Enum]]:
 def find_layout(encoder: Encoder, name: str = "") -> Layout:
     """Return the kind of frame with this name, or without one, the only kind that the encoder sends.
 
-    Case and underscores are ignored, so the name can be that in the manual or that of the class.
+    Case and underscores are ignored, so the name can be the name in the manual or the name of the class.
 
     Raises:
-        UsageError: There is no such frame, or a name is needed to choose one.
+        UsageError: There is no frame of this name, or a name is needed to choose one.
     """
     layouts = list_layouts(encoder)
     if name:
@@ -79,7 +79,7 @@ def find_shape(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Sha
     """Return the shape of frames. ``answers`` are members of an enumeration or their names, by question.
 
     Raises:
-        UsageError: An answer is missing, wrong or not needed, or there is no such layout.
+        UsageError: An answer is missing, wrong or not needed, or the layout does not exist.
     """
     frame_layout = find_layout(encoder, layout)
     for name in answers:

@@ -34,7 +34,7 @@ _FEW_ROWS: Final = 1000
 
 
 def find_target_kind(path: str) -> TargetKind:
-    """Return the format of a file according to its extension."""
+    """Return the format of a file according to its extension. Other extensions, or none, stand for CSV."""
     return _SUFFIXES.get(PurePath(path).suffix.lower(), "csv")
 
 
@@ -79,7 +79,7 @@ class Sink(Protocol):
 
 
 class Texts:
-    """Converter from a text column to Arrow arrays of text, or of numbers if the first chunk has only numbers.
+    """Converter from a text column to Arrow arrays of text, or of numbers if the first chunk contains only numbers.
 
     ``kind`` is the Arrow type, which the first chunk determines, and None before. ``lost`` is the number of cells that
     became null because they are not numbers.
@@ -137,7 +137,10 @@ class Texts:
 
 
 class ArrowSink:
-    """Parquet or Arrow file. It is opened by the first ``write``, whose cells determine the types of the columns."""
+    """Parquet or Arrow file.
+
+    The file is opened by the first ``write``, whose cells determine the types of the columns.
+    """
 
     def __init__(self, file: Any, plan: Plan, parquet: bool) -> None:
         self._pa: Any = load("pyarrow")
@@ -154,7 +157,7 @@ class ArrowSink:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         if kind is None and self._writer is None:
-            # Nothing was written: the file has the columns, but no rows.
+            # Nothing was written: the file contains the columns, but no rows.
             self.write(self._plan.empty, self._plan.source_columns)
         if self._writer is not None:
             self._writer.close()
@@ -202,7 +205,7 @@ class CsvSink:
     """CSV file with a header. It needs only NumPy. With pyarrow, the same output is faster."""
 
     def __init__(self, file: Any, plan: Plan) -> None:
-        # CSV keeps every cell as text, so none is ever lost.
+        # CSV keeps every cell as text, so no cell is ever lost.
         self._plan = plan
         self.lost = 0
         # Without a file, the rows go to standard output.
@@ -322,7 +325,7 @@ class _ArrowFormatter:
     def _convert_source(self, column: Any) -> Any:
         """Return a column of the source for CSV, as an Arrow array.
 
-        Integers, bools and texts of Arrow stay as they are. Others become texts, as without pyarrow.
+        Integers, bools and texts of Arrow stay as they are. Other columns become texts, as without pyarrow.
         """
         kinds = self._pa.types
         arrow_type = getattr(column, "type", None)
@@ -339,8 +342,8 @@ class _ArrowFormatter:
 
 def _convert_to_plain(column: Any) -> list[Any]:
     """Return the cells of a column of the source for CSV: a list, an Arrow array or a NumPy array."""
-    # Arrow arrays have ``to_pylist``. Only their cells can be None, bools or bytes, which become text here. Lists have
-    # texts, and NumPy arrays, with ``tolist``, have numbers.
+    # Arrow arrays have ``to_pylist``. Only cells of these columns can be None, bools or bytes, which become text here.
+    # Lists contain texts. NumPy arrays, which have ``tolist``, contain numbers.
     if hasattr(column, "to_pylist"):
         return [_convert_cell(cell) for cell in column.to_pylist()]
     cells: list[Any] = column.tolist() if hasattr(column, "tolist") else column

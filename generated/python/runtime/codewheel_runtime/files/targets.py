@@ -13,7 +13,7 @@ from ..errors import UsageError
 
 @contextmanager
 def open_for_writing(target: str, sources: Iterable[str | os.PathLike[str]], force: bool) -> Generator[Any, None, None]:
-    """Open a temporary file. It is renamed to ``target`` when complete, and removed after an error.
+    """Open a temporary file. The file is renamed to ``target`` when complete, and removed after an error.
 
     The context yields the file, or None for standard output (``-``).
 
@@ -37,7 +37,7 @@ def open_for_writing(target: str, sources: Iterable[str | os.PathLike[str]], for
     try:
         file = open(temporary_path, "xb")  # noqa: SIM115 (closed below)
     except OSError as error:
-        # The user knows the name of the target, not that of the temporary file.
+        # The user knows the name of the target, not the name of the temporary file.
         error.filename = target
         raise
     try:

@@ -45,7 +45,7 @@ def encode_number(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
         number |= check_bits("unused", fields.unused, shape.kept_mask)
     elif shape.unused:
         number |= _encode_unused_bits(fields.unused, shape.unused)
-    # The limits of a register are for one value: its name in messages, and the attribute that has it.
+    # The limits of a register apply to one value: its name in messages, and its attribute.
     if shape.limited is not None:
         check_limits(shape.limited[0], getattr(fields, shape.limited[1]), fields.limits(*arguments))
     # The parity covers the Gray code, and the CRC covers both.
@@ -71,7 +71,8 @@ def _limit_error(shape: Shape, check: Check, bits: int) -> RangeError:
 def _encode_unused_bits(differing: Any, places: tuple[Unused, ...]) -> int:
     """Return the unused bits in a frame: as in the manual, inverted where ``differing`` is 1.
 
-    ``differing`` has all unused bits side by side: ``place`` is a position in it, and ``low`` one in the frame.
+    ``differing`` contains all unused bits side by side: ``place`` is a position in it, and ``low`` a position in the
+    frame.
     """
     mask = sum(((1 << unused.width) - 1) << unused.place for unused in places)
     differing_bits = check_bits("unused", differing, mask)
