@@ -19,7 +19,8 @@ _NUMBER_BITS, _CONSTANT_BITS = 8.0, 3.0
 _MOST_FLAGS = 2
 #: Bits that describe that a position is in Gray code, by interface.
 _GRAY_BITS = {"ssi": 0.5}
-_MOST_POSITION_BITS = 64
+#: Most bits of a field of a line, and so of a position.
+MOST_BITS = 64
 #: Bits that describe the scale of the steps of a number.
 _SCALE_BITS = 4.0
 
@@ -109,7 +110,7 @@ def _places_of_position(recording: Recording, first: int, end: int, step: int) -
         can_start = start == first or changes_before or changes_at_start
         if not can_start:
             continue
-        furthest_end = min(end, start + _MOST_POSITION_BITS)
+        furthest_end = min(end, start + MOST_BITS)
         for position_end in range(start + step, furthest_end + 1, step):
             if any(changing[position_end - step : position_end]):
                 yield start, position_end

@@ -321,8 +321,12 @@ class Device:
         return tuple((register, field) for register, field in fields if field.equals is not None)
 
     def measurement_of(self, interface: str) -> Measurement | None:
-        """Return the measurement of the position on this interface."""
-        return self.interface(interface).measurement or self.measurement
+        """Return the measurement of the position on this interface, or else that of the device, if there is one.
+
+        An interface can be missing while a spec with problems is checked.
+        """
+        own_measurements = (known.measurement for known in self.interfaces if known.name == interface)
+        return next(own_measurements, None) or self.measurement
 
     def measurement_in(self, interface: str, layout: Layout) -> Measurement | None:
         """Return the measurement of the position in frames of this layout, or None if the interface has none.
