@@ -42,8 +42,8 @@
   }
 
   /**
-   * Return the quantity that a number stands for, with a fixed number of decimals, and whether these are exact.
-   * The scale is [numerator, denominator, offset, unit, decimals].
+   * Return the quantity that a number represents, with a fixed number of decimals, and whether these are exact. The scale
+   * is [numerator, denominator, offset, unit, decimals].
    */
   function scaleNumber([numerator, denominator, offset, , decimalCount = 0], number) {
     const [scaledNumerator, divisor] = [number * toBigInt(numerator) + toBigInt(offset), toBigInt(denominator)];
@@ -172,7 +172,7 @@
     };
   }
 
-  /** Return a field, with the text of an unexplained one if its meaning is that of other order codes. */
+  /** Return a field, with the text of an unexplained field if its meaning belongs to other order codes. */
   function withMeaningForOrderCode(field, parameters) {
     const isExplained = !field.only || parameters[field.only];
     return isExplained ? field : { ...field, on: TABLE.unexplained, off: "", meaning: "" };
@@ -257,13 +257,13 @@
     return replaceGrayBits(placedLayout, number, binary);
   }
 
-  /** Return the number with other bits in the place of those in Gray code. */
+  /** Return the number with other bits instead of the bits in Gray code. */
   function replaceGrayBits(placedLayout, number, newBits) {
     const { low, width } = placedLayout.gray;
     return (number & ~(ones(width) << BigInt(low))) | (BigInt.asUintN(width, newBits) << BigInt(low));
   }
 
-  /** Return the number that a number in Gray code stands for. */
+  /** Return the number that a number in Gray code represents. */
   function grayToBinary(gray) {
     let binary = gray;
     for (let shifted = gray >> ONE; shifted; shifted >>= ONE) binary ^= shifted;
@@ -367,7 +367,7 @@
     return [{ fault: check.fault, field: check.field, message }];
   }
 
-  /** Return the message about a wrong number. Its name in the table is that of the check. */
+  /** Return the message about a wrong number. Its name in the table is the name of the check. */
   function describeProblem({ check, limit, lowest }, checkedNumber, rightValue) {
     const { field, says: messageName } = check;
     switch (messageName) {
@@ -677,7 +677,7 @@
     ]) {
       try {
         const reading = readLabelOfFamily(family, label);
-        // What is a tail after the code of one family can be a part of the code of another one.
+        // The tail of one family's code can be a part of another family's code.
         if (!bestReading || reading.tail.length < bestReading.tail.length) bestReading = reading;
       } catch (error) {
         if (!(error instanceof UnknownCode)) throw error;
@@ -738,7 +738,7 @@
   const omitUndefined = (values) => Object.fromEntries(
     Object.entries(values).filter(([, listedText]) => listedText !== undefined));
 
-  /** The first listed code with these parts, where undefined stands for a value that is not listed. */
+  /** The first listed code with these parts, where undefined represents an unlisted value. */
   function findFittingRow(family, values) {
     const unlistedParts = family.labels.parts.filter((part) => values[part.name] === undefined);
     const isAllowed = ([otherPart, allowedValues]) =>
@@ -1208,7 +1208,7 @@
     return [[fields[0].column, `the fields have ${bitCount} bits; over RS-485, write whole bytes`]];
   }
 
-  /** Return the problems of options with the fields. ``columns`` are those of the options, by name. */
+  /** Return the problems of options with the fields. ``columns`` are the columns of the options, by name. */
   function checkLineOptions(options, columns, fields, interface_) {
     return [
       ...(options.isGray ? checkGrayOption(options, columns, fields) : []),
@@ -1377,10 +1377,10 @@
 
   /** Return whether a field has the same bits in every frame. */
   const isConstant = (field) => field.kind === "zero" || field.kind === "constant";
-  /** Count the ones in a number. */
+  /** Count the 1 bits in a number. */
   const countOnes = (number) => number.toString(2).replaceAll("0", "").length;
 
-  /** Return the other fields of a parity bit that change, and whether their number of ones must be odd with it. */
+  /** Return the other fields of a parity bit that change, and whether their number of 1 bits must be odd with it. */
   function findParityCoverage(field, sentFields) {
     const otherFields = sentFields.filter((other) => !["parity", "crc"].includes(other.kind));
     const constantOnes = otherFields.filter((other) => other.kind === "constant")
@@ -1416,7 +1416,7 @@
     }
   }
 
-  /** Build the checks of constants and parity bits, and then that of the highest position. */
+  /** Build the checks of constants and parity bits, and then the check of the highest position. */
   function buildCheckRecords(sentFields, { counts = 0n, turns = ONE }) {
     const lowAndWidth = (field) => ({ ...omitEmpty({ low: field.low }), width: field.bits });
     const checks = sentFields.flatMap((field) => {
@@ -1454,7 +1454,7 @@
     });
   }
 
-  /** Build the parameters of a CRC, and those of similar CRCs that may be used by mistake. */
+  /** Build the parameters of a CRC, and of similar CRCs that may be used by mistake. */
   function buildCrcRecord({ bits: width, poly, init, isInverted }, isOverBytes) {
     const parametersWith = (changes) => omitEmpty(Object.fromEntries(Object.entries({
       width: BigInt(width), poly, init, refin: 0n, refout: 0n, xorout: isInverted ? ones(width) : 0n, ...changes,
@@ -1480,7 +1480,7 @@
     };
   }
 
-  /** List all zeros, all ones, and the start values of known CRCs with the polynomial, except that of the CRC itself. */
+  /** List all zeros, all ones, and the start values of known CRCs with the polynomial, without its own. */
   function listOtherStartValues(width, poly, init) {
     const hasPolynomial = ([knownPolynomial]) => toBigInt(knownPolynomial) === (poly | (ONE << BigInt(width)));
     const startValues = new Set([
@@ -1557,7 +1557,7 @@
     };
   }
 
-  /** Return the record of the family that a line describes, like those of the table. */
+  /** Return the record of the family that a line describes, like the records in the table. */
   function lineFamily(line) {
     const { interface: interface_, options, fields } = line;
     const shared = [];
@@ -1973,7 +1973,7 @@
     return bytePieces.every((piece) => piece.length % 2 === 0) ? bytePieces.map((piece) => `0x${piece}`).join(" ") : text;
   }
 
-  /** Return the bits of a number in pieces of zeros and ones, or "" if these may also be hex or decimal. */
+  /** Return the bits of a number in pieces of zeros and ones, or "" if the pieces may also be hex or decimal. */
   function binaryDigits(pieces, bitCount) {
     const digits = pieces.join("");
     if (digits.length === bitCount) return digits;
@@ -2032,7 +2032,7 @@
       };
     }
     const meanings = pieces.length === 1 ? listMeanings(compactText, bitCount) : [];
-    // Hex digits with one meaning have a prefix already, unless they may be a misspelt one.
+    // Hex digits with one meaning already have a prefix, unless it is misspelt.
     if (meanings.length === 1 && /^[0-9]+$/.test(compactText)) {
       const areBits = meanings[0] === messageFor("if_bits", compactText);
       return areBits ? makeTypedFrame(`0b${compactText}`, compactText.length, true)
@@ -2178,7 +2178,7 @@
       try {
         const { placedLayout, problems } = decodeFrame(
           orderCode, `${sender}:${layout.name}`, text, registerContents, answers);
-        // Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
+        // Hex digits imply leading zeros, so without this, a short frame would be valid as a long frame.
         const mayHaveLength = hasOtherLength || placedLayout.bits === decoded.placedLayout.bits;
         return !problems.length && mayHaveLength ? [placedLayout] : [];
       } catch (error) {
@@ -2273,7 +2273,7 @@
   const LEAST_BITS = 3;
   // Frames with fewer bits may be all zeros or all ones by coincidence.
   const LEAST_EQUAL_BITS = 12;
-  // An explanation that matches fewer random frames than one in this many is as good as certain.
+  // An explanation that matches less than one in this many random frames is as good as certain.
   const CERTAIN_ONE_IN = 65536n;
 
   /** Return {receivedNumber, bitCount}: what was received as a number, first byte or bit highest, and its bits. */
@@ -2326,8 +2326,8 @@
   const explained = (decoded) => findExplanations(decoded).merged;
 
   /**
-   * Return the explanations of a frame twice: ``merged`` has one of those that lead to the same frame, ``all`` has every
-   * one. ``isWithPairs`` also tries two mistakes if a single one matches.
+   * Return the explanations of a frame twice: ``merged`` contains one explanation for each resulting frame, ``all``
+   * contains every explanation. ``isWithPairs`` also tries two mistakes if a single mistake matches.
    */
   function findExplanations(decoded, isWithPairs = false) {
     const { placedLayout, typedFrame, receivedBytes, problems } = decoded;
@@ -2411,7 +2411,7 @@
   const anotherHelps = (explanations) => explanations.every((explanation) => explanation.kind !== "echo")
     && (explanations.length > 1 || (explanations.length === 1 && explanations[0].oneIn < CERTAIN_ONE_IN));
 
-  /** Return the mistakes that explain the most of several wrong frames, most likely first: single ones, or else two. */
+  /** Return the mistakes that explain most of several wrong frames, most likely first: single, or else in pairs. */
   function judgedTogether(decodedFrames) {
     const hasCrcOrLengthError = ({ problems }) => problems.some(
       (problem) => problem.fault === "crc" || problem.fault === "length");
@@ -2450,7 +2450,7 @@
 
   /** Return the likeliest explanation of a frame by mistake, from its explanations in order of their likelihood. */
   function likeliestByMistake(explanations) {
-    // The first explanation of a mistake overwrites the later ones.
+    // The first explanation of a mistake overwrites later explanations.
     return new Map([...explanations].reverse().map(
       (explanation) => [`${explanation.kind} ${explanation.template} ${explanation.isTwice}`, explanation]));
   }
@@ -2491,7 +2491,7 @@
     isConsistent: true, rightConstantBits: 0, likelihood: 1, missingLowBits: 0, parts: [], placeCount: 1, ...members,
   });
 
-  /** Return whether a frame with the mistake has these bits: the ones that it determines, and the CRC. */
+  /** Return whether a frame with the mistake has these bits: the bits that it determines, and the CRC. */
   function fitsFrame({
     crc, isConsistent, isOfBytes, coveredData, coveredBits, crcBitsReceived,
     receivedCrc,
@@ -2592,7 +2592,7 @@
   const explainFitting = (hypotheses, isTwice) => (
     hypotheses.filter(fitsFrame).map((hypothesis) => toExplanation(hypothesis, isTwice)));
 
-  /** Pair the mistake with the most common one, a CRC that is inverted or that should be. */
+  /** Pair the mistake with the most common mistake, a CRC that is inverted or that should be. */
   function pairWithInversion(hypothesis) {
     const textName = toBigInt(hypothesis.crc.xorout) ? "not_inverted_too" : "inverted_too";
     const template = fillTemplate(TABLE.texts[textName], hypothesis.template);
@@ -2679,7 +2679,7 @@
 
   // -- frames of bits
 
-  /** Return the lengths in bits that a typed frame may have, longest first: as typed, or that of the frame and 1 less. */
+  /** Return the possible lengths in bits of a typed frame, longest first: as typed, or the frame's length and 1 less. */
   const possibleLengthsOf = (placedLayout, typedFrame) => (typedFrame.exact || typedFrame.bits > placedLayout.bits
     ? [typedFrame.bits] : [placedLayout.bits, placedLayout.bits - 1])
     .filter((length) => length >= typedFrame.bits);
@@ -2842,7 +2842,7 @@
     });
   }
 
-  /** Try another CRC behind the first ``dataBits`` of the ``length`` bits of ``number``. */
+  /** Try another CRC after the first ``dataBits`` of the ``length`` bits of ``number``. */
   function tryPolynomialWithLength(placedLayout, crc, otherCrc, number, length, dataBits) {
     const tailBits = length - dataBits;
     const [data, tail] = [number >> BigInt(tailBits), extractBits(number, 0, tailBits)];
@@ -2918,7 +2918,7 @@
     });
   }
 
-  /** The bits during the command are missing, and the command is the one that the layout expects. */
+  /** The bits during the command are missing, and the command is the command that the layout expects. */
   function tryLeftOutCommand(placedLayout, crc, typedFrame) {
     if (interfaceOf(placedLayout)?.name !== "spi") return [];
     const [coveredLow, coveredBits] = crc
@@ -2979,7 +2979,7 @@
   function tryRecording(placedLayout, crc, receivedText, [kind, text, pattern, determinedNames]) {
     const textByPart = matchRecording(pattern, placedLayout, receivedText)?.groups;
     if (!textByPart) return [];
-    // A frame that is sent twice is ``again`` behind itself, perhaps cut off.
+    // A frame that is sent twice is followed by ``again``, perhaps cut off.
     const { frame: frameText, again: repeatedText = "" } = textByPart;
     const otherBitsRequired = determinedNames.reduce((sum, name) => sum + (textByPart[name] ?? "").length, 0);
     const parts = Object.entries(textByPart).filter(([, partText]) => partText);
@@ -3324,7 +3324,7 @@
 
   const CLASS = "codewheel-decode";
 
-  /** An element with attributes and children, without empty ones. */
+  /** An element with attributes and children, without empty children. */
   function createElement(tag, attributes = {}, ...children) {
     const newElement = document.createElement(tag);
     for (const [name, setting] of Object.entries(attributes)) {
@@ -3356,7 +3356,7 @@
     return isWholeBytes ? `bytes ${bytes[0]}-${bytes[1]}` : `bytes ${bytes[0]}.${ends[0] % 8}-${bytes[1]}.${ends[1] % 8}`;
   }
 
-  /** Return the value of a field as text, and that of a flag in words. */
+  /** Return the value of a field as text, and the value of a flag in words. */
   const formatValue = (fieldValue) => (fieldValue === true ? "yes" : fieldValue === false ? "no" : `${fieldValue}`);
 
   /** Return the meaning of a field, and for a number in Gray code also how it was sent. */
@@ -3372,7 +3372,7 @@
     return meaning ? `${toSentence(meaning)} ${capitalize(grayText)}` : grayText;
   }
 
-  /** Return a value with its unit, or a number with the quantity that it stands for. */
+  /** Return a value with its unit, or a number with the quantity that it represents. */
   function formatWithUnit(field) {
     const valueText = formatValue(field.value);
     if (typeof field.value === "boolean" || !(field.scale || field.unit)) return valueText;
@@ -3427,7 +3427,7 @@
       `${position.name}: ${degrees}°${hasTurns ? ` of revolution ${(position.value - angle) / countsPerTurn}` : ""}`);
   }
 
-  /** Create the line about the CRC of a frame: received, and correct or with the expected one, with its parameters. */
+  /** Create the line about the CRC of a frame: received, and correct or with the expected CRC, with its parameters. */
   function createCrcLine({ crc, received, computed }) {
     const judgement = received === computed ? "correct" : `WRONG, expected ${hex(computed, 2)}`;
     const startText = crc.init ? `, start value ${hex(toBigInt(crc.init))}` : "";
@@ -3534,7 +3534,7 @@
       + "In that case, no change is needed.";
   }
 
-  /** Return the words in front of the explanations, which are another cause if noise is one (``hasNoise``). */
+  /** Return the words before the explanations, which are another cause if noise is a cause (``hasNoise``). */
   function introduceExplanations(decoded, hasNoise) {
     if (!decoded.placedLayout?.crc) return `${messageFor("uncertain")}:`;
     return hasNoise ? "If all frames fail, these changes make the CRC match:" : "These changes make the CRC match:";
@@ -3747,7 +3747,7 @@
       ?? decoded.fields.find((field) => typeof field.value === "bigint");
   }
 
-  /** Create a table of lines, each with its frame ``decoded`` or an ``error``. ``pick`` shows one in full. */
+  /** Create a table of lines, each with its frame ``decoded`` or an ``error``. ``pick`` shows a frame in full. */
   function createLineTable(rows, measure, pick) {
     const hasTimes = rows.some((row) => row.line.time);
     const heads = ["Line", ...(hasTimes ? ["Time"] : []), "Frame", "Verdict", "Value", "Remark"];
@@ -3773,7 +3773,7 @@
       createElement("thead", {}, createElement("tr", {}, headCells)), createElement("tbody", {}, bodyRows));
   }
 
-  /** Return the cells of a field by column: its value, and the quantity that a number stands for. */
+  /** Return the cells of a field by column: its value, and the quantity that a number represents. */
   function listCsvCells(field) {
     const quantityCells = field.scale
       ? [[`${field.name} (${field.scale[3]})`, scaleNumber(field.scale, field.value).decimal]] : [];
@@ -3847,7 +3847,7 @@
   }
 
   /**
-   * Create the description of a register, and for a writable one a form that encodes its bytes into ``frameInput``.
+   * Create the description of a register, and for a writable register a form that encodes its bytes into ``frameInput``.
    * Return {parts, fill}: the elements, and the function that fills the inputs from a decoded register.
    */
   function createRegisterForm(state, register, frameInput, showResult) {
@@ -3910,7 +3910,7 @@
     return `Limits of ${name ?? of ?? placedRegister.name}: ${bounds.join(", ")}`;
   }
 
-  /** Return the applicable limits: those of the chosen meaning, if a register has several. */
+  /** Return the applicable limits: the limits of the chosen meaning, if a register has several. */
   function chooseLimits(register, limitsByMeaning, chosenMeaning) {
     if (limitsByMeaning.length && !chosenMeaning) throw new Refusal("Choose the meaning of the register first");
     if (!limitsByMeaning.length) return (register.limits ?? [])[0];
@@ -3959,7 +3959,7 @@
     return number === null ? "" : sign ? -number : number;
   };
 
-  /** Return the values of the inputs by name of the field. Throws ``Refusal`` if one is empty. */
+  /** Return the values of the inputs by name of the field. Throws ``Refusal`` if a field is empty. */
   function readInputs(inputs) {
     const values = inputs.filter((input) => input.name).map((input) => [input.name, input.read()]);
     const emptyInput = values.find(([, fieldValue]) => fieldValue === "");
@@ -4101,7 +4101,7 @@
       if (rows.length === 1 && rows[0].decoded && !isForm && !openQuestions.length) state.fillForm?.(rows[0].decoded);
     }
 
-    /** Return the layout to paste: the one with the position, of those to choose from. Null if a question is open. */
+    /** Return the layout to paste: the one with the position, among the choices. Null if a question is open. */
     function findExpectedLayout() {
       if (selectedRegister()) return null;
       const [sender, layoutName] = state.frameType.split(":");
@@ -4115,7 +4115,7 @@
         ?? (layouts.length === 1 ? placedLayouts[0] : null) ?? null;
     }
 
-    /** All about one frame, or the reason why it is not one. */
+    /** All about one frame, or the reason why the text is not a frame. */
     function resultOfLine({ line, decoded, error, spellings = [] }) {
       if (error) {
         return [
@@ -4318,7 +4318,7 @@
     return createElement("fieldset", {}, createElement("legend", {}, toSentence(alternative.meaning)), answerLabels);
   }
 
-  /** Create inputs for the register contents that a frame depends on. By default, those of the order code apply. */
+  /** Create inputs for the register contents that a frame depends on. By default, the order code's values apply. */
   function createRegisterInputs(state, heldParameters, showResult) {
     if (!heldParameters.length) return [];
     const defaults = computeParameters(state.orderCode);

@@ -144,7 +144,7 @@ static inline uint64_t cw_to_gray_excess(
     return cw_to_gray(cw_with_field(word, low, bits, sum), low, bits);
 }
 
-/** Return 1 if the number of ones is odd, 0 if it is even. */
+/** Return 1 if the number of 1 bits is odd, 0 if it is even. */
 CW_CONSTEXPR
 static inline uint32_t cw_parity(uint32_t value)
 {

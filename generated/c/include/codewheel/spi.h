@@ -37,7 +37,7 @@ extern "C" {
 
 #define CW_SPI_NONE 0U /**< no request: the word received has no meaning */
 
-/** A request, with the address of its register if it accesses one. */
+/** A request, with the address of the register that it accesses, if any. */
 typedef struct cw_spi_asked {
     uint32_t request; /**< an encoder's ..._REQUEST_ macro, or CW_SPI_NONE */
     uint32_t address; /**< your value for this request, such as the address of a register */

@@ -249,7 +249,7 @@ class Request:
 
     @classmethod
     def decode(cls, word: int) -> Request:
-        """Decode a word of the layout of ``encode``.
+        """Decode a word with the layout of ``encode``.
 
         Args:
             word: The 32 bits, with the first one most significant.
@@ -381,7 +381,9 @@ class Answer:
 
 
 def _count_slaves(idl: int) -> int:
-    """Return how many slaves have taken an ID, according to IDL0 (bit 15) to IDL15 (bit 0). 9 means more than 8.
+    """Return how many slaves have taken an ID, according to IDL0 (bit 15) to IDL15 (bit 0).
+
+    A value of 9 means more than 8.
 
     Three slaves give ``0b1110_0000_0000_0000``.
     """
@@ -410,8 +412,9 @@ class Master:
 
     Attributes:
         outcome: State or result of the access.
-        slaves: Number of slaves that have taken an ID, 9 for more than 8. The number is known after the header. Number
-        of bytes that were read or written. data: Bytes that were read.
+        slaves: Number of slaves that have taken an ID, 9 for more than 8, known after the header.
+        done: Number of bytes that were read or written.
+        data: Bytes that were read.
     """
 
     def __init__(self) -> None:
@@ -687,9 +690,12 @@ class Slave:
     side effects on reading must allow for that.
 
     Attributes:
-        readable: Addresses that a master may read. Other addresses are refused. Addresses that a master may write.
-        Other addresses are refused. Request of the slave. address: Address of the register in the request. value: Value
-        to store. slave_id: ID in the last control frame, or None.
+        readable: Addresses that a master may read. Other addresses are refused.
+        writable: Addresses that a master may write. Other addresses are refused.
+        wants: Request of the slave.
+        address: Address of the register in the request.
+        value: Value to store.
+        slave_id: ID in the last control frame, or None.
     """
 
     def __init__(self, readable: Iterable[int] = range(128), writable: Iterable[int] = range(128)) -> None:

@@ -314,7 +314,7 @@ class SerialEncoder(Encoder):
 class _BoundDecoder:
     """Method ``decode`` or ``try_decode`` of an encoder. The first access replaces it with the encoder's decoder.
 
-    So a decoder is as fast in a variable, in ``map`` or in another thread as it is as a method.
+    A decoder is therefore equally fast in a variable, in ``map``, in another thread and as a method.
     """
 
     def __init__(self, name: str, method: Any) -> None:

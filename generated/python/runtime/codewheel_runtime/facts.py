@@ -287,8 +287,8 @@ class Clock(NamedTuple):
         min_hz: Lowest clock. None if it is not known.
         max_hz: Highest clock. None if it is not known.
         source: Source of the facts.
-        used_hz: Clocks that programs or masters use, in ascending order. These clocks are not limits. Order codes with
-        this clock, unless all have it.
+        used_hz: Clocks that programs or masters use, in ascending order. These clocks are not limits.
+        only: Order codes with this clock, unless all have it.
     """
 
     min_hz: int | None
@@ -536,8 +536,8 @@ class Exchange(NamedTuple):
         request: Frame that the master sends.
         reply: Frame with which the encoder answers, or empty if it does not answer.
         purpose: ``position``, ``read``, ``write`` or ``other``.
-        word_bits: Number of bits of both words over SPI, or None if the length of the interface applies. source: Source
-        of the exchange.
+        word_bits: Number of bits of both words over SPI, or None if the length of the interface applies.
+        source: Source of the exchange.
     """
 
     request: str
@@ -722,7 +722,7 @@ class Quantity(NamedTuple):
 
 
 class Characteristic(NamedTuple):
-    """Further fact, as text and in ``values`` as quantities with units.
+    """Additional fact: its text, and its quantities with units in ``values``.
 
     ``only`` describes the order codes that it applies to, if not all.
     """

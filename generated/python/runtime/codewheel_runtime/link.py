@@ -110,7 +110,7 @@ class Link:
 
         Args:
             request: Request for the position, with the encoder's address. Default: the request with the factory
-            defaults.
+                defaults.
 
         Raises:
             NotUsableError: The encoder reports that its position is not usable.
@@ -123,7 +123,7 @@ class Link:
 
         Args:
             request: Request for the position, with the encoder's address. Default: the request with the factory
-            defaults.
+                defaults.
 
         Raises:
             LinkError: There is no valid reply. The subclass indicates the reason.
@@ -356,9 +356,10 @@ class Ports:
 
         Args:
             port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
-            label: Order code on the label, or an encoder whose class has RS-485. timeout_s: Time in seconds in which a
-            reply must be complete. retries: Number of further attempts after a failure. settle_s: Time in seconds for
-            which the line must be quiet after a reply. The default depends on the baud
+            label: Order code on the label, or an encoder whose class has RS-485.
+            timeout_s: Time in seconds in which a reply must be complete.
+            retries: Number of further attempts after a failure.
+            settle_s: Time in seconds for which the line must be quiet after a reply. The default depends on the baud
                 rate and the measured reply times. With 0, a request of another kind is sent before each request
                 instead.
             rs485: Let the driver of the port switch the direction of the line. Few adapters need this.

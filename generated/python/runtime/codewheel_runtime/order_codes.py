@@ -130,8 +130,10 @@ class OrderCode(NamedTuple):
         pattern: The order code, with the names of the parts in braces.
         parts: The parts.
         special: Meaning of the ``/Sxxx`` suffix.
-        not_on_label: For made-up order codes: what the label shows instead, and the meaning of the code. note: Note on
-        the order code. source: Section and page of the manual. also_written: Alternative spellings.
+        not_on_label: For made-up order codes: what the label shows instead, and the meaning of the code.
+        note: Note on the order code.
+        source: Section and page of the manual.
+        also_written: Alternative spellings.
     """
 
     pattern: str
@@ -176,7 +178,8 @@ class OrderCode(NamedTuple):
 
         Args:
             text: The label.
-            match: Match of the expression for the code, with the tail and the suffix. Text of each part, by its name.
+            match: Match of the expression for the code, with the tail and the suffix.
+            texts: Text of each part, by its name.
             codes: Listed order codes with their parts.
 
         Raises:

@@ -92,7 +92,7 @@ def _find_among_any_bytes(received: bytes, pending: PendingRequest) -> FoundRepl
     """Return a reply that can begin with any byte, or None.
 
     The received bytes, with or without the echo of the request in front, must be exactly one reply, or several replies
-    and nothing between them. Of several, the last one is the reply, and the others are in ``same_kind``.
+    and nothing between them. Of several, the last is the reply, and the others are in ``same_kind``.
     """
     length = pending.kind.length
     for candidate in (received, received.removeprefix(pending.data)):

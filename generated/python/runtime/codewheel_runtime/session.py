@@ -118,10 +118,12 @@ class Statistics:
     """Counters of a session.
 
     Attributes:
-        requests: Requests that were sent, including repeated requests and other kinds. Requests that got a valid reply.
-        failures: Requests that did not. late_replies: Replies that arrived after their request had failed.
-        extra_replies: Replies that no request asked for, such as second copies. conflicts: Requests that got two
-        different replies. These requests are among the failures.
+        requests: Requests that were sent, including repeated requests and other kinds.
+        replies: Requests that got a valid reply.
+        failures: Requests that did not.
+        late_replies: Replies that arrived after their request had failed.
+        extra_replies: Replies that no request asked for, such as second copies.
+        conflicts: Requests that got two different replies. These requests are among the failures.
     """
 
     requests: int = 0
@@ -138,14 +140,13 @@ class Session:
     Args:
         encoder: The encoder, with RS-485.
         timeout_s: Time in seconds in which a reply must be complete. The manuals state no reply time. The default
-        allows
-            for the latency of USB adapters.
+            allows for the latency of USB adapters.
         retries: Number of further attempts after a failure.
         settle_s: Time in seconds for which the line must be quiet after a reply. The default is 0.25 ms plus the time
             that the request and the reply take at the baud rate, or the usual time of the last replies if that is
             longer. With 0, a request of another kind is sent before each request instead, so an extra reply can be
-            taken for the reply to at most one other request, and a second encoder is not detected. clock: Function that
-            returns the time in seconds.
+            taken for the reply to at most one other request, and a second device is not detected.
+        clock: Function that returns the time in seconds.
 
     Attributes:
         statistics: Counters, for instance of extra replies.
@@ -240,8 +241,8 @@ class Session:
 
         Raises:
             BusyError: The memory stayed busy.
-            DisturbedError: The reply has a value that differs from the request, such as another address. LinkError:
-            There is no valid reply.
+            DisturbedError: The reply has a value that differs from the request, such as another address.
+            LinkError: There is no valid reply.
         """
         pending = self._make_pending(request)
         kind = pending.kind
@@ -675,7 +676,8 @@ def _check_seconds(name: str, seconds: float) -> None:
     """Raise an error unless a time is a finite number that is not negative.
 
     Raises:
-        TypeError: The time is not a number. ValueError: The time is negative, infinite or NaN.
+        TypeError: The time is not a number.
+        ValueError: The time is negative, infinite or NaN.
     """
     if isinstance(seconds, bool) or not isinstance(seconds, (int, float)):
         raise TypeError(f"{name} must be a number of seconds, got {shorten(seconds)}")

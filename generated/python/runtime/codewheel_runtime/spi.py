@@ -61,8 +61,9 @@ class Pipeline:
         encoder: The encoder.
         replies: Class of the reply to each class of requests.
         late: True if the encoder answers in the word after the request.
-        read: Class of the request that reads a register, if there is such a request. write: Classes of the requests
-        that write a register, one for each word. registers: Address and number of bytes of each class of registers.
+        read: Class of the request that reads a register, if there is such a request.
+        write: Classes of the requests that write a register, one for each word.
+        registers: Address and number of bytes of each class of registers.
     """
 
     def __init__(
@@ -115,8 +116,8 @@ class Pipeline:
             register: Class of the register.
 
         Raises:
-            TypeError: The encoder does not have the register over SPI. RuntimeError: The word that was received with
-            the previous request has not been taken.
+            TypeError: The encoder does not have the register over SPI.
+            RuntimeError: The word that was received with the previous request has not been taken.
         """
         address, _ = self._find_place(register)
         return self._start_request(self._make_read_request(address), register)
@@ -128,7 +129,8 @@ class Pipeline:
             value: The value, an object of the register's class.
 
         Raises:
-            TypeError: The encoder does not have the register over SPI. RangeError: The value does not fit.
+            TypeError: The encoder does not have the register over SPI.
+            RangeError: The value does not fit.
             RuntimeError: The word that was received with the previous request has not been taken.
         """
         address, _ = self._find_place(type(value))

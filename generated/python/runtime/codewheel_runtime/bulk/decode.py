@@ -38,8 +38,8 @@ _MANY_VALUES: Final = 16
 def decode_many(frames: object, shape: Shape, encoder: FrameSource | None) -> Table:
     """Decode ``frames`` into columns, ``CHUNK`` frames at a time.
 
-    A frame with a wrong length gets the error LENGTH, and values that mean nothing. For the arguments, see
-    ``decode_many`` of the frame's class.
+    A frame with a wrong length gets the error LENGTH, and meaningless values. For the arguments, see ``decode_many`` of
+    the frame's class.
     """
     if _is_arrow(frames):
         from .arrow import read_column

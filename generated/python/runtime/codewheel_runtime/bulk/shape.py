@@ -350,7 +350,7 @@ class QuickChecks(NamedTuple):
 
 @lru_cache(maxsize=256)
 def find_quick_checks(shape: Shape) -> QuickChecks:
-    """Return the checks of a shape, combined into allowed values of bytes and one check for all constant bits.
+    """Return the checks of a shape, combined into allowed values of bytes and a single check of all constant bits.
 
     If the four lowest bits of a frame must be 1010, the result is ``fixed=((0xF, 0xA),)``.
     """

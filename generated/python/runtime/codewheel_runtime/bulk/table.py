@@ -494,7 +494,7 @@ class Table(_TableOf[_Name, _Unit]):
 
         Raises:
             ValueError: There is no such column, the number of times differs from the number of frames, or the time
-            between two frames is 0 or negative.
+                between two frames is 0 or negative.
         """
         np: Any = load("numpy")
         if seconds is None:

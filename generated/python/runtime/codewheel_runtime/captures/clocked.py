@@ -161,9 +161,10 @@ class _Bits(NamedTuple):
     """Bits of each cycle: arrays with an element for each cycle.
 
     Attributes:
-        reasons: Reason why the cycle contains no frame, such as ``_SHORT``, or 0. Number of rising edges before the
-        first bit. delay: Delay of the data line after the rising edge that shifts out a bit. sent: Number of bits that
-        were sent, for the message about a cycle that is too short.
+        reasons: Reason why the cycle contains no frame, such as ``_SHORT``, or 0.
+        skipped: Number of rising edges before the first bit.
+        delay: Delay of the data line after the rising edge that shifts out a bit.
+        sent: Number of bits that were sent, for the message about a cycle that is too short.
     """
 
     reasons: Any

@@ -57,9 +57,10 @@ def watch(
         encoder: The encoder.
         place: Name of the port.
         count: Number of readings. By default, until interrupted.
-        interval_s: Time in seconds from the start of a reading to the start of the next reading. File to write to. The
-        default is standard output. recorder: Output for all readings. is_shown: Show the readings if ``out`` is a
-        terminal.
+        interval_s: Time in seconds from the start of a reading to the start of the next reading.
+        out: File to write to. The default is standard output.
+        recorder: Output for all readings.
+        is_shown: Show the readings if ``out`` is a terminal.
 
     Returns:
         The number of readings and failures.

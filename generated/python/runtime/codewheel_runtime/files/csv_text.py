@@ -235,7 +235,7 @@ class _Lines:
         self.is_cut = False
 
     def __iter__(self) -> Iterator[str]:
-        """Yield the lines. Raises InputError if one is too long."""
+        """Yield the lines. Raises InputError if a line is too long."""
         while line := self._file.readline(_LONGEST):
             self.number += 1
             self.read += len(line)

@@ -122,7 +122,7 @@ def make_block_reader(
     )
 
     def read(block: bytes) -> Block | None:
-        """Return the frames and the other columns of whole lines, or None if they need the slower reader."""
+        """Return the frames and the other columns of whole lines, or None if the slower reader is needed."""
         # pyarrow must not split the block.
         options = csv.ReadOptions(column_names=columns, use_threads=False, block_size=len(block) + 1)
         line_count = block.count(b"\n")
