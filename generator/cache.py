@@ -225,7 +225,10 @@ def _write(folder: Path, key: str, content: bytes) -> None:
 
 
 def _remove_oldest(folder: Path) -> None:
-    """Remove unfinished files. If a limit is exceeded, remove the oldest entries until half of both limits is used."""
+    """Remove what killed processes left unfinished.
+
+    If a limit is exceeded, also remove the oldest entries until at most half of both limits is used.
+    """
     # The oldest comes first, since a tuple begins with the time. The listing removes unfinished files.
     entries = sorted(_entries_in(folder))
     count = len(entries)

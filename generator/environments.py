@@ -115,7 +115,7 @@ class _OwnTemplates(FileSystemLoader):
         """Return what Jinja needs: the text of a template, its path, and a function that is true while it is current.
 
         Raises:
-            TemplateNotFound: The user does not have this template, so that Jinja tries the next folder.
+            TemplateNotFound: The user has no such template, so that Jinja tries the next folder.
             TemplateFault: The template cannot be read, or is not UTF-8.
         """
         path = self.folder / template

@@ -306,13 +306,19 @@ def _refuse_what_is_in_the_way(
 def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: set[str]) -> Iterator[tuple[str, str]]:
     """Yield the path of each file or folder in the way that codewheel did not write, with a note for the message.
 
-    The note is ``, in place of a folder``, ``, a folder in place of a file``, or empty for a foreign file. ``files``
-    are all files of the target, and ``differing`` the paths of those that would be written.
+    The note is ``, in place of a folder``, ``, a folder in place of a file``, or empty for a file in place of a file.
+
+    Args:
+        folder: The output folder.
+        target: Name of the target.
+        files: Contents of all files of the target, by path.
+        differing: Paths of the files that would be written.
     """
+    # Codewheel wrote these files in an earlier run. One of them may be where a folder is needed now.
     listed_paths = set(_listed_paths(folder, target))
     # The output folder and the target's folder were checked before.
-    folders_inside = _folders_of(files) - {".", target}
-    for path in sorted(folders_inside - listed_paths):
+    needed_folders = _folders_of(files) - {".", target}
+    for path in sorted(needed_folders - listed_paths):
         if _kind_of(folder / path) in ("file", "link"):
             yield path, ", in place of a folder"
     for path in sorted(differing):
@@ -321,6 +327,7 @@ def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: 
             yield path, _A_FOLDER
         elif kind_of_path and path not in listed_paths:
             yield path, ""
+    # The list of files is not in itself. It begins with a sign by which a foreign file of that name differs.
     list_path = f"{target}/{LIST}"
     kind_of_list = _kind_of(folder / list_path)
     if kind_of_list == "folder":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import functools
 import gc
 import importlib
 import json
@@ -12,6 +13,7 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import deepcopy
+from itertools import chain
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -26,6 +28,7 @@ from codewheel.masters import sheet
 from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.docs.files import generate as generate_docs
+from codewheel.virtual import find_order_code
 from hostile_texts import spoilt
 from hypothesis import HealthCheck, settings
 
@@ -105,9 +108,9 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 @pytest.fixture(scope="session", autouse=True)
 def _specs_read_once() -> Iterator[None]:
     """Commands and tests of one process read the specs of this repository only once. Other specs are read each time."""
-    families, masters = _once(loading.load_families), _once(sheet.load_masters)
+    families, masters = _once(loading.load_families, _spec_files), _once(sheet.load_masters, _as_given)
     with pytest.MonkeyPatch.context() as patch:
-        for module in (loading, outputs, checked_specs):
+        for module in (loading, outputs, checked_specs, find_order_code):
             patch.setattr(module, "load_families", families)
         patch.setattr(sheet, "load_masters", masters)
         yield
@@ -134,15 +137,35 @@ def _tools_are_tried_once(pytestconfig: pytest.Config, tmp_path_factory: pytest.
     working_tools.results = (base_folder.parent if hasattr(pytestconfig, "workerinput") else base_folder) / "tools"
 
 
-def _once(read: Callable[..., Any]) -> Callable[..., Any]:
+def _as_given(paths: Sequence[Path] | None) -> tuple[Path, ...]:
+    return tuple(paths or ())
+
+
+def _spec_files(paths: Sequence[Path] | None) -> tuple[Path, ...]:
+    """Return the files of folders, so that ``specs`` is the same as all folders in it. Masters are no families."""
+    all_paths = loading.packaged_families() if paths is None else paths
+    return tuple(chain.from_iterable(_files_in(path.resolve()) for path in all_paths))
+
+
+@functools.cache
+def _files_in(path: Path) -> tuple[Path, ...]:
+    if path.is_file():
+        return (path,)
+    return tuple(file for file in sorted(path.rglob("*.yaml")) if file.parent.name != "masters")
+
+
+def _once(
+    read: Callable[..., Any], files_of: Callable[[Sequence[Path] | None], tuple[Path, ...]]
+) -> Callable[..., Any]:
     results: dict[Any, Any] = {}
 
     def once(*arguments: Any, **options: Any) -> Any:
-        first = arguments[0] if arguments else None
-        paths: Sequence[Path] = first or ()
-        key = (first is None, tuple(paths), None if all(path.is_absolute() for path in paths) else Path.cwd())
-        if not all(_OURS & {*path.resolve().parents, path.resolve()} for path in paths):
+        paths: Sequence[Path] | None = arguments[0] if arguments else None
+        if not all(_OURS & {*path.resolve().parents, path.resolve()} for path in paths or ()):
             return read(*arguments, **options)
+        # Messages have relative paths as they were given.
+        is_absolute = all(path.is_absolute() for path in paths or ())
+        key = files_of(paths) if is_absolute else (*files_of(paths), Path.cwd(), *(paths or ()))
         if key not in results:
             results[key] = read(*arguments[:1])
         families, report = results[key]

@@ -21,6 +21,16 @@ COLUMNS = 120
 MACHINE_PLACE = re.compile(r"(?<![\w.}*)\\/])/(dev|etc|home|proc|root|run|sys|tmp|var)/\w")
 
 
+def test_git_ignores_the_results_of_documented_commands() -> None:
+    """``pip install`` of an example builds it in its folder, and its target writes to ``generated/``."""
+    ignored = (ROOT / ".gitignore").read_text(encoding="utf-8").split()
+    assert {"/build/", "/examples/*/build/", "*.egg-info/", "/generated/python/**/build/"} <= set(ignored)
+    readmes = [path.read_text(encoding="utf-8") for path in (ROOT / "examples").glob("*/README.md")]
+    default_outputs = re.findall(r"codewheel generate (?!.* -o ).*--target (\w+)$", "\n".join(readmes), re.MULTILINE)
+    assert sorted(default_outputs) == ["opcua", "rust"]
+    assert {f"/generated/{target}/" for target in default_outputs} <= set(ignored)
+
+
 def test_the_map_names_each_package() -> None:
     named_packages = re.findall(r"`generator/(\w+)/` \|", ARCHITECTURE)
     packages = [path.parent.name for path in (ROOT / "generator").glob("*/__init__.py")]

@@ -5,19 +5,16 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from collections.abc import Callable
+from itertools import chain
+from typing import Any, NamedTuple
 
-import yaml
+from codewheel.language.schema_files import load_schema
 from codewheel.say.markdown import escape, table
+from spec_words import ROOT, nodes_of, read_specs
 
-ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs/trust/words.md"
-SCHEMA = ROOT / "generator/language/device.schema.json"
 CODE = ("generator/", "templates/", "runtime/")
 #: Encoders that are named. If more use a word, the page has only their number.
 _MOST_NAMED = 4
@@ -33,66 +30,55 @@ number of encoders that would use it. A word without an encoder is shown only on
 [How to add a word](../extend/how-to-change.md#add-a-word) lists the steps."""
 
 
-@dataclass(frozen=True)
-class Use:
-    """A map in a spec that the schema names, such as a field or a clock."""
+class Uses(NamedTuple):
+    """The words of the spec language in the spec of an encoder, and the fields of its frames and registers."""
 
-    kind: str
-    data: dict[str, Any]
+    words: set[str]
+    fields: list[dict[str, Any]]
 
 
-@dataclass(frozen=True)
-class Word:
+class Word(NamedTuple):
     """A word, the test that finds it in a spec, and the commits that added it."""
 
     name: str
-    is_used: Callable[[Use], bool]
+    is_used: Callable[[Uses], bool]
     commits: tuple[str, ...]
 
 
-def _key(kind: str, key: str) -> Callable[[Use], bool]:
-    return lambda use: use.kind == kind and key in use.data
+def _any_of(*words: str) -> Callable[[Uses], bool]:
+    return lambda uses: not uses.words.isdisjoint(words)
 
 
-def _has_optional_flag_or_parity(use: Use) -> bool:
-    is_bit = "active" in use.data or "parity_of" in use.data
-    return use.kind == "field" and is_bit and isinstance(use.data.get("bits"), str)
+def _has_optional_flag_or_parity(uses: Uses) -> bool:
+    bits = [field.get("bits") for field in uses.fields if "active" in field or "parity_of" in field]
+    return any(isinstance(width, str) for width in bits)
 
 
-def _has_optional_crc(use: Use) -> bool:
-    return use.kind == "field" and "crc" in use.data and isinstance(use.data.get("bits"), str)
-
-
-def _has_facts_by_code(use: Use) -> bool:
-    return any(isinstance(use.data.get(key), list) for key in ("clock", "timeout"))
-
-
-def _has_verdict_by_value(use: Use) -> bool:
-    values = use.data.get("values") if use.kind == "field" else None
-    return isinstance(values, dict) and any("makes_position" in value for value in values.values())
+def _has_optional_crc(uses: Uses) -> bool:
+    return any(isinstance(field.get("bits"), str) for field in uses.fields if "crc" in field)
 
 
 WORDS = (
-    Word("`over`: parity over every other bit", _key("field", "over"), ("6120ac30b",)),
-    Word("`crc_of`: a CRC over a part of a frame", _key("field", "crc_of"), ("45d61611b",)),
-    Word("`others: reserved`", _key("field", "others"), ("cf41ff4f3",)),
-    Word("`scale`: a quantity with its unit", _key("field", "scale"), ("27b5fc87f",)),
-    Word("`step_nm`, `per_counts`", _key("measurement", "step_nm"), ("819952881",)),
-    Word("`by_code`: a width by a code in a register", _key("parameter", "by_code"), ("aebec4036",)),
-    Word("`spi`: requests, replies and registers", _key("interfaces", "spi"), ("244d2f84f",)),
-    Word("`exchanges` over RS-485", _key("rs485", "exchanges"), ("2ee0d9604", "a20e78e2a")),
-    Word("`used_hz`: a clock in use, not a limit", _key("clock", "used_hz"), ("0d8d0d8d1",)),
-    Word("`position_range` of a layout", _key("layout", "position_range"), ("b638ccfcf",)),
-    Word("`makes_position` of a value", _has_verdict_by_value, ("9a0d32916",)),
-    Word("`combinations` of fields", _key("layout", "combinations"), ("9a0d32916",)),
-    Word("`makes_position_if`: a verdict by an answer", _key("field", "makes_position_if"), ("304c7d089",)),
+    Word("`over`: parity over every other bit", _any_of("field.over"), ("6120ac30b",)),
+    Word("`crc_of`: a CRC over a part of a frame", _any_of("field.crc_of"), ("45d61611b",)),
+    Word("`others: reserved`", _any_of("field.others"), ("cf41ff4f3",)),
+    Word("`scale`: a quantity with its unit", _any_of("field.scale"), ("27b5fc87f",)),
+    Word("`step_nm`, `per_counts`", _any_of("measurement.step_nm"), ("819952881",)),
+    Word("`by_code`: a width by a code in a register", _any_of("parameter.by_code"), ("aebec4036",)),
+    Word("`spi`: requests, replies and registers", _any_of("interfaces.spi"), ("244d2f84f",)),
+    Word("`exchanges` over RS-485", _any_of("rs485.exchanges"), ("2ee0d9604", "a20e78e2a")),
+    Word("`used_hz`: a clock in use, not a limit", _any_of("clock.used_hz"), ("0d8d0d8d1",)),
+    Word("`position_range` of a layout", _any_of("layout.position_range"), ("b638ccfcf",)),
+    Word("`makes_position` of a value", _any_of("values.makes_position"), ("9a0d32916",)),
+    Word("`combinations` of fields", _any_of("layout.combinations"), ("9a0d32916",)),
+    Word("`makes_position_if`: a verdict by an answer", _any_of("field.makes_position_if"), ("304c7d089",)),
     Word("a flag or parity bit by order code", _has_optional_flag_or_parity, ("4b647a9ac",)),
     Word("several CRCs by order code", _has_optional_crc, ("9ae9f004a", "20db94950")),
-    Word("clock or time-out by order code", _has_facts_by_code, ("0b57bd23e", "fd701d2d7")),
-    Word("`excess`: Gray excess", _key("gray", "excess"), ("080d1a243",)),
+    Word("clock or time-out by order code", _any_of("clock.only", "timeout.only"), ("0b57bd23e", "fd701d2d7")),
+    Word("`excess`: Gray excess", _any_of("layout.gray.excess"), ("080d1a243",)),
     Word(
         "`channels`: several in one BiSS frame",
-        _key("biss", "channels"),
+        _any_of("biss.channels"),
         ("34cc72793", "afe1c2fd4", "061b87834", "ad1dad26f"),
     ),
 )
@@ -100,34 +86,17 @@ WORDS = (
 
 def encoders_by_word() -> dict[str, list[str]]:
     """Return the families of ``specs/`` that use each word."""
-    schema = json.loads(SCHEMA.read_text(encoding="utf-8"))
+    schema = load_schema("device")
     families: dict[str, list[str]] = {word.name: [] for word in WORDS}
-    for path in sorted(ROOT.glob("specs/*/*.yaml")):
-        spec = yaml.safe_load(path.read_text(encoding="utf-8"))
-        # Second readings have the name of the family, too.
-        if "device" not in spec or ".second" in path.name:
-            continue
-        uses = list(_uses(schema, spec, "device", schema["$defs"]))
+    for spec in chain.from_iterable(read_specs().values()):
+        nodes = list(nodes_of(schema, [spec]))
+        words = set(chain.from_iterable(node.words for node in nodes))
+        fields = chain.from_iterable(node.maps for node in nodes if node.owner == "field")
+        uses = Uses(words, list(fields))
         for word in WORDS:
-            if any(word.is_used(use) for use in uses):
+            if word.is_used(uses):
                 families[word.name].append(spec["device"])
     return families
-
-
-def _uses(schema: dict[str, Any], data: Any, kind: str, definitions: dict[str, Any]) -> Iterator[Use]:
-    """Yield each map of a spec with its name in the schema, or with its key if the schema describes it in place."""
-    if "$ref" in schema:
-        kind = schema["$ref"].rsplit("/", 1)[-1]
-        schema = definitions[kind]
-    if isinstance(data, list):
-        for entry in data:
-            yield from _uses(schema.get("items", schema), entry, kind, definitions)
-    elif isinstance(data, dict):
-        yield Use(kind, data)
-        for key, value in data.items():
-            key_schema = schema.get("properties", {}).get(key) or schema.get("additionalProperties")
-            if isinstance(key_schema, dict):
-                yield from _uses(key_schema, value, key, definitions)
 
 
 def changed_files(commits: tuple[str, ...]) -> set[str]:

@@ -39,8 +39,7 @@ def read_accepted(file: Path) -> list[Accepted]:
     """Return the accepted changes in a file.
 
     Raises:
-        NotAccepted: The file cannot be read or has another structure, or an entry lacks a key, names no rule or has no
-            date.
+        NotAccepted: The file cannot be read, has another shape, or an entry lacks a key, names no rule or has no date.
     """
     report = Report()
     document = read_document(file, report)

@@ -173,7 +173,7 @@ def compare_parts(
         part_kind: Kind of the things, with which the names of their rules begin.
         old_parts: The old things.
         new_parts: The new things.
-        section_subject: The section that contains them. Its label contains the words before the name of a thing.
+        section_subject: The section that contains them. Its label has the words that precede the name of a thing.
         compare_content: Compare the content of a thing that the table of members does not compare.
     """
     for pair in pair_parts(family_pair, old_parts, new_parts, section_subject.interface, section_subject.scope):

@@ -103,7 +103,8 @@ def _low_bits_in_group(
 ) -> tuple[int, ...]:
     """Return the lowest bit of a field at every point, counted from the start of its group if it has one.
 
-    The start of a group is the lowest bit of its fields at that point.
+    A point is a common order code with its parameters, see ``ComparisonPoint``. The start of a group is the lowest bit
+    of its fields at that point.
     """
     low_bits = family_pair.values_at_points(field.low, interface, is_old=is_old)
     if not field.group:

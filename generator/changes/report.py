@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ..language.files import top_keys
 from ..loading.evidence import history_beside, history_text, with_release
 from ..loading.overlays import Family
 from ..model import Release, ReleasedChange
@@ -315,8 +316,8 @@ class NotRecorded(ValueError):
 def files_of_release(findings: DiffResult, families: Sequence[Family]) -> Iterator[tuple[Path, str]]:
     """Yield the files to write with their new texts: histories of families, and the manufacturer's file.
 
-    Manufacturers without changed families are left out. The version is only replaced if the spec states another
-    version.
+    Manufacturers without changed families are left out. The version is only replaced if the spec states another one.
+    Special models have no history of their own. Their changes are in that of their family.
 
     Raises:
         NotRecorded: A manufacturer's file has no version to replace.
@@ -327,16 +328,23 @@ def files_of_release(findings: DiffResult, families: Sequence[Family]) -> Iterat
         changed_families = [family for family in families_of_package if family.device.name in changed_names]
         if not changed_families:
             continue
-        # Files that a family includes, such as the file of the manufacturer.
-        included_files: set[str] = set()
-        for family in families_of_package:
-            included_files |= family.files - {family.document.file}
         if package.new != package.stated:
-            yield from _files_with_new_version(package, included_files)
+            yield from _files_with_new_version(package, _files_of_manufacturer(families_of_package))
+        families_by_spec: dict[str, list[Family]] = {}
         for family in changed_families:
-            release = _release_of(family, package, findings)
-            history = history_text(with_release(family.device.releases, release))
-            yield history_beside(Path(family.document.file)), history
+            families_by_spec.setdefault(family.document.file, []).append(family)
+        for file, families_of_spec in families_by_spec.items():
+            release = _release_of(families_of_spec, package, findings)
+            earlier_releases = families_of_spec[0].device.releases
+            yield history_beside(Path(file)), history_text(with_release(earlier_releases, release))
+
+
+def _files_of_manufacturer(families: Iterable[Family]) -> set[str]:
+    """Return the files that describe the manufacturer of these families: all except their specs and overlays."""
+    files: set[str] = set()
+    for family in families:
+        files |= family.files - {family.document.file}
+    return {file for file in files if "overlay" not in (top_keys(Path(file)) or ())}
 
 
 def _files_with_new_version(package: Package, files: set[str]) -> Iterator[tuple[Path, str]]:
@@ -353,17 +361,26 @@ def _files_with_new_version(package: Package, files: set[str]) -> Iterator[tuple
         yield path, new_text
 
 
-def _release_of(family: Family, package: Package, findings: DiffResult) -> Release:
-    """Return the release of a family for its history, with the manual, all its changes and its changed names."""
-    manual = family.device.manual
+def _release_of(families: Sequence[Family], package: Package, findings: DiffResult) -> Release:
+    """Return the release for the history of a spec, with the manual, all changes and the changed names.
+
+    ``families`` are those with this spec that changed: the family and its special models. A change of several of them
+    is listed once.
+    """
+    manual = families[0].device.manual
     manual_text = f"{manual.revision} of {manual.date}" if manual.date else manual.revision
-    family_changes = [change for change in findings.changes if change.family == family.device.name]
+    changes: list[ReleasedChange] = []
+    names: list[str] = []
+    for family in families:
+        name = family.device.name
+        changes += [_released_change(change) for change in findings.changes if change.family == name]
+        names += _name_change_texts(findings, name)
     return Release(
         version=package.new,
         since=package.old,
         manual=manual_text,
-        changes=tuple(map(_released_change, family_changes)),
-        names=tuple(_name_change_texts(findings, family.device.name)),
+        changes=tuple(dict.fromkeys(changes)),
+        names=tuple(dict.fromkeys(names)),
     )
 
 

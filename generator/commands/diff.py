@@ -155,7 +155,7 @@ def _print_comparison(comparison: DiffResult, old_side: _Side, new_side: _Side, 
         print(as_markdown(comparison))
     else:
         from ..changes.report import as_text
-        from .colours import with_coloured_impacts
+        from .terminal import with_coloured_impacts
 
         print(with_coloured_impacts(as_text(comparison)))
         if arguments.editions:

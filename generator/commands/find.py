@@ -31,6 +31,8 @@ _ABOUT = (
 #: Bits of the longest frame, by interface. All other interfaces share the second limit.
 _LONGEST = {"rs485": 1024}
 _LONGEST_IN_BITS = 64
+#: Greatest position that ``--positions`` accepts, either side of zero. It has more than the counts of 64 bits.
+_MOST_POSITION = 1e20
 #: Characters of an invalid text that a message shows.
 _SHOWN_CHARACTERS = 40
 
@@ -93,6 +95,8 @@ def _read_recording(arguments: argparse.Namespace) -> Recording:
         reason = f"the frames have {lengths[0]} to {lengths[-1]} bits; give frames of one length"
         raise Stop(f"{reason}, with all leading zeros, or --bits", 2)
     common_length = lengths[0]
+    if arguments.interface == "rs485" and common_length % 8:
+        raise Stop(f"the frames have {common_length} bits; over RS-485, they are whole bytes", 2)
     longest = _LONGEST.get(arguments.interface, _LONGEST_IN_BITS)
     if not 0 < common_length <= longest:
         raise Stop(f"the frames have {common_length} bits; a line has at most {longest}", 2)
@@ -195,6 +199,8 @@ def _read_positions(text: str, count: int) -> tuple[float, ...]:
         raise Stop(f"{counted(len(positions), 'position')} for {counted(count, 'frame')}; give one for each frame", 2)
     if not all(map(isfinite, positions)):
         raise Stop("a position is not a finite number; write it like --positions 0,45,90", 2)
+    if max(map(abs, positions)) > _MOST_POSITION:
+        raise Stop(f"a position is beyond ±{_MOST_POSITION:.0e}; give the positions in a larger unit", 2)
     return positions
 
 

@@ -119,7 +119,7 @@ def write_spec(name: str, output: Path | None, like: str = "", text_of: DeviceTe
         The files that were written.
 
     Raises:
-        NameRefused: The name is not valid for a family, or the file has another name.
+        NameRefused: The name is not valid for a family, or the file has another one.
         NotWritten: A file already exists or cannot be written.
     """
     _refuse_invalid_name(name)
@@ -152,9 +152,7 @@ def _refuse_invalid_name(name: str) -> None:
     """
     from ..language.rules.names import TAKEN
 
-    # A file of this name describes the manufacturer.
-    is_reserved = iskeyword(name) or name == "manufacturer"
-    if not _NAME.fullmatch(name) or len(name) > _LONGEST_NAME or is_reserved:
+    if not _NAME.fullmatch(name) or len(name) > _LONGEST_NAME or _is_reserved(name):
         rule = "use lowercase letters, digits and underscores"
         start_of_name = name[:_SHOWN_CHARACTERS]
         raise NameRefused(f"'{start_of_name}' is not a valid family name; {rule}, such as {_suggested_name(name)}")
@@ -180,14 +178,21 @@ def _write_new_files(text_by_path: dict[Path, str]) -> Iterator[Path]:
         yield path
 
 
+def _is_reserved(name: str) -> bool:
+    """Return whether a name is a keyword of Python, or that of the file that describes the manufacturer."""
+    return iskeyword(name) or name == "manufacturer"
+
+
 def _suggested_name(name: str) -> str:
     """Return the name in lowercase with underscores instead of other characters: ``my_encoder`` for ``My-Encoder``.
 
-    If that is not valid, or is the name itself, return an example.
+    If a family cannot have that name, or it is the given one, return an example.
     """
+    from ..language.rules.names import TAKEN
+
     with_underscores = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
     suggestion = with_underscores[:_LONGEST_NAME]
-    is_valid = _NAME.fullmatch(suggestion) is not None
+    is_valid = _NAME.fullmatch(suggestion) is not None and not _is_reserved(suggestion) and suggestion not in TAKEN
     return suggestion if is_valid and suggestion != name else "encoder_1"
 
 

@@ -49,9 +49,13 @@ def add_arguments(parser: Parser) -> None:
 
 @dataclass(frozen=True)
 class _ChangedPassage:
-    """A passage with the facts whose value or name appears in it, and the number of all facts of its section."""
+    """A passage with the facts whose value or name appears in it, and the number of all facts of its section.
+
+    ``section_names`` are the names by which facts cite the section.
+    """
 
     passage: Passage
+    section_names: frozenset[str]
     facts: Sequence[Citing]
     facts_of_section: int
 
@@ -142,11 +146,16 @@ def _passage_with_facts(
     the title of an unnumbered section on its page.
     """
     section = passage.section
-    section_names = {section.number} | old.without_heading_after(section.number)
+    section_names = {section.number, *old.without_heading_after(section.number)}
     # Without a title on its page, this adds the number again. No section is on page 0.
     section_names.add(titles_by_page.get(section.page or 0, section.number))
     facts, number_of_facts = touched_facts.touched_by(passage, section_names)
-    return _ChangedPassage(passage=passage, facts=facts, facts_of_section=number_of_facts)
+    return _ChangedPassage(
+        passage=passage,
+        section_names=frozenset(section_names),
+        facts=facts,
+        facts_of_section=number_of_facts,
+    )
 
 
 def _text_lines(
@@ -169,7 +178,8 @@ def _text_lines(
             yield f"\n{heading}"
         yield from _passage_lines(changed_passage)
     sections = {changed_passage.passage.section.number for changed_passage in changed_passages}
-    citing_facts = [fact for fact in facts if not fact.sections.isdisjoint(sections)]
+    cited_names = {name for changed_passage in changed_passages for name in changed_passage.section_names}
+    citing_facts = [fact for fact in facts if not fact.sections.isdisjoint(cited_names)]
     yield ""
     places = f"{counted(len(changed_passages), 'passage')} in {counted(len(sections), 'section')}"
     yield f"{places}, cited by {len(citing_facts):,} of {len(facts):,} facts"

@@ -29,7 +29,7 @@ class Selection:
     """Specs to read, and the options of targets that follow from the arguments.
 
     Attributes:
-        paths: The specs, with the packaged specs last.
+        paths: The specs, with the packaged ones last.
         options: Options of targets. With ``--packaged``, one of them can limit C to order codes.
         packaged: The packaged specs among ``paths``.
         is_narrowed: True if that option follows from ``--packaged``.
@@ -150,6 +150,8 @@ def command_again(arguments: argparse.Namespace, *more_specs: str) -> str:
         words += ["--target", name]
     for setting in arguments.option:
         words += ["--option", setting]
+    for edition in arguments.edition:
+        words += ["--edition", edition]
     if arguments.templates is not None:
         words += ["--templates", str(arguments.templates)]
     return shlex.join(words)

@@ -12,7 +12,7 @@ Schema determines the form of each:
 * Null, empty strings, empty lists and schema defaults are omitted.
 * ``source`` elements cite the manual. An element without its own sources inherits the sources of its parent.
 
-``dump/xsd.py`` derives the XML Schema from the same definition.
+The second part of this module derives the XML Schema from the same definition.
 """
 
 from __future__ import annotations
@@ -328,7 +328,10 @@ def _add_attribute(complex_type: Any, member: DataMember, description: str) -> N
 
 
 def _is_always_present(member: DataMember) -> bool:
-    """Return whether a value can be neither null nor empty: a number, a Boolean, or a word that is never empty."""
+    """Return whether a value can be neither null nor empty: a whole number, a Boolean, or a word that is never empty.
+
+    No member is a number with a fraction that is always given.
+    """
     if "null" in member.types:
         return False
     words = member.shape.get("enum", ())

@@ -78,7 +78,7 @@ class _RecordingReport(DocumentReport):
         """Add a problem at ``path``.
 
         Raises:
-            _TooManyProblems: The document already has the largest number of problems.
+            _TooManyProblems: The rules have already reported the largest number of problems. One that says so is added.
         """
         if len(self) - self._before >= MAX_FOUND:
             super().add(TOO_MANY, path, "there are more problems; they are reported once these are fixed")

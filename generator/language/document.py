@@ -206,7 +206,10 @@ _Edit = Callable[[Any, Mark], tuple[Any, Mark]]
 
 
 class MissingPath(LookupError):
-    """No value at a path. ``step`` is the missing step, ``known_steps`` are the possible steps."""
+    """No value at a path. ``existing_path`` leads to the last value that exists, which has no ``step``.
+
+    ``known_steps`` are the keys and labels that it has.
+    """
 
     def __init__(self, step: str, known_steps: list[str], existing_path: Path) -> None:
         super().__init__(step)
@@ -356,8 +359,8 @@ def _with_edited_parent(root: Any, mark: Mark, parent_path: Path, edit: _Edit) -
 def as_affected(root: Any, path: Path) -> str:
     """Return a path in the form used by errata: ``registers.preset`` or ``interfaces.biss.word.crc``.
 
-    List items are given by their labels, and keys of ``LEFT_OUT`` are omitted. The path ends before the first step
-    that cannot be named. It is empty if that is the first step.
+    List items are given by their labels, and keys of ``LEFT_OUT`` below the top level are omitted. The path ends before
+    the first step that cannot be named. It is empty if that is the first step.
     """
     named_steps: list[str] = []
     for depth, step in enumerate(path):

@@ -197,9 +197,10 @@ def _has_parts_of_a_device(keys: frozenset[str]) -> bool:
 
 
 def top_keys(path: Path) -> frozenset[str] | None:
-    """Return the keys at the top level of a YAML file, or None if it cannot be read.
+    """Return the keys at the top level of a YAML file, or None if it cannot be read. Those of JSON are of all levels.
 
     The keys are found in the text, because a spec with a syntax error is still a spec, and other files need no parsing.
+    Only the first mebibyte is read.
     """
     try:
         if not path.is_file():

@@ -313,7 +313,10 @@ def _step_hint(micrometres: float) -> str:
 
 
 def _polynomial_hint(polynomial_text: str) -> str:
-    """Return the hint for ``x^6 + x + 1``: the number whose bits are the powers below the highest, and the width."""
+    """Return the hint for ``x^6 + x + 1``: the number whose bits are the powers below the highest, and the width.
+
+    The hint is empty if the width is above 64, which no CRC of the language has.
+    """
     powers = polynomial_powers(polynomial_text)
     width = max(powers)
     if width > 64:

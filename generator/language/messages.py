@@ -165,7 +165,8 @@ def _invalid_key(error: Any, path: Path) -> Finding:
 def _unknown_keys(error: Any, path: Path, file_kind: str) -> Iterator[Finding]:
     """Yield a finding for each key that the schema does not have.
 
-    Without a hint about the key, the rest of the map can still be used. With one, the key may be meant as another.
+    Without a hint about the key, the rest of the map can still be used, as with prose in a second reading. With any
+    other hint, the key may be meant as another.
     """
     for key in error.instance:
         if key in error.schema["properties"]:
@@ -179,8 +180,8 @@ def _unknown_keys(error: Any, path: Path, file_kind: str) -> Iterator[Finding]:
 def _key_hint(error: Any, path: Path, key: str) -> str:
     """Return the hint after an unknown key, or an empty string if none of the hints fits.
 
-    The key may be a former name, a key of other tools, an unsupported feature, a typo, a key of a field, a part of a
-    text without quotes, or have another unit. The first of these that applies is used.
+    The key may be a former name, a key of other tools, an unsupported feature, a typo, an unsupported interface, a key
+    of a field, a part of a text without quotes, or have another unit. The first of these that applies is used.
     """
     known_keys = error.schema["properties"]
     if RENAMED.get(key) in known_keys:
@@ -209,7 +210,7 @@ def _suggest_key(error: Any, unknown_key: str) -> str:
 def _missing_keys(error: Any, path: Path, file_kind: str) -> Iterator[Finding]:
     """Yield one finding for all missing keys, except those that an unknown key misspells.
 
-    The finding is ``at_key`` unless the map is an item of a list, and ``alone`` if only prose is missing.
+    It is ``at_key`` unless the map is an item of a list or the whole file, and ``alone`` if only prose is missing.
     """
     required_keys = error.validator_value
     misspelt_keys = [key for key in required_keys if _is_misspelt(error, key)]

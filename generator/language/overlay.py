@@ -71,7 +71,8 @@ class AppliedChange:
     """One applied change: the old value, the new value, and the affected paths as in an erratum.
 
     ``number`` counts the changes of its layer from 0. ``now`` is empty if there is no new value, and ``is_known`` is
-    False if the value is then unknown rather than removed.
+    False if the value is then unknown rather than removed. A change ``also`` has only its text, in ``was``, and
+    ``is_known`` is False.
     """
 
     layer: Layer
@@ -299,7 +300,10 @@ class LayeredSpec:
         )
 
     def _is_free(self, layer: Layer, change_path: Path, at: Path) -> bool:
-        """Return True, and reserve the place, if no other change touches it, its parents or its children."""
+        """Return True, and reserve the place, if no other change touches it, its parents or its children.
+
+        Otherwise report the conflict, and return False.
+        """
         path = named_path(self._data, at)  # Indices change when an item is removed.
         for changed_path, (first_layer, number) in self._set.items():
             is_same_or_parent = path[: len(changed_path)] == changed_path
@@ -400,7 +404,10 @@ def _without_steps(node: Any, removed_names: Collection[str]) -> Any:
 
 
 def _with_existing_affects(erratum_data: dict[str, Any], before: dict[str, Any]) -> dict[str, Any]:
-    """Return the data with errata that refer only to existing places, not to those removed by a layer."""
+    """Return the data with errata that no longer refer to places removed by a layer.
+
+    A reference that led nowhere before the layer stays, because a rule reports it.
+    """
     errata = erratum_data.get("errata")
     if not isinstance(errata, list):
         return erratum_data

@@ -129,15 +129,16 @@ def _read_definitions() -> Mapping[str, Any]:
 
 
 def schema_with_parts(text: str) -> str:
-    """Return the text of a schema, with the parts as their classes describe them.
+    """Return the text of a schema in which the keys of a spec and the definitions of parts follow their classes.
 
-    These are the keys of a spec, and each part with a place in the definitions. Other lines remain as they are.
+    A part that has no block in ``$defs`` is skipped. Other lines remain as they are.
     """
     lines = text.splitlines()
     definitions = json.loads(text)["$defs"]
     spec_keys = part_schema(written_parts.WrittenSpec)["properties"]
     lines = _with_block(lines, 0, ["properties"], lambda indent: _value_text("properties", spec_keys, indent))
     for name, part_class in described_parts().items():
+        # Such as ``field``, or ``manual.editions`` for a part inside the definition of another one.
         definition_path = _PLACES.get(name, name_of_part(name))
         definition, _, _ = definition_path.partition(".")
         if definition in definitions:

@@ -338,8 +338,8 @@ def is_typo(word: str, known_word: str) -> bool:
     """Return True for one extra, missing or wrong letter, or two swapped neighbours, unless the word is likely another.
 
     Differences in first letters, digits and units are rarely typos: reset is not preset, biss_4 not biss_6, min_khz
-    not min_hz. The shorter word needs 5 letters for a wrong letter, 3 for an extra s at the end, and 4 for any other
-    typo.
+    not min_hz. Two swapped letters may be the first ones. The shorter word needs 5 letters for a wrong one, 4 for the
+    others, and 3 for only an s at the end.
     """
     if abs(len(word) - len(known_word)) > 1 or not _has_same_meaning(word, known_word):
         return False

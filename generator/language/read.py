@@ -88,7 +88,8 @@ def parse(
         stand_in: Called with the path of each value that could not be read and was replaced by None.
 
     Raises:
-        Unreadable: Nothing can be read: broken syntax, too deep, too many values, several documents, not a map.
+        Unreadable: Nothing can be read: broken syntax, a bad alias, too deep, too many values, several documents, no
+            content, or not a map.
     """
     try:
         return _Parser(yaml_text, complain, stand_in).document()
@@ -161,7 +162,11 @@ class _Parser:
         return value
 
     def _repeat_alias(self, event: Any, depth: int) -> _Value:
-        """Return the value that an alias repeats, with the place of the alias. All its values are counted again."""
+        """Return the value that an alias repeats, with the place of the alias. All its values are counted again.
+
+        Raises:
+            Unreadable: There is no such anchor, the alias is inside the value, or a bound is exceeded.
+        """
         if event.anchor not in self._anchors:
             raise _build_error(event, "alias", f"there is no anchor '&{event.anchor}' before this alias")
         value = self._anchors[event.anchor]

@@ -88,7 +88,7 @@ class WrittenPart:
         return name in self.data and getattr(self, name) == self.data[name]
 
     def names_in(self, name: str) -> list[str]:
-        """Return the names in the map under a key, even of values with a wrong type. None if it is not a map."""
+        """Return the names in the map under a key, even of values with a wrong type. Empty if it is not a map."""
         entries = self.data.get(name)
         return list(entries) if isinstance(entries, dict) else []
 

@@ -202,6 +202,11 @@ class WrittenField(WrittenPart):
     note: Prose = note_key(default="")
     source: SourceText = key("", default="")
 
+    @property
+    def is_flag(self) -> bool:
+        """True if the field has an active level, whether that is valid or not."""
+        return "active" in self.data
+
 
 #: Keys that define the kind of a field, in the order in which they apply. A field without any is a number.
 KIND_KEYS = ("constant", "unused", "active", "values", "values_of", "crc", "parity_of", "digits", "text")

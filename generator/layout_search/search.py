@@ -23,7 +23,10 @@ _UNDECIDED = 3.0
 
 @dataclass(frozen=True, slots=True)
 class FoundLayout:
-    """A layout with its cost in bits. ``other_code`` is true if Gray code and binary describe the frames equally."""
+    """A layout with its cost in bits.
+
+    ``other_code`` is true if Gray code and binary describe the frames so equally that they do not decide.
+    """
 
     crc: FoundCrc | None
     parity: FoundParity | None

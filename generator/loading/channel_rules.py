@@ -24,6 +24,8 @@ def check_channels(device: Device, report: DocumentReport) -> None:
     if biss is None or biss.channels is None or not valid_parts_so_far(report).has_frames:
         return
     place: Path = ("interfaces", biss.name, "channels")
+    if (*place, "compared_bits") in report.faults():
+        return  # It is not a valid expression, which is reported, so there is no number of bits to compare.
     layouts = {layout.name: layout for layout in biss.layouts}
     names = (*biss.channels.order, *biss.channels.compared)
     undefined_names = [name for name in names if name not in layouts]
@@ -47,7 +49,10 @@ def check_channels(device: Device, report: DocumentReport) -> None:
 
 
 def _order_problems(biss: Biss, layouts: Sequence[Layout]) -> Iterator[_Problem]:
-    """Yield channels that are listed twice, have no number of their own, or are too long for one word."""
+    """Yield too few channels, another first channel than the first layout, and channels that the frame cannot have.
+
+    These are listed twice, have no number of their own, or are carried as bytes.
+    """
     if len(layouts) < 2:
         yield ("order",), "a frame with several channels has at least two; list all of them, or remove 'channels'"
     first_layout = biss.layouts[0]

@@ -367,7 +367,7 @@ def _is_text(setting: Any) -> bool:
 def _family_filters(document: Document, report: Report) -> dict[str, FamilyFilter]:
     """Return the families to which targets are restricted, by the name of the target: the setting ``only``.
 
-    The result is empty if there is no such setting, or if it is not a map, which is reported.
+    The result is empty if there is no such setting, or if it is not a map with targets, which is reported.
     """
     if "only" not in document.data:
         return {}

@@ -82,7 +82,9 @@ def revision_for(device: Device, wanted: str) -> str:
 
 
 def edition_of(family: Family, revision: str, build: Build, report: Report) -> Family | None:
-    """Return the family in the edition of this revision. Its problems are reported in the spec.
+    """Return the family in the edition of this revision, or None if it cannot be built.
+
+    Its problems are reported in the spec.
 
     Args:
         family: The family as in its spec.

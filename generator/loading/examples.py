@@ -115,6 +115,9 @@ def example_variant(device: Device, example: Example) -> Variant:
     """Return the order code of the example, or the first one of the family if it gives none.
 
     A frame example that gives one can also choose answers of alternatives. They replace parameters of the order code.
+
+    Raises:
+        UnknownOrderCode: The family has no such order code.
     """
     if isinstance(example, CrcExample) or not example.order_code:
         return device.variants[0]
@@ -366,7 +369,10 @@ def _most_used_order_code(device: Device, interface: str) -> Variant | None:
 
 
 def _build_sample(device: Device, variant: Variant, layout: Layout) -> Sample:
-    """Return a frame with the position of a worked example, if it fits, and made-up values in all other fields."""
+    """Return a frame with the position of a worked example, if it fits, and made-up values in all other fields.
+
+    Raises an ``EncodeError`` if the made-up values cannot be encoded.
+    """
     placed = layout.place(variant.parameters)
     data_fields = [placed_field for placed_field in placed.fields if placed_field.field.carries_data]
     made_up_values = {field.name: _made_up_value(field.field, field.width, layout) for field in data_fields}
@@ -423,7 +429,7 @@ def _made_up_value(field: Field, width: int, layout: Layout) -> int | str | bool
 
 
 def _made_up_number(bits: int) -> int:
-    """Return a made-up number of at most ``bits`` bits: up to 42, or nine digits modulo a width above 16 bits."""
+    """Return a made-up number of at most ``bits`` bits: 42 or the highest below it, or more with above 16 bits."""
     return 123456789 % (1 << bits) if bits > 16 else min(42, (1 << bits) - 1)
 
 

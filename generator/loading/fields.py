@@ -68,7 +68,7 @@ class Context:
         return frozenset()
 
     def expressions(self, raw_part: Raw, keys: Iterable[str]) -> dict[str, Expression | None]:
-        """Return the expressions under these keys of a part of the spec, or None for those that it does not give."""
+        """Return the expressions under these keys of a part of the spec, or None for missing and invalid ones."""
         return {key: self.expression(raw_part[key]) if key in raw_part else None for key in keys}
 
 

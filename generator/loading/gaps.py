@@ -70,10 +70,10 @@ class _Gap(NamedTuple):
 
 
 def _find_gaps(fields: Sequence[Field], bits: Expression) -> Iterable[_Gap]:
-    """Yield each gap between fields, from the lowest up, and above them.
+    """Yield each gap below, between and above fields, from the lowest up.
 
     ``fields`` are sorted by place, and ``bits`` is the width of the layout. A gap may have no bits for some order
-    codes.
+    codes. Its width is negative if the field above begins below the end of the other one.
     """
     end_of_last = ZERO
     last_field = None

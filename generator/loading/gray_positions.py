@@ -8,7 +8,7 @@ from typing import NamedTuple
 from ..language.document import Path
 from ..language.problems import DocumentReport
 from ..model import Device, Interface, Layout, Measurement, Number, Variant
-from ..model.expressions import Expression
+from ..model.expressions import Expression, is_power_of_two
 from ..order_codes.parameters import run_time_names
 
 
@@ -17,11 +17,6 @@ class KeyProblem(NamedTuple):
 
     key: str
     message: str
-
-
-def is_power_of_two(number: int) -> bool:
-    """Return True for 1, 2, 4 and so on."""
-    return number > 0 and number & (number - 1) == 0
 
 
 def check_gray_positions(device: Device, report: DocumentReport) -> None:
@@ -107,7 +102,7 @@ def _problem_of_counts(layout: Layout, measurement: Measurement, variants: Seque
         # 9 bits, (512 - 360) / 2 = 76.
         excess = ((1 << bits) - counts) // 2
         stated = layout.gray_excess.value(variant.parameters) if layout.gray_excess is not None else 0
-        is_odd = counts & 1 == 1
+        is_odd = counts > 1 and counts & 1 == 1
         # Counts below 1 are reported elsewhere. With an even number and the right excess, nothing is wrong.
         if counts < 1 or (stated == excess and not is_odd):
             continue

@@ -236,10 +236,7 @@ _INTERFACES = {"ssi": _members_of_ssi, "biss": _members_of_biss, "rs485": _membe
 
 
 def _build_control_field(raw_field: Raw, parent: Raw, context: Context) -> ControlField:
-    """Return a field of the control frame.
-
-    A CRC has its own width, and other fields have one bit unless they state more.
-    """
+    """Return a field of the control frame. Without ``bits``, a CRC has its own width, and another field one bit."""
     is_known_crc = raw_field.get("crc") in context.crcs
     default_bits = context.crcs[raw_field["crc"]].width if is_known_crc else 1
     bits = raw_field.get("bits", default_bits)

@@ -221,7 +221,11 @@ def _build_items(raw_fields: Sequence[Raw], path: Path, context: Context, low_fi
 
 
 def _build_item(raw_field: Raw, path: Path, context: Context, low_first: bool) -> Item | None:
-    """Return a field or group as an item, or None if it is not valid. Its place is 0 if it states none."""
+    """Return a field or group as an item, or None if it is not valid.
+
+    If the field gives its own place, the item has it. Otherwise its place is 0 until ``_place_in_sequence`` sets it.
+    The span is the number of bits that the item takes in the sequence: its width, or ``padded_to`` bits if padded.
+    """
     if "use" in raw_field:
         return _build_group_item(raw_field, path, context, low_first)
     width = _width_of_field(raw_field, context)

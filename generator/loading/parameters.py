@@ -128,8 +128,8 @@ def _error_of_expression(expression_text: int | str, parameters: Mapping[str, in
 def held_in_registers(raw_spec: Raw, report: DocumentReport) -> Mapping[str, int]:
     """Return the parameters held in registers at run time, with their default values, and check them.
 
-    Parameters whose values the order code sets are not in the result. If the default cannot be found, the highest value
-    stands for it, so that the rest of the spec can be checked.
+    Parameters whose values the order code sets are not in the result. If the default cannot be found, the highest
+    value, or 0 without one, stands for it, so that the rest of the spec can be checked.
     """
     defaults: dict[str, int] = {}
     names_set_by_codes = set_by_codes(raw_spec)

@@ -9,9 +9,9 @@ from ..language.document import Path
 from ..language.problems import DocumentReport
 from ..language.schema_files import is_second
 from ..model import Device, Field, Interface, Layout, Measurement, Number, Variant
-from ..model.expressions import Expression
+from ..model.expressions import Expression, is_power_of_two
 from ..model.record import dataclass
-from .gray_positions import KeyProblem, check_gray_positions, is_power_of_two
+from .gray_positions import KeyProblem, check_gray_positions
 
 #: From this number, a power of two minus one is assumed to be the highest count, not the number of counts.
 _SEVERAL = 15
@@ -180,7 +180,10 @@ def _unit_problem(case: _Case, values: Mapping[str, int]) -> KeyProblem | None:
 def _width_problem(
     device: Device, measurement: Measurement, case: _Case, counts_key: str, values: Mapping[str, int]
 ) -> KeyProblem | None:
-    """Return the key and the message if the position has too few bits, or unused bits although it must use all."""
+    """Return the key and the message if the position has too few bits, or unused bits where it must use all.
+
+    A position of several fields also has too few bits if ``highest`` does not fit.
+    """
     turns = values.get("turns", 1)
     counts = values[counts_key] * turns
     turns_text = f" × {turns} turns" if turns > 1 else ""

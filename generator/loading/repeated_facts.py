@@ -18,8 +18,7 @@ from ..language.written_layouts import WrittenField
 from ..language.written_parts import WrittenSpec
 from ..model import Biss, Crc, Device, Fault, PlacedField, Register, RegisterExample, Variant, number_to_bytes
 from ..reference import codec
-from .alike_connections import compare_connectors, compare_ports
-from .alike_facts import compare_facts
+from .alike_facts import compare_connectors, compare_facts
 from .from_mapping import Raw
 
 #: Shared facts of registers and CRCs with one name, with the format of numbers in messages.
@@ -45,7 +44,6 @@ def check_shared_facts(documents: Sequence[Document], report: Report) -> None:
             for name in alike_names.get(kind, ()):
                 specs_with_part = [device for device in documents_of_maker if name in _parts_by_name(kind, device)]
                 _report_different_facts(kind, name, specs_with_part, report)
-        compare_ports(alike_names.get("ports", ()), documents_of_maker, report)
         compare_facts(alike_names.get("facts", ()), documents_of_maker, report)
         compare_connectors(maker_document, documents_of_maker, report)
 

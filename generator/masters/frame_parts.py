@@ -22,6 +22,7 @@ from ..model import (
     Variant,
     assert_never,
 )
+from ..model.expressions import is_power_of_two
 from ..model.order_codes import facts_for_code
 from ..model.record import dataclass
 from ..say.text import hertz
@@ -203,17 +204,17 @@ def turn_bits_of_fields(placed_layout: PlacedLayout, measurement: Measurement, v
 def _turn_bits(measurement: Measurement, position_bits: int, variant: Variant) -> int:
     """Return the number of the highest bits of the position that count revolutions.
 
-    There are none for a length, and without the counts per revolution.
+    There are none for a length, for a single revolution, without the counts per revolution, or if these are not a power
+    of two and the number of revolutions is not known.
 
     Raises:
-        NoRecord: There are several revolutions, but no bits of the position are the revolutions.
+        NoRecord: There are several revolutions, of counts that are not a power of two, so no bits are the revolutions.
     """
     turns = measurement.turns.value(variant.parameters) if measurement.turns is not None else None
     if measurement.counts_per_turn is None or turns == 1:
         return 0
     counts = measurement.counts_per_turn.value(variant.parameters)
-    is_power_of_two = counts & (counts - 1) == 0
-    if is_power_of_two:
+    if is_power_of_two(counts):
         singleturn_bits = (counts - 1).bit_length()
         return max(position_bits - singleturn_bits, 0)
     if turns is None:

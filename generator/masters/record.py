@@ -1,4 +1,4 @@
-"""Clock for a cable length, from the table in the encoder's manual or, for BiSS, from a public one.
+"""The record of an order code: the facts about its position, frame, clocks and times that settings of masters need.
 
 The rules for masters in ``specs/masters`` refer to its items by name. An item that the manual does not give is None. A
 rule that needs it reports it as unknown.
@@ -28,7 +28,7 @@ from ..model import (
 )
 from ..model.order_codes import facts_for_code
 from ..order_codes.parameters import with_answers
-from ..say.evidence import Subject, document, mentions
+from ..say.evidence import Subject, document, reference_to_mention
 from ..say.text import hertz, timeout_words
 from .channels import NO_CHANNELS, FrameChannels, channel_notes, frame_channels
 from .frame_parts import (
@@ -62,9 +62,9 @@ class Record:
 
     ``answers`` are the user's answers to questions that the manual leaves open, by the names of the alternatives.
     ``cable_m`` is the cable length for which the highest clock is chosen, and ``cable_row`` the row of the table for
-    it. Both may be None. ``step`` is the exact length of a count in µm. ``numbers`` contains it in each unit in which
-    it is a whole number. ``document`` is the word for what does not state a fact, and ``mentioned`` are the subjects of
-    the texts that it has. ``used_hz`` contains the clocks in use, if the highest clock is not known. ``obstacle`` is
+    it. Both may be None. ``step`` is the exact length of a count in µm. ``numbers`` has it in each unit in which it is
+    whole. ``document`` is the word for what does not state a fact. ``mentioned`` has the place of a text about a
+    subject, or an empty string. ``used_hz`` has the clocks in use, if the highest clock is not known. ``obstacle`` is
     the reason why no master can take the position, and ``crc_obstacle`` the reason why none can check the CRC. Both are
     sentences, or empty. ``channels`` are the other data channels in the frame ``layout``.
     """
@@ -78,11 +78,11 @@ class Record:
     cables: CableTable
     notes: tuple[str, ...]
     answers: Mapping[str, str]
+    mentioned: Mapping[Subject, str]
     cable_m: int | None = None
     cable_row: CableRow | None = None
     step: Fraction | None = None
     document: str = "manual"
-    mentioned: frozenset[Subject] = frozenset()
     used_hz: tuple[int, ...] = ()
     obstacle: str = ""
     crc_obstacle: str = ""
@@ -236,7 +236,7 @@ def _build_record(
         document=document(device),
         channels=frame_channels(interface, frame.placed_layout),
         layout=frame.placed_layout.name,
-        mentioned=frozenset(subject for subject in Subject if mentions(device, interface, subject)),
+        mentioned={subject: reference_to_mention(device, interface, subject) for subject in Subject},
         used_hz=clock.used_hz if numbers["clock_max_hz"] is None else (),
     )
 
@@ -325,7 +325,11 @@ def _cable_row(unlimited: Record, metres: int) -> CableRow:
 
 
 def _frame_with_position(interface: Interface, measurement: Measurement, variant: Variant) -> PlacedLayout:
-    """Return the frame that carries the position of this order code. With several BiSS channels, this is the first."""
+    """Return the frame that carries the position of this order code. With several BiSS channels, this is the first.
+
+    Raises:
+        NoRecord: No frame carries the position.
+    """
     layouts = sorted(interface.layouts, key=lambda layout: layout.channel or 0)
     for layout in layouts:
         placed_layout = layout.place(variant.parameters)

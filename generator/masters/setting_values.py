@@ -170,7 +170,12 @@ def _evaluate_expression(value: int | str, setting_name: str, record: Record, *,
 
 
 def _choose_value(rule: Raw, record: Record) -> int | str:
-    """Return the value ``set`` of the case whose ``is`` equals the deciding item of this encoder."""
+    """Return the value ``set`` of the case whose ``is`` equals the deciding item of this encoder.
+
+    Raises:
+        UnknownValue: The spec does not give the deciding item.
+        UnsupportedFeature: No case has its value.
+    """
     deciding_item = rule["choice"]["of"]
     encoder_value = record.words.get(deciding_item, record.numbers.get(deciding_item))
     if encoder_value is None:
@@ -211,7 +216,11 @@ def _listed_clock(rule: Raw, record: Record) -> ValueOfSetting:
 def best_listed_clock(rule: Raw, record: Record) -> Raw:
     """Return the fastest of the master's clocks that the encoder supports: ``{"hz": 5000000, "set": 3}``.
 
-    If the highest clock of the encoder is not known, return the fastest clock in use.
+    If the highest clock of the encoder is not known, return the fastest of those in use.
+
+    Raises:
+        UnknownValue: The highest clock is not known, and the master has none of those in use.
+        UnsupportedFeature: The master has no clock within the limits of the encoder.
     """
     used_clocks = [clock for clock in rule["clocks"] if clock["hz"] in record.used_hz]
     if used_clocks:
@@ -267,6 +276,10 @@ def best_selectable_clock(clock_rule: Raw, record: Record) -> int:
     """Return the fastest clock that the encoder and the master support, for a master with freely selectable clocks.
 
     If the highest clock of the encoder is not known, return the fastest in use that the master supports.
+
+    Raises:
+        UnknownValue: The highest clock is not known, and the master supports none of those in use.
+        UnsupportedFeature: No clock is within the limits of both.
     """
     lowest_of_master = clock_rule.get("at_least_hz", 0)
     highest_of_master = clock_rule.get("at_most_hz", math.inf)

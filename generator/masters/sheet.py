@@ -82,7 +82,7 @@ class Setting:
 
     @property
     def is_default(self) -> bool:
-        """True if the value is the factory default on every device."""
+        """True if the value is the factory default at each of its places."""
         return all(place.is_default for place in self.places)
 
 

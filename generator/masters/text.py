@@ -95,10 +95,9 @@ def _clock_limits_text(record: Record) -> str:
 
 
 def _not_stated_text(record: Record, subject: Subject | None = None) -> str:
-    """Return the words for a fact without a value, or a reference to the texts of the manual that mention it."""
-    if subject in record.mentioned:
-        return f"see the times and characteristics in the {record.document}"
-    return f"the {record.document} does not say"
+    """Return the words for a fact without a value, or a reference to the text of the manual that mentions it."""
+    reference = record.mentioned[subject] if subject is not None else ""
+    return reference or f"the {record.document} does not say"
 
 
 def _cable_table_text(record: Record) -> str:

@@ -28,8 +28,8 @@ class ComparedField:
 class ChannelFrame:
     """A frame with several data channels. ``layouts`` are the layouts of the channels, in the order sent.
 
-    The highest ``compared_bits`` bits of the ``compared`` fields must not differ by more than ``tolerance``. Their
-    highest and lowest number are adjacent.
+    The highest ``compared_bits`` bits of the ``compared`` fields must not differ from those of the first of them by
+    more than ``tolerance``. Their highest and lowest number are adjacent.
     """
 
     layouts: tuple[Layout, ...]
@@ -113,7 +113,10 @@ class PlacedChannels:
                 yield number >> lower_bits
 
     def agree(self, values: Sequence[Mapping[str, object]]) -> bool:
-        """Return whether the compared fields agree. ``values`` contains the values of each channel, by field."""
+        """Return whether each compared field agrees with the first one. There must be at least one.
+
+        ``values`` has the values of each channel, by field.
+        """
         first_number, *other_numbers = self.compared_numbers(values)
         return all(self._are_close(first_number, number) for number in other_numbers)
 

@@ -64,8 +64,9 @@ def narrower_range(
 ) -> PositionRange | None:
     """Return the range of a position if it is narrower than the width of its field for some order code, or None.
 
-    Parts of one revolution in several fields have no range, and signed positions have none without ``highest``.
-    ``parameter_sets`` are the parameters of the order codes.
+    Parts of one revolution in several fields have no range, and signed positions have none without ``highest``. Nor
+    have decimal digits, and a number whose bits 0 stand for another number. ``parameter_sets`` are the parameters of
+    the order codes.
     """
     fields_by_name = {field.name: field for field in layout.fields}
     position_fields = [fields_by_name[name] for name in layout.names_in(measurement.of) if name in fields_by_name]
@@ -84,7 +85,10 @@ def narrower_range(
 
 
 def _is_narrower(position_range: PositionRange, parameters: Mapping[str, int]) -> bool:
-    """Return True if a range has fewer numbers than the width of its field allows."""
+    """Return True if a range has fewer numbers than the width of its field allows, but at least one.
+
+    The result is False for order codes without the field, whose width is 0.
+    """
     width = position_range.field.width.value(parameters)
     highest = position_range.highest.value(parameters)
     return bool(width) and 0 <= highest - position_range.lowest.value(parameters) < (1 << width) - 1
@@ -103,9 +107,10 @@ def _signed_range(measurement: Measurement, field: Field) -> PositionRange | Non
 def _unsigned_range(
     measurement: Measurement, fields: Sequence[Field], parameter_sets: Sequence[Mapping[str, int]]
 ) -> PositionRange | None:
-    """Return the range of a position without a sign, or None if it is unknown.
+    """Return the range of a position without a sign, or None if it has none.
 
-    A position in two fields, revolutions above one full revolution, has the range of its revolutions.
+    A position in one field has one if its number of counts is known. A position in two fields, revolutions above one
+    full revolution, has the range of its revolutions, unless an offset shifts it up to ``highest``.
     """
     total = measurement.total
     turns = measurement.turns
@@ -302,7 +307,10 @@ class Device:
         return member_named((layout for _, layout in self.layouts()), name, "layout")
 
     def limits(self, register: Register, meant_as: str = "") -> tuple[Expression | None, Expression | None]:
-        """Return the lowest and highest value of a register, or of one of its meanings."""
+        """Return the lowest and highest value of a register, or of its meaning ``meant_as``. None is unlimited.
+
+        If no meaning has this name, the limits are those of the register.
+        """
         meaning = next((meaning for meaning in register.meanings if meaning.name == meant_as), None)
         return (meaning.min, meaning.max) if meaning is not None else (register.min, register.max)
 
@@ -317,7 +325,10 @@ class Device:
         return self.interface(interface).measurement or self.measurement
 
     def measurement_in(self, interface: str, layout: Layout) -> Measurement | None:
-        """Return the measurement of the position in frames of this layout. Its range may differ from other layouts."""
+        """Return the measurement of the position in frames of this layout, or None if the interface has none.
+
+        Its range may differ from other layouts.
+        """
         measurement = self.measurement_of(interface)
         return measurement.within(layout.position_range) if measurement is not None else None
 
@@ -373,7 +384,10 @@ class Device:
         return frame is not None and layout in frame.layouts and layout.judges_position
 
     def range_in(self, layout: Layout) -> PositionRange | None:
-        """Return the range of valid positions in a frame, or None if all values of its field are valid."""
+        """Return the range of valid positions in a frame of the encoder, or None if its field holds no others.
+
+        The result is also None for a layout that belongs to no interface, such as that of a register.
+        """
         # The device holds its layouts, so no other layout can have the identity of one of them.
         if id(layout) not in self._ranges_by_layout:
             interface_names = [interface.name for interface, candidate in self.layouts() if candidate is layout]
@@ -397,8 +411,8 @@ class Device:
 
     def signed_range(self, field: PlacedField, placed: PlacedLayout) -> tuple[int, int]:
         """Return the lowest and the highest valid number of a signed field of a frame."""
-        # A field without bits for the order code counts as one bit.
         valid_range = self.range_in(placed.layout)
+        # A field without bits for the order code counts as one bit.
         half_of_numbers = 1 << (max(field.width, 1) - 1)
         if valid_range is None or valid_range.field.name != field.name:
             return -half_of_numbers, half_of_numbers - 1

@@ -22,6 +22,11 @@ _OPERATOR = re.compile(r"[-+*]")
 LARGEST_EXPONENT = 128
 
 
+def is_power_of_two(number: int) -> bool:
+    """Return True for 1, 2, 4 and so on."""
+    return number > 0 and number & (number - 1) == 0
+
+
 class ExpressionError(ValueError):
     """The text is not an expression, or has no value. The message gives the reason."""
 
@@ -67,7 +72,8 @@ class Expression:
         """Parse an expression from a spec.
 
         Raises:
-            ExpressionError: The text is not a sum of numbers, parameters and powers of two.
+            ExpressionError: The text is not a sum of numbers, parameters and powers of two, a product contains a
+                number, or the exponent of a power is too large.
         """
         if isinstance(text, int):
             return cls(text)
@@ -185,14 +191,17 @@ class Expression:
             elif term.multiple <= 0:
                 text_of_terms = "-"
             text_of_terms += " * ".join(factors)
+        constant = f"{abs(self.constant)}{suffix}"
         if not text_of_terms:
             return f"{self.constant}{suffix}"
-        if text_of_terms.startswith("-") and self.constant > 0:
+        if not self.constant:
+            return text_of_terms
+        if self.constant < 0:
+            return f"{text_of_terms} - {constant}"
+        if text_of_terms.startswith("-"):
             # ``8 - bits`` instead of ``-bits + 8``.
-            return f"{self.constant}{suffix} - {text_of_terms[1:]}"
-        if self.constant > 0:
-            return f"{text_of_terms} + {self.constant}{suffix}"
-        return f"{text_of_terms} - {-self.constant}{suffix}" if self.constant < 0 else text_of_terms
+            return f"{constant} - {text_of_terms[1:]}"
+        return f"{text_of_terms} + {constant}"
 
 
 def _simplify(constant: int, terms: tuple[Term, ...]) -> Expression:
@@ -229,7 +238,7 @@ def _multiply(product: Expression, atom: Expression) -> Expression:
     """Return the product of an expression and an atom. A product of 1, which begins a term, is the atom itself.
 
     Raises:
-        ExpressionError: A factor is a number.
+        ExpressionError: A factor is a number. A 1 at the beginning of a term is accepted.
     """
     if product == Expression(1):
         return atom
@@ -259,7 +268,7 @@ def _value_of_factor(factor: Factor, parameters: Mapping[str, int]) -> int:
 def resolve_parameters(known_values: Mapping[str, int], definitions: Mapping[str, Expression]) -> Mapping[str, int]:
     """Return ``known_values`` together with all parameters that can be calculated from them.
 
-    Definitions with a missing parameter, such as one that an answer sets, are omitted.
+    Definitions with a missing parameter, such as one that an answer sets, are omitted. A value out of range becomes 0.
     """
     parameters = dict(known_values)
     pending = {name: definition for name, definition in definitions.items() if name not in parameters}

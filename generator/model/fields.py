@@ -112,7 +112,7 @@ class Crc:
 
     @property
     def is_xor(self) -> bool:
-        """True if the CRC of whole bytes equals their XOR."""
+        """True if the CRC of whole bytes is their XOR, which is then XORed with ``xorout``."""
         return self.width == 8 and self.poly == 1 and self.init == 0 and self.refin == self.refout
 
     @property
@@ -136,8 +136,8 @@ class Piece:
 class Field:
     """A field at bits ``low`` to ``low + width - 1``, converted to a value according to ``kind``.
 
-    The field and its padding fill ``container`` bits from the field's lowest bit. ``pieces`` is empty unless the layout
-    is transmitted as bytes and the container is at a fixed position.
+    If the field is padded, it fills ``container`` bits together with its padding, from its lowest bit. ``pieces`` is
+    empty unless the layout is transmitted as bytes and the container is at a fixed position.
     """
 
     name: str

@@ -102,7 +102,7 @@ class Number:
 
     @property
     def value_at_rest(self) -> int:
-        """The number that the bits 0 represent. The bits 0 represent no power of two."""
+        """The number that the bits 0 stand for, or 1 if only powers of two are valid, because 0 is not one."""
         return 1 if self.power_of_two else self.zero_means
 
 
@@ -351,7 +351,7 @@ class Scale:
         return next(places for places in count() if 10**places * self.numerator >= 10 * self.denominator)
 
     def decimal(self, number: int) -> str:
-        """Return the quantity for a number as a decimal. If it is not exact, it is rounded."""
+        """Return the quantity for a number as a decimal. If it is not exact, it is rounded, and halves away from 0."""
         # The quantity is this number divided by the denominator.
         dividend = number * self.numerator + self.offset
         # Its size in units of the last decimal place, rounded: half a unit is added before the division.

@@ -160,8 +160,9 @@ class Layout:
     def judging_bits(self) -> Expression:
         """Expression that is 0 for order codes whose frames have no judging field, and positive for all other codes.
 
-        It is 1 if a judging field always has the same width. Otherwise it is the sum of their widths, each width
-        counted once.
+        A judging field decides whether the position is usable. Some order codes lack it, for which its width is 0. If
+        a judging field has a constant width, all order codes have it, and the expression is 1. Otherwise it is the sum
+        of the different widths, which is 0 only if all are 0.
         """
         # Each width once. A dict keeps their order, which a set does not.
         widths = {field.width: None for field in self.judging_fields}
@@ -175,7 +176,7 @@ class Layout:
         return self.judging_bits != Expression(0)
 
     def with_unknown_verdicts(self) -> Layout:
-        """Return the layout with UNKNOWN instead of a warning as the verdict of reserved bits."""
+        """Return the layout with the verdict UNKNOWN for reserved bits whose verdict is a warning."""
         return replace(self, fields=tuple(map(_with_unknown_verdict_if_reserved, self.fields)))
 
     @cached_property
@@ -337,7 +338,7 @@ class PlacedLayout:
 
     @property
     def covers_part(self) -> bool:
-        """True if the CRC does not cover everything before it."""
+        """True if the CRC lists the fields that it covers. Otherwise it covers everything before it."""
         end = self.crc_field
         return end is not None and isinstance(end.field.kind, CrcValue) and bool(end.field.kind.of)
 
@@ -353,7 +354,10 @@ class PlacedLayout:
 
 
 def _is_flag_with_verdict(field_kind: Kind) -> bool:
-    """Return True if a kind is a flag with a verdict other than *usable*, for all order codes that have it."""
+    """Return True if a kind is a flag with a verdict other than *usable*, for all order codes that have it.
+
+    The flag of a frame without a position has the verdict None, which counts as another one.
+    """
     return (
         isinstance(field_kind, Flag) and field_kind.makes_position is not Verdict.USABLE and not field_kind.only_while
     )

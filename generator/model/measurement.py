@@ -170,7 +170,7 @@ class Measurement:
         return self.counts_per_turn * self.turns
 
     def micrometres(self, parameters: Mapping[str, int]) -> Fraction | None:
-        """Return the exact length of one count, or None for an angle."""
+        """Return the exact length of one count in micrometres, or None for an angle."""
         from fractions import Fraction
 
         if self.step_nm is not None:

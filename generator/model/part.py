@@ -162,7 +162,7 @@ class About(NamedTuple):
         writing: Further sentences for the author of a spec.
         data: Description for users of the data, if it is not ``about``.
         identity: Members by which a part is recognised under another name, separated by spaces.
-        is_sourced: True if the part has sources in the data: its own sources, or its parent's.
+        is_sourced: True if the part has sources in the data: its own, or those of its parent.
         needs_a_key: True if no key is required, but one must be given.
     """
 

@@ -43,7 +43,7 @@ def _values_of(part_class: type) -> Callable[[Any], Any]:
 
 
 def _is_equal(self: Any, other: Any) -> Any:
-    """Return True if both objects have the same class and equal values of the compared members."""
+    """Return whether the compared members of two objects are equal, or NotImplemented if the classes differ."""
     part_class = self.__class__
     if other.__class__ is not part_class:
         return NotImplemented

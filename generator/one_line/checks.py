@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
+from ..model.expressions import is_power_of_two
 from .fields import WIDEST
 from .line import IN_TURN, POSITION, TURNS, Crc, Filler, LineField, LineProblem, Number, Options, Parity
 
@@ -97,8 +98,7 @@ def _problems_of_gray(
             yield LineProblem(field.column, f"'{field.name}' has one bit, which is the same in Gray code; remove gray")
         if isinstance(field, Number) and field.is_signed:
             yield LineProblem(field.column, f"'{field.name}' is signed, and Gray code is not; remove one of the two")
-    is_power_of_two = options.counts & (options.counts - 1) == 0  # Also if there are no counts (0).
-    if not is_power_of_two:
+    if options.counts and not is_power_of_two(options.counts):
         message = f"Gray code with {options.counts} counts (Gray excess) is not supported; remove gray and counts"
         yield LineProblem(columns.get("counts", 1), f"{message}, and convert the number in your program")
 

@@ -29,7 +29,10 @@ class FieldError(ValueError):
 
 
 def number_in(text: str) -> int | None:
-    """Return the decimal, hexadecimal or binary number of at most 65 bits that a text is, otherwise None."""
+    """Return the decimal, hexadecimal or binary number that a text is, or None.
+
+    A number has at most 20 decimal, 17 hexadecimal or 65 binary digits. A decimal one does not begin with a 0.
+    """
     return int(text, 0) if _DIGITS.fullmatch(text) else None
 
 

@@ -84,7 +84,7 @@ LineField = Number | Flag | Filler | Parity | Crc
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """Words between the interface and the colon. None or 0 means that the line does not state the fact."""
+    """Words between the interface and the colon. An empty value, None or 0 is a fact that the line does not state."""
 
     is_gray: bool = False
     alignment: str = ""

@@ -79,7 +79,8 @@ class UnknownOrderCode(ValueError):
 class Match:
     """An order code as read from a label.
 
-    ``variant`` is the matching listed code. ``unlisted`` names the parts whose value is not listed in the manual,
+    ``variant`` is the matching listed code. If a part has a value that the manual does not list, the code has this
+    value, and its interface and parameters are those of the first listed code that fits. ``unlisted`` names such parts,
     ``tail`` is the text after the code on the label, and ``special`` is set for codes that end in /Sxxx.
     ``written_as_in`` is where codes are written like this label, if the manual lists order codes in another notation.
     """
@@ -132,7 +133,8 @@ def find_code(device: Device, text: str) -> Match:
     """Parse the label ``text`` for this family. Text after ``-`` and ``/Sxxx`` are accepted, and spaces are ignored.
 
     Raises:
-        UnknownOrderCode: A part is missing or wrong, or the text is longer than any label.
+        UnknownOrderCode: A part is missing or wrong, the parts cannot be combined, or the text is longer than any
+            label.
     """
     if len(text) > LONGEST:
         raise UnknownOrderCode(too_long(text[:_SHOWN_CHARACTERS], str(len(text)), str(LONGEST)), close=True)
@@ -406,7 +408,7 @@ def _nearest_codes_text(device: Device, label: str) -> str:
 
 
 def nearest_codes(devices: Sequence[Device], text: str, least: float = 0.0) -> list[str]:
-    """Return the three listed codes that are most similar to ``text``, or to ``text`` without its tail.
+    """Return at most three listed codes, those most similar to ``text`` or to ``text`` without its tail.
 
     Args:
         devices: The families.

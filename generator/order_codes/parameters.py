@@ -286,7 +286,10 @@ def with_answers(device: Device, variant: Variant, answers: Mapping[str, str]) -
 
 
 def after_write(device: Device, variant: Variant, register: Register, number: int) -> Variant:
-    """Return the variant after writing ``number`` to ``register``, or ``variant`` itself if that changes nothing."""
+    """Return the variant after writing ``number`` to ``register``, whose limits are not checked.
+
+    It is ``variant`` itself if the register holds no parameter, or if ``number`` has no valid code of one.
+    """
     changed_parameters: dict[str, int] = {}
     for parameter in device.run_time_parameters:
         if parameter.register != register.name:

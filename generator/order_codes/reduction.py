@@ -127,7 +127,10 @@ def _applies_only_to_others(part: Any, codes: Collection[str]) -> bool:
 
 
 def for_codes(device: Device, codes: Collection[str]) -> Device:
-    """Return the device with only these listed order codes, without interfaces and examples of other codes."""
+    """Return the device with only these listed order codes.
+
+    Interfaces, parameters, examples and values of the order code that only the others have are left out.
+    """
     variants = tuple(variant for variant in device.variants if variant.code in codes)
     interface_names = {variant.interface for variant in variants}
     # The variants contain the names of interfaces, such as "biss".
@@ -318,7 +321,8 @@ _NUMBERED_PARTS = ("interfaces", "registers", "procedures", "measurement")
 def with_quantities(device: Device, variant: Variant) -> Device:
     """Return the device with the quantities of an order code filled in. Questions that the manual leaves open remain.
 
-    Quantities held in registers get their factory defaults.
+    Quantities held in registers have their factory defaults. Layouts that have no bits for the order code are left out,
+    with the CRCs that no other layout has.
     """
     # The answer to a question sets these parameters, so their values stay open.
     open_parameters = {parameter.name for parameter in device.parameters if parameter.alternative}

@@ -10,8 +10,9 @@ from ..model import Device, ModifyStep, Register, Step, Value, WriteStep, member
 def closing_steps(device: Device, steps: Sequence[Step]) -> frozenset[int]:
     """Return the indices of the closing steps.
 
-    An opening step writes the number that opens a register used in the procedure (``opened_by``). Its closing step is
-    the next step that writes a different number to the same place.
+    An opening step writes the number that opens a register (``opened_by``) to which the procedure also writes. Its
+    closing step is the next step that writes a different number to the same place. A step that writes an argument is
+    neither.
     """
     written_names = {step.register for step in steps if isinstance(step, WriteStep | ModifyStep)}
     used_registers = [register for register in device.registers if register.name in written_names]
@@ -20,7 +21,7 @@ def closing_steps(device: Device, steps: Sequence[Step]) -> frozenset[int]:
     holding_opening_value: set[str] = set()
     closing_indices: set[int] = set()
     for index, step in enumerate(steps):
-        # Without a fixed value, a step writes an argument, and neither opens nor closes.
+        # Without a fixed value, a step writes an argument.
         if not isinstance(step, WriteStep | ModifyStep) or step.value is None:
             continue
         controlled_registers = [register for register in locked_registers if _controls_access(step, register)]

@@ -249,8 +249,9 @@ def _find_gray(layout: Layout) -> Gray | None:
     if not layout.gray_of:
         return None
     fields = [layout.field(name) for name in layout.names_in(layout.gray_of)]
+    lowest_field = fields[-1]  # The names are in order of significance, most significant first.
     width = sum((field.width for field in fields), Expression(0))
-    return Gray(fields[-1].low, width, layout.gray_when, layout.gray_excess or Expression(0))
+    return Gray(lowest_field.low, width, layout.gray_when, layout.gray_excess or Expression(0))
 
 
 def _yield_joined_numbers(layout: Layout, by_word: bool) -> Iterator[JoinedNumber]:

@@ -1,6 +1,6 @@
 """CRCs: the functions of a family and their form, tables, undetected errors, and public test vectors.
 
-They are part of the self-test of the C headers. Tests compare them with ``tests/vectors.json``, which cites the
+The self-test of the C headers contains the vectors. Tests compare them with ``tests/vectors.json``, which has the
 sources.
 """
 

@@ -175,11 +175,14 @@ def _exchange_with_frames(exchange: Exchange, request: Layout, reply: Layout | N
 
 @dataclass(frozen=True, slots=True)
 class _ContentOfBits:
-    """Bits of a byte from ``lowest_bit`` on, which are bits of a constant or of the field with this name."""
+    """Bits of a byte from ``lowest_bit`` on, as many as the ones in ``mask``.
+
+    They are those of ``content``, a constant or the field with this name, from its bit ``low_in_number`` on.
+    """
 
     lowest_bit: int
     mask: int
-    bits_above: int
+    low_in_number: int
     content: int | str
 
 
@@ -199,7 +202,7 @@ def _contents_of_first_byte(layout: Layout) -> frozenset[_ContentOfBits]:
         for piece in field.pieces:
             if piece.byte == 0:
                 content_of_bits = _ContentOfBits(
-                    lowest_bit=piece.low_in_byte, mask=piece.mask, bits_above=piece.low_in_number, content=content
+                    lowest_bit=piece.low_in_byte, mask=piece.mask, low_in_number=piece.low_in_number, content=content
                 )
                 contents.append(content_of_bits)
     known_bits = sum(content_of_bits.mask.bit_count() for content_of_bits in contents)
@@ -357,7 +360,8 @@ def held_parameters(device: Device) -> Iterator[HoldingRegister]:
 def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
     """Return a parameter with the bits of the register that hold it, and its limits.
 
-    A limit is None if no value of the bits can exceed it, or if the bits are one of the parameter's codes.
+    A limit is None if the parameter has none, if no value of the bits can exceed it, or if the bits are one of the
+    parameter's codes.
     """
     field = register.layout.field(parameter.field)
     bits = bits_of(register.layout, field)

@@ -20,8 +20,8 @@ class Limits:
 
     ``member`` is the limited field or join, or empty if the limits apply to the whole register. ``low`` and ``high``
     are None if the manual gives no limit. ``binds_low`` and ``binds_high`` are true if a value of ``width`` bits,
-    signed or unsigned, can be outside the limit. ``stands_for`` is the meaning of 0 if that is a number above the
-    limits.
+    signed or unsigned, can be outside the limit. ``stands_for`` is the number that the value 0 encodes, if that is too
+    large for the bits of every order code, such as 256 in 8 bits. Otherwise it is 0.
     """
 
     member: str

@@ -46,9 +46,9 @@ class AlwaysIs:
 
 @dataclass(frozen=True, slots=True)
 class ZerosAbove:
-    """The field fills its container up to ``width`` bits. The constant ``padding`` is above it.
+    """The constant ``padding``, all bits of the container above the field, is 0.
 
-    ``bits`` are the bits of the container that the field can occupy. ``beyond`` are the bytes that it never occupies.
+    ``bits`` are those of the field, in the bytes that it can occupy. ``beyond`` are the bytes that it never occupies.
     """
 
     field: Field
@@ -71,7 +71,7 @@ class ParityIs:
     """The bit is the parity of the fields ``of``: 1 for an odd number of ones or, with ``odd``, for an even number.
 
     ``mask`` is the mask of the bits of each field that count, or 0 if all of them count. ``known_parity`` is the only
-    valid value of the bit in this frame if each field in ``of`` has a single value.
+    valid value of the bit in this frame if ``of`` is a single field with a single value, or else None.
     """
 
     field: Field

@@ -87,9 +87,9 @@ class Writes:
     """Write a register, or one of its fields while keeping the others as read.
 
     ``pieces`` are the affected bytes, whose bits ``mask << low_in_byte`` become ``(number >> low_in_number) & mask``,
-    or empty if the position of the field depends on the order code. ``determines_limits`` are the run-time parameters
-    in the register on which limits of later steps depend. Those steps use the written value. ``closes`` is true if the
-    write undoes an earlier opening step. The write is then also done if a step between the two fails.
+    or empty if the position of the field depends on the order code. If an argument is written to the whole register,
+    ``determines_limits`` are the run-time parameters in it on which limits of later steps depend. They use the written
+    value. ``closes`` is true if the write undoes an earlier opening step. It is also done if a step in between fails.
     """
 
     step: WriteStep | ModifyStep
@@ -197,7 +197,7 @@ ArgumentRefusal = OutsideArgumentLimits | TooWide | NotOneOf | Undecodable
 
 @dataclass(frozen=True, slots=True)
 class CheckedArgument:
-    """An argument, the operation that writes it, and the reasons for which it is rejected before any write.
+    """An argument, the operations that write it, and the reasons for which it is rejected before any write.
 
     Values that do not fit are also rejected when the register is encoded.
     """
@@ -247,10 +247,7 @@ def run_of(device: Device, procedure: Procedure) -> Run:
 
 
 def _changes_frames(device: Device, write: Writes) -> bool:
-    """Return whether a write changes a parameter that a register holds at run time.
-
-    Frames depend on these parameters.
-    """
+    """Return whether a write changes a parameter that a register holds at run time and on which frames depend."""
     for parameter in device.run_time_parameters:
         writes_field = write.field is None or parameter.field == write.field.name
         if parameter.register == write.register.name and writes_field:
@@ -262,9 +259,8 @@ def _with_taught_parameters(device: Device, operations: Sequence[Operation]) -> 
     """Yield the operations. Writes of an argument to a whole register get ``determines_limits``, see ``Writes``."""
     for index, operation in enumerate(operations):
         if isinstance(operation, Writes) and operation.field is None and not isinstance(operation.value, FixedNumber):
-            later_operations = operations[index + 1 :]
-            taught_parameters = _taught_parameters(device, operation, later_operations)
-            yield replace(operation, determines_limits=tuple(taught_parameters))
+            taught_parameters = tuple(_taught_parameters(device, operation, operations[index + 1 :]))
+            yield replace(operation, determines_limits=taught_parameters)
         else:
             yield operation
 
@@ -274,7 +270,8 @@ def _taught_parameters(device: Device, write: Writes, later_operations: Sequence
     limiting_names: set[str] = set()
     for operation in later_operations:
         if isinstance(operation, Writes):
-            for limit in (operation.register.min, operation.register.max):
+            argument = _argument_of_source(operation.value)
+            for limit in device.limits(operation.register, argument.meant_as if argument is not None else ""):
                 limiting_names.update(limit.parameters if limit is not None else ())
     for parameter in device.run_time_parameters:
         if parameter.register == write.register.name and parameter.name in limiting_names:
@@ -284,9 +281,9 @@ def _taught_parameters(device: Device, write: Writes, later_operations: Sequence
 def _with_verification(operations: Iterable[Operation]) -> Iterator[Operation]:
     """Yield the operations, with a ``Verifies`` for each write that can be read back before it takes effect.
 
-    The manuals contain no such step. On BiSS, however, a disturbed write can be echoed as if it had been stored. A
-    written value takes effect when the procedure writes to a register that cannot be read, such as a command register,
-    makes a closing write, or writes to the same place again.
+    The manuals have no such step. On BiSS, however, a disturbed write can be echoed as if it had been stored. A written
+    value takes effect when the procedure writes to a register that cannot be read, such as a command register, makes a
+    closing write, or writes to the same place again. A write that no such write follows is not read back.
     """
     pending: list[Verifies] = []
     for operation in operations:
@@ -313,7 +310,7 @@ def _writes_same_place(write: Writes, earlier_write: Writes) -> bool:
 
 
 def _can_be_read_back(write: Writes) -> bool:
-    """Return whether a write can be verified: its register keeps the value, and its reserved bits have fixed places."""
+    """Return whether a write can be verified: it does not close, and the register keeps it, in fixed places."""
     register = write.register
     unused_fields = [field for field in register.layout.fields if isinstance(field.kind, Unused)]
     has_fixed_unused_bits = all(field.is_fixed for field in unused_fields)
@@ -322,10 +319,7 @@ def _can_be_read_back(write: Writes) -> bool:
 
 
 def _meaningful_pieces(write: Writes) -> Iterator[Piece]:
-    """Yield the pieces without reserved bits, which can have any value when they are read.
-
-    A whole access includes all bytes.
-    """
+    """Yield the pieces without reserved bits, which can be anything when read. A whole access includes all bytes."""
     for piece in write.pieces:
         unused_in_piece = _unused_bits(write.register, piece.byte) >> piece.low_in_byte
         meaningful_mask = piece.mask & ~unused_in_piece

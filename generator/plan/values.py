@@ -124,7 +124,7 @@ def _range_key(position_range: PositionRange) -> Hashable:
 
 
 def parameters_in_measurement(device: Device) -> frozenset[str]:
-    """Return the derived parameters that equal a quantity of the measurement for all order codes.
+    """Return the names of the derived parameters that equal a quantity of the measurement for all order codes.
 
     These quantities are the counts per revolution and the number of counts after which a position wraps around.
     """

@@ -30,6 +30,10 @@ class Only:
     holds: bool
     codes: str = dataclass_field(default="", compare=False)
 
+    def contains(self, parameters: Mapping[str, int]) -> bool:
+        """Return whether an order code with these parameters is one of them."""
+        return (parameters.get(self.parameter, 0) != 0) is self.holds
+
 
 @dataclass(frozen=True, slots=True)
 class Match:
@@ -88,7 +92,8 @@ class Judgement:
     def for_parameters(self, parameters: Mapping[str, int]) -> Judgement:
         """Return the verdict for an order code with these parameters, without causes that its frames do not have.
 
-        If no bit of its frames judges the position, the verdict is UNKNOWN, which is worse than a warning.
+        If no bit of its frames judges the position, ``otherwise`` is UNKNOWN. The causes of warnings are then omitted,
+        since UNKNOWN is worse.
         """
         not_usable = tuple(cause for cause in self.not_usable if _has_bits(cause.by, parameters))
         if self.judging_bits.value(parameters) == 0:
@@ -311,9 +316,10 @@ def reports_of(device: Device) -> tuple[Report, ...]:
     return tuple(dict.fromkeys(_index_reports(device).values()))
 
 
-def reportings(device: Device) -> Iterator[Reporting]:
-    """Yield the reports and the verdict of each frame of the encoder that has any."""
+def reportings(device: Device) -> dict[str, Reporting]:
+    """Return the reports and the verdict of each frame of the encoder that has any, by the name of the frame."""
     reports = _index_reports(device)
+    reporting_by_frame: dict[str, Reporting] = {}
     for interface, layout in _sent_layouts(device):
         codec = codec_of(device, layout)
         causes: list[ReportCause] = []
@@ -323,7 +329,19 @@ def reportings(device: Device) -> Iterator[Reporting]:
                     causes.append(ReportCause(reports[layout.name, field.name], by=cause, only=only))
         judgement = judgement_of(codec) if device.has_verdict(interface.name, layout) else None
         if causes or judgement is not None:
-            yield Reporting(interface=interface, codec=codec, causes=tuple(causes), judgement=judgement)
+            reporting_by_frame[layout.name] = Reporting(
+                interface=interface, codec=codec, causes=tuple(causes), judgement=judgement
+            )
+    return reporting_by_frame
+
+
+def judgement_in_family(device: Device, layout: Layout) -> Judgement | None:
+    """Return how the verdict on a frame follows from its bits, or None for a frame without a position.
+
+    ``device`` is the family with all its order codes.
+    """
+    reporting = reportings(device).get(layout.name)
+    return reporting.judgement if reporting is not None else None
 
 
 def _sent_layouts(device: Device) -> Iterator[tuple[Interface, Layout]]:

@@ -14,9 +14,8 @@ from ..language.document import Path
 from .compare_facts import CHOSEN_BY_READER, compare_facts, compare_names, missing_in_spec, value_text
 from .compare_words import compare_word
 from .comparison import Comparison, Disagreement, Read
-from .connector_order import with_order_of
+from .pairing import with_order_of, with_rows_of
 from .reading import NOTHING, Fact, Facts, Key, Sort, use_same_names
-from .table_order import with_rows_of
 from .texts import NUMBERS, dotted_path
 
 #: Classes of facts in texts, which a second reading can also give by their paths.

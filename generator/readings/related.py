@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence, Set
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from .comparison import Disagreement
 from .reading import NOTHING, Sort
@@ -17,11 +18,20 @@ _TEXTS = (Sort.TEXT, Sort.SECTION)
 _SORTS_WITH_OWN_NUMBERS = (Sort.SECTION, Sort.CONTENTS, Sort.PRINTED, Sort.ADDRESS, Sort.POSITION)
 #: Classes of facts that can follow from the parameters of an order code.
 _SORTS_FROM_PARAMETERS = frozenset((Sort.POSITION, Sort.LIMIT, Sort.MEASUREMENT, Sort.ORDER_CODE, Sort.DEFAULT))
+
+
 #: A number in decimal, or in hexadecimal with its mark.
 _NUMBER = re.compile(r"0x[0-9A-Fa-f]+|\d[0-9A-F]*h\b|\d+(?:\.\d+)?")
 
 #: The edition that a fact of the history is about.
 _EDITION = re.compile(r"of the edition '.*'")
+
+
+class _Renaming(NamedTuple):
+    """The cause of disagreements about a renamed item: its plain names in the spec and in the second reading."""
+
+    spec_name: str
+    second_name: str
 
 
 @dataclass(frozen=True)
@@ -104,7 +114,7 @@ def _own_cause(disagreement: Disagreement) -> object:
     if disagreement.sort in _TEXTS and disagreement.spec_value == NOTHING:
         return "text that only the second reading has"
     if disagreement.is_name:
-        return _plain_name(disagreement.spec_value), _plain_name(disagreement.second_value)
+        return _Renaming(_plain_name(disagreement.spec_value), _plain_name(disagreement.second_value))
     if disagreement.sort is Sort.ORDER_CODE and NOTHING in (disagreement.spec_value, disagreement.second_value):
         return "order codes"
     if disagreement.sort is Sort.HISTORY:
@@ -155,7 +165,7 @@ def _digits_of_numbers(text: str) -> Set[str]:
 
 
 def _known_renaming_of_entry(disagreement: Disagreement, known_causes: Iterable[object]) -> object:
-    """Return a known renaming, ``(spec name, second name)``, that explains an entry of the contents, or None.
+    """Return a known renaming that explains an entry of the contents, or None.
 
     Only the second reading contains the entry, under the second name.
     """
@@ -163,19 +173,18 @@ def _known_renaming_of_entry(disagreement: Disagreement, known_causes: Iterable[
         return None
     entry_name = _plain_name(str(disagreement.second_place[-1]))
     for cause in known_causes:
-        # A renaming is a tuple of the two names.
-        if isinstance(cause, tuple) and cause[1] == entry_name:
+        if isinstance(cause, _Renaming) and cause.second_name == entry_name:
             return cause
     return None
 
 
 def _known_renaming_of_place(disagreement: Disagreement, known_causes: Iterable[object]) -> object:
-    """Return a known renaming, ``(spec name, second name)``, of a part that contains a source or a text, or None."""
+    """Return a known renaming of a part that contains a source or a text, or None."""
     if disagreement.sort not in _TEXTS:
         return None
     names_in_place = {_plain_name(str(step)) for step in disagreement.spec_place}
     for cause in known_causes:
-        if isinstance(cause, tuple) and cause[0] in names_in_place:
+        if isinstance(cause, _Renaming) and cause.spec_name in names_in_place:
             return cause
     return None
 

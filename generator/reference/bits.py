@@ -173,7 +173,7 @@ def compute(crc: Crc, placed: PlacedLayout, number: int) -> int:
 def covered_bits(crc: Crc, placed: PlacedLayout, number: int) -> tuple[int, int]:
     """Return the bits that the CRC covers as a number, in the order in which it processes them, and how many.
 
-    In a frame of bytes, these are all bytes before the CRC at the end.
+    A CRC over whole bytes is in the last bytes of the frame, and covers all bytes before it.
     """
     if placed.layout.crc_covers_bytes:
         data = number_to_bytes(placed.layout, number, placed.bits)

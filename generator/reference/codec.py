@@ -211,7 +211,8 @@ def _problems_with_other_fields(
     if isinstance(kind, Parity):
         correct_bit = parity_bit(placed, kind, frame)
         if sent_value != correct_bit:
-            message = report.parity(name, f"{sent_value}", ", ".join(kind.of), f"{correct_bit}")
+            covered_names = ", ".join(field.name for field in placed.find_fields(kind.of))
+            message = report.parity(name, f"{sent_value}", covered_names, f"{correct_bit}")
             yield Problem(Fault.CONSTANT, name, message)
     elif name == placed.layout.selector and sent_value not in placed.layout.selects:
         yield Problem(Fault.RANGE, name, report.of_other_frame(name, f"{sent_value:X}"))
@@ -314,8 +315,8 @@ def _problems_of_value(field: Field, raw: int) -> Iterator[Problem]:
 def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
     """Encode these values.
 
-    Constants, parity and CRC are filled in. The value of a join can replace the values of its fields. Unused bits are
-    as in the manual, except for those that the value ``unused`` inverts.
+    Constants, parity and CRC are filled in. A join is a number made of several fields, and its value can replace those
+    of its fields. Unused bits are as in the manual. The bits that are 1 in the value ``unused`` are inverted.
 
     Raises:
         EncodeError: A value is missing, unknown, or does not fit.
@@ -331,8 +332,8 @@ def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
         frame_bits |= _encode_unused(placed, inverted_bits)
     # What remains are names of fields: joins and ``unused`` have been removed.
     _check_names(placed, field_values)
+    # Parity and CRC are those of the bits as sent, which includes the Gray code. The CRC also covers the parity.
     frame_bits = to_gray(placed, frame_bits)
-    # The parity comes before the CRC, which covers it.
     for placed_field in placed.fields:
         if isinstance(placed_field.field.kind, Parity):
             frame_bits |= parity_bit(placed, placed_field.field.kind, frame_bits) << placed_field.low
@@ -427,10 +428,9 @@ def _split_join(placed: PlacedLayout, join: Join, joined_value: int, values: Val
 
 
 def _encode_field(placed: PlacedLayout, placed_field: PlacedField, values: Values) -> int:
-    """Return the bits of one field, shifted down to bit 0. A selector with a single value needs none from the caller.
+    """Return the bits of one field, shifted down to bit 0, or raise an EncodeError if its value is missing or wrong.
 
-    Return 0 for CRC and parity, which are computed later from the other fields, and for unused bits, which are added
-    later.
+    A selector with a single value needs none. CRC, parity and unused bits are 0 here, and are added later.
     """
     name = placed_field.name
     kind = placed_field.field.kind

@@ -247,7 +247,7 @@ def _list_addresses(register: Register) -> range:
 
 
 def compare_held(device: Device, variant: Variant, bytes_by_address: Mapping[int, int]) -> tuple[Difference, ...]:
-    """Return the registers whose contents contradict this order code.
+    """Return the fields of identifying registers whose contents contradict this order code.
 
     Bytes at addresses that ``bytes_by_address`` does not contain are unknown, and contradict nothing.
     """
@@ -360,7 +360,7 @@ def without_tests(device: Device, bytes_by_address: Mapping[int, int]) -> dict[i
 
 
 def _names_of_edition_registers(device: Device) -> list[str]:
-    """Return the registers that identify the edition, each once."""
+    """Return the names of the registers that identify the edition, each once."""
     names = (test.register for edition in device.editions for test in edition.tests)
     return list(dict.fromkeys(names))
 

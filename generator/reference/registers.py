@@ -30,7 +30,7 @@ from . import codec
 
 
 def decode_register(device: Device, variant: Variant, name: str, data: bytes) -> codec.Decoded:
-    """Return the value of a register from its bytes in ascending order of address.
+    """Decode a register from its bytes in ascending order of address. Capitals in ``name`` do not matter.
 
     Raises:
         RegisterError: This interface does not have the register, or the register has a different length.
@@ -77,10 +77,10 @@ def register_writes(
     """Return every byte that the procedure writes, in order, or the number if a register is written at once.
 
     The limits of later steps take the written values into account. A step that writes one field keeps the others as
-    the procedure has written them, or at their defaults.
+    the procedure has written them, or as in the default of the register, or else 0.
 
     Raises:
-        EncodeError: An argument is missing or does not fit its register.
+        EncodeError: An argument is missing, does not fit its register or field, or is not a valid content.
     """
     writes: list[Write] = []
     meaning_by_argument = {argument.name: argument.meant_as for argument in procedure.arguments}
@@ -131,7 +131,11 @@ def _writes_of_register(register: Register, content: int) -> list[Write]:
 
 
 def _with_field_changed(placed: PlacedLayout, field_name: str, field_value: int, old_content: int) -> int:
-    """Return the content of a register with ``field_value`` in one of its fields, and the other bits as they were."""
+    """Return the content of a register with ``field_value`` in one of its fields, and the other bits as they were.
+
+    Raises:
+        EncodeError: The value does not fit, or this order code has no such field.
+    """
     placed_field = placed.find_field(field_name)
     # Bits outside the mask mean that the value is too wide for the field.
     if placed_field is None or field_value & ~placed_field.mask:

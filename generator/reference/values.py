@@ -30,7 +30,7 @@ class EncodeError(ValueError):
 
 
 def number_of_text(text: str) -> int:
-    """Return the bits of a text field as one number. Latin-1 contains a character for every byte."""
+    """Return the bits of a text field as one number. Characters outside Latin-1 become question marks."""
     return int.from_bytes(text.encode("latin-1", "replace"), "big")
 
 
@@ -71,7 +71,12 @@ def signed_or_plain(number: Number, raw: int, width: int) -> int:
 
 
 def encode_value(kind: DataKind, placed_field: PlacedField, value: int | str | bool) -> int:
-    """Return the number that represents a value of a field. Named values and texts may also be given as numbers."""
+    """Return the number that stands for a value of a field. Named values and texts may also be given as numbers.
+
+    Raises:
+        EncodeError: A number is a text or does not fit, or no value has this name. Named values and texts that are
+            given as numbers are not checked.
+    """
     match kind:
         case Number():
             return _encode_number(kind, placed_field, checked_number(value))
@@ -89,8 +94,12 @@ def encode_value(kind: DataKind, placed_field: PlacedField, value: int | str | b
 
 
 def _encode_number(number: Number, placed_field: PlacedField, value: int) -> int:
-    """Return the bits of a number, which may be signed, or 0 for the number that 0 stands for."""
-    # A number that does not fit loses bits, so decoding does not return it.
+    """Return the bits of a number, which may be signed, or 0 for the number that 0 stands for.
+
+    Raises:
+        EncodeError: The number does not fit, or is not a power of two in a field that needs one.
+    """
+    # A number that does not fit loses bits, so it is not decoded to itself.
     raw = 0 if value == number.zero_means else value & placed_field.mask
     if signed_or_plain(number, raw, placed_field.width) != value:
         raise EncodeError(report.too_wide(placed_field.name, f"{value}", f"{placed_field.width}"))
@@ -100,7 +109,7 @@ def _encode_number(number: Number, placed_field: PlacedField, value: int) -> int
 
 
 def _number_of_name(field_name: str, named_values: Sequence[Value], name: str) -> int:
-    """Return the number of the value ``name`` of a field."""
+    """Return the number of the value ``name`` of a field, or raise an ``EncodeError`` if the field has none."""
     for named_value in named_values:
         if named_value.name == name:
             return named_value.value
@@ -108,7 +117,11 @@ def _number_of_name(field_name: str, named_values: Sequence[Value], name: str) -
 
 
 def encode_digits(decimal: Decimal, values: Values) -> int:
-    """Return the number that consists of all runs of digits. A missing run is 0."""
+    """Return the number that consists of all runs of digits, of which a missing one is 0.
+
+    Raises:
+        EncodeError: A run is a text, is negative or has too many digits.
+    """
     number = 0
     for run in decimal.runs:
         value = checked_number(values.get(run.name, 0))

@@ -161,24 +161,26 @@ class TouchedFacts:
         return list(fact_by_path.values())
 
     def _with_changed_text(self, passage: Passage, facts: Sequence[Citing]) -> list[Citing]:
-        """Return the facts that an insertion names, that are the changed text by value or name, or that contain it.
+        """Return three kinds of facts: those that an insertion names, those that equal the changed text, and others.
 
-        Facts with the same key and value form a group, and there are at most 10 groups and containing facts together.
-        If there are more groups, as for a text such as "1", only the first are returned.
+        A fact equals the text if the text is its value or its name. The others are those whose value contains the
+        text. Equal facts with the same key and value count as one, and with the others at most 10 are returned. A text
+        such as "1" equals more than 10 facts. It identifies none of them, so only the facts that an insertion names
+        are returned.
         """
         change = _Change(passage)
-        inserted_facts = [fact for fact in facts if change.inserts_name_of(fact)]
+        inserted_facts = [fact for fact in facts if change.inserts_name_of(fact)][:_MOST_INSERTED]
         equal_facts_by_value: dict[tuple[str, object], list[Citing]] = {}
         for fact in facts:
             if change.is_value_or_name_of(fact):
                 equal_facts_by_value.setdefault((key_of(fact), fact.value), []).append(fact)
         group_count = len(equal_facts_by_value)
         if group_count > _MOST_EQUAL:
-            return inserted_facts[:_MOST_INSERTED]
+            return inserted_facts
         equal_facts = list(chain.from_iterable(equal_facts_by_value.values()))
         containing_facts = [fact for fact in facts if change.is_in(fact)]
         most_containing = _MOST_EQUAL - group_count
-        return inserted_facts[:_MOST_INSERTED] + equal_facts + containing_facts[:most_containing]
+        return inserted_facts + equal_facts + containing_facts[:most_containing]
 
     def _facts_of_referring_items(self, item: str, passage: Passage) -> list[Citing]:
         """Return a fact of each item that refers to ``item``, by path or name, for at most 3 items.

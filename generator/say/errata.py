@@ -62,7 +62,7 @@ _LISTS = {
     "documents": "document",
 }
 _PATH = re.compile(r"[A-Za-z0-9_]+([.][A-Za-z0-9_+/ -]+)*")
-#: Index of an item in a list without names, counted from 0.
+#: Number of an item in a list without names, counted from 1.
 _INDEX = re.compile(r"\[([0-9]+)\]")
 _MORE = re.compile(r" and ([0-9]+ more)$")
 
@@ -86,7 +86,7 @@ def change_in_words(printed: str) -> str:
     Text that does not begin with paths is unchanged.
     """
     paths, colon, new_value = printed.partition(": ")
-    # A number such as [1], which counts from 1, becomes a step.
+    # A number such as [1] becomes a step.
     numbered_paths = _INDEX.sub(r".\1", paths)
     are_paths = all(map(_PATH.fullmatch, _MORE.sub("", numbered_paths).split(", ")))
     return f"{paths_in_words(numbered_paths)}{colon}{new_value}" if are_paths else printed
@@ -124,7 +124,7 @@ def _path_in_words(steps: Sequence[str]) -> str:
     if len(steps) == 1 and steps[0] in _TOP:
         return _TOP[steps[0]]
     words, remaining_steps = _beginning_in_words(steps)
-    # registers.command.fields.status.note: "register command", "field status of …", "the note on field status of …".
+    # registers.command.fields.status.note: "register command", "field status of …", "the note on field …".
     while remaining_steps:
         match remaining_steps:
             case ["interfaces", name, *later_steps]:

@@ -165,34 +165,61 @@ class Subject(Enum):
     LEDS = r"(?i)\bleds?\b|light-emitting|indicator light"
 
 
+#: Place of a text that is not in a list of its own.
+_NOTE = "note on the interface"
+
+
 def mentions(device: Device, interface: Interface, subject: Subject) -> bool:
     """Return whether a text about the device or this interface contains words of the subject.
 
     The texts are those about times, characteristics, tables and notes, not about frames and registers.
     """
-    return _has_words(subject, tuple(_interface_texts(device, interface)))
+    return bool(place_of_mention(device, interface, subject))
+
+
+def place_of_mention(device: Device, interface: Interface, subject: Subject) -> str:
+    """Return the part of the spec whose text has words of the subject, such as ``times``, or an empty string."""
+    return _place_with_words(subject, tuple(_interface_texts(device, interface)))
+
+
+def reference_to_mention(device: Device, interface: Interface, subject: Subject) -> str:
+    """Return where to read about a subject, such as ``see the times in the manual``, or an empty string.
+
+    A note on the interface is quoted, since commands do not show it.
+    """
+    place = place_of_mention(device, interface, subject)
+    if not place:
+        return ""
+    reference = f"see the {place} in the {document(device)}"
+    return f"{reference}: {interface.note.rstrip('.')}" if place == _NOTE else reference
 
 
 @lru_cache
-def _has_words(subject: Subject, manual_texts: tuple[str, ...]) -> bool:
-    """Return whether one of the texts contains words of the subject. The order codes of a family share their texts."""
+def _place_with_words(subject: Subject, places_and_texts: tuple[tuple[str, str], ...]) -> str:
+    """Return the place of the first text with words of the subject. The order codes of a family share their texts."""
     words_of_subject = re.compile(subject.value)
-    return any(map(words_of_subject.search, manual_texts))
+    for place, text in places_and_texts:
+        if words_of_subject.search(text):
+            return place
+    return ""
 
 
-def _interface_texts(device: Device, interface: Interface) -> Iterator[str]:
-    """Yield the texts that are not about a frame or a register. Of the cells of tables, only the first column is."""
-    yield interface.note
+def _interface_texts(device: Device, interface: Interface) -> Iterator[tuple[str, str]]:
+    """Yield the texts that are not about a frame or a register, each with its place.
+
+    Of the cells of tables, only the first column is.
+    """
     for timing in (*interface.timings, *device.timings):
-        yield f"{_with_spaces(timing.name)}: {timing.symbol} {timing.meaning}"
+        yield "times", f"{_with_spaces(timing.name)}: {timing.symbol} {timing.meaning}"
     for characteristic in device.characteristics:
         quantities = [value.quantity for value in characteristic.values]
-        yield " ".join([_with_spaces(characteristic.name), characteristic.value, *quantities])
+        yield "characteristics", " ".join([_with_spaces(characteristic.name), characteristic.value, *quantities])
     for table in device.tables:
         first_cells = [table_row[0] for table_row in table.rows if table_row]
-        yield " ".join([table.title, *table.columns, *first_cells, table.note])
+        yield "tables", " ".join([table.title, *table.columns, *first_cells, table.note])
     for connector in device.connectors:
-        yield connector.note
+        yield "notes on the connectors", connector.note
+    yield _NOTE, interface.note
 
 
 def _with_spaces(name: str) -> str:

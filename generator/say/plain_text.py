@@ -47,7 +47,7 @@ def quantity(scale: Scale, value: int) -> str:
 
 def formula(scale: Scale) -> str:
     """Return the formula of a quantity in the form that manuals print: ``(value + 152) / 2.776``."""
-    # The quantity is (value * numerator + offset) / denominator. The first form in which all numbers are whole is used.
+    # The quantity is (value * numerator + offset) / denominator. The first form with a whole offset is used.
     numerator = scale.numerator
     denominator = scale.denominator
     offset = scale.offset
@@ -224,7 +224,8 @@ _WIDEST_NAME = 40
 def two_columns(rows: Iterable[tuple[str, str]], indent: int) -> list[str]:
     """Return the rows as lines with two columns: a name and a text, which is wrapped and may be empty.
 
-    The second column is ``indent`` and the longest name to the right, but not further than for a name of 40 characters.
+    The second column begins two spaces after the longest name, or after 40 characters if names are longer than that.
+    ``indent`` spaces are in front of the first column. A longer name moves its text to the right.
     """
     row_list = list(rows)
     longest_name = max((len(name) for name, _ in row_list), default=0)

@@ -319,8 +319,7 @@ def _number_rules(kind: Number) -> Iterator[Statement]:
 def _flag_rules(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
     """Yield the levels of a flag, the flags that it combines, and its verdict on the position.
 
-    If only some order codes have a flag, it has a different verdict for the other codes, for which its meaning is not
-    known.
+    A flag that the manual explains only for some order codes can have a different verdict for the others.
     """
     yield from _flag_levels(flag, is_implemented=is_implemented)
     if flag.sums_up:

@@ -156,6 +156,12 @@ def length(frame: str, needed: str, actual: str) -> str:
     return f"'{frame}' has {needed}, got {actual}"
 
 
+def length_of_channels(channels: str, needed: str, actual: str, difference: str) -> str:
+    """Return the message for a wrong length of a frame with several data channels. ``needed`` includes its unit."""
+    remedy = "Write all of them, or all bits of a single channel"
+    return f"{channels} have {needed} together, got {actual}: {difference}. {remedy}"
+
+
 def crc(received: str, computed: str) -> str:
     return f"expected CRC {computed}, got {received}"
 

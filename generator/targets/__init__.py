@@ -59,7 +59,7 @@ class Library:
         return files
 
     def by_manufacturer(self) -> list[tuple[Manufacturer, tuple[Device, ...]]]:
-        """Return the devices of each manufacturer, sorted by name. The main manufacturer is the first."""
+        """Return each manufacturer with its devices, sorted by its name. A main manufacturer comes first."""
         return [(manufacturer, self._devices_of(manufacturer)) for manufacturer in manufacturers(self.devices)]
 
     def _devices_of(self, manufacturer: Manufacturer) -> tuple[Device, ...]:
@@ -67,13 +67,17 @@ class Library:
 
 
 def manufacturers(devices: Iterable[Device]) -> list[Manufacturer]:
-    """Return the manufacturers of the devices, sorted by name. The main one is the first."""
+    """Return the manufacturers of the devices, sorted by name. A main manufacturer comes first."""
     makers = {device.manufacturer.name: device.manufacturer for device in devices}
     return sorted(makers.values(), key=lambda manufacturer: (not manufacturer.main, manufacturer.name))
 
 
 def main_manufacturer(makers: Sequence[Manufacturer]) -> Manufacturer | None:
-    """Return the manufacturer after whom a folder with the packages of ``makers`` is named, or None."""
+    """Return the manufacturer after which a folder with the packages of all ``makers`` is named.
+
+    It is the only manufacturer, or the only main one. The result is None if there are several, without a single main
+    one.
+    """
     if len(makers) == 1:
         return makers[0]
     main_makers = [manufacturer for manufacturer in makers if manufacturer.main]

@@ -59,7 +59,7 @@ def files_of(target: Target, library: Library, options: Options) -> Mapping[str,
         options: The value of every option.
 
     Raises:
-        TargetError: The target cannot express something, or fails.
+        TargetError: The target cannot express something, fails, or returns something else than text by path.
         TemplateFault: A user's template has an error.
     """
     templates = library.own_templates / target.name if library.own_templates is not None else None
@@ -74,7 +74,7 @@ def problems_of(target: Target, library: Library) -> list[TargetProblem]:
     """Return the parts of specs that a target cannot express.
 
     Raises:
-        TargetError: The target fails.
+        TargetError: The target fails, or returns something else than problems of these devices.
     """
     problems = _run_target(target.name, lambda: list(target.problems(library)))
     for problem in problems:
@@ -171,7 +171,8 @@ _LONGEST = 80
 def names_of_codes(order_codes: Iterable[str], reserved_names: Iterable[str] = ()) -> list[str]:
     """Return a file name for each order code. The names are unique even on file systems that ignore case.
 
-    Characters that are not allowed become hyphens. Duplicates are numbered. ``reserved_names`` are in lowercase.
+    Characters that are not allowed become hyphens, and dots at the start are dropped. A name has at most 80 characters.
+    Duplicates and empty names are numbered. ``reserved_names`` are in lowercase.
     """
     used_names = set(reserved_names)
     file_names: list[str] = []

@@ -255,9 +255,10 @@ class BissLine(ByLevels):
         return 0
 
     def _write_byte(self, address: int) -> Generator[int, int, tuple[int, bool]]:
-        """Receive a byte and its CRC. Return the next CDM bit, and whether the CRC was correct and the byte written.
+        """Receive a byte and its CRC, and write the byte if the CRC is correct.
 
-        CDS repeats each bit of CDM, one cycle later.
+        CDS repeats each bit of CDM, one cycle later. Return the next CDM bit and True. After a wrong CRC, return its
+        last bit, which CDS still has to repeat, and False.
         """
         # The start bit, then 8 bits of the byte and 4 of the CRC.
         cdm = yield 1
@@ -354,7 +355,7 @@ class SsiLine(ByLevels):
         return self._data_level
 
     def timeout(self) -> int:
-        """Let the pause after a word pass. The data line is then high, unless the encoder is busy."""
+        """Let the pause after a word pass. The data line is then high, but low if the encoder is not ready."""
         self._bits_left = -1
         self._data_level = int(not self._is_not_ready)
         return self._data_level

@@ -32,7 +32,7 @@ READY_S = 0.01
 class VirtualEncoder:
     """Encoder of an order code.
 
-    ``Rs485Line``, ``BissLine`` and ``SsiLine`` send its position in frames.
+    ``Rs485Line``, ``BissLine``, ``SsiLine`` and ``SpiLine`` send its position in frames.
 
     Args:
         order_code: Order code, as on the label, or the encoder in one line.
@@ -42,8 +42,8 @@ class VirtualEncoder:
         faults: Faults by name, each with a rate per reply, such as ``flip:1e-3``.
         seed: Seed of the random faults.
         clock: Function that returns the time in seconds. By default, the time since the encoder was created.
-        edition: Revision of the manual. By default, the revision of the spec.
-        specs: Specs to use. By default, the specs shipped with codewheel.
+        edition: Revision of the manual. By default, that of the spec.
+        specs: Specs to use. By default, those shipped with codewheel.
 
     Attributes:
         device: The family.
@@ -139,7 +139,7 @@ class VirtualEncoder:
         return self.device.position_names(self.variant.interface)
 
     def position_now(self) -> int:
-        """Return the position that the encoder currently sends."""
+        """Return the position that the encoder currently sends, which is 0 while it reports that it is not ready."""
         if self._reports_not_ready():
             return 0
         return self._wrap_into(self._position_layout, self.raw_position() + self._offset)
@@ -156,8 +156,8 @@ class VirtualEncoder:
     def parts_now(self, layout: Layout | None = None) -> dict[str, int]:
         """Return the bits of each field of the current position: ``{"multiturn": 3, "singleturn": 1024}``.
 
-        They are the bits in frames with ``layout`` if it has the position, and else in the first frame with one. They
-        are 0 while the encoder is not ready.
+        They are those in frames with ``layout`` if it has the position, and else in the first frame with one. They are
+        0 while the encoder reports that it is not ready.
         """
         if layout is None or not self._carries_position(layout):
             layout = self._position_layout
@@ -250,7 +250,7 @@ class VirtualEncoder:
 
     def frame(self, layout: Layout, request_values: Mapping[str, int | str | bool] | None = None) -> int:
         """Return a frame with the current values as one number. The request determines ``request_values``."""
-        self._instant = self.clock()  # ``_now`` returns it for all fields.
+        self._instant = self.clock()  # ``_read_clock`` returns it for all fields.
         try:
             return codec.encode(self.device, self.place(layout), self._collect_values(layout, request_values or {}))
         finally:
@@ -286,14 +286,15 @@ class VirtualEncoder:
     def is_active(self, field: Field) -> bool:
         """Return whether a flag is active.
 
-        A flag is active if it is set, if a flag that it sums up is set, or if it reports that the encoder is busy.
+        It is if it is set, if a flag that it sums up is set, or if it reports that the encoder is busy. The flag with
+        the name of the BiSS error flag is also active while an alarm in a register is.
         """
         assert isinstance(field.kind, Flag)
         if field.name in self.flags or any(name in self.flags for name in field.kind.sums_up):
             return True
         if self.is_busy() and self._not_ready_flags & {field.name, *field.kind.sums_up}:
             return True
-        # Over BiSS, an error in a register also sets the error flag of the frame.
+        # The first BiSS flag is the error flag. It reports alarms whose own flags are only in registers.
         error_flag = next(iter(Biss.flags))
         has_error_in_register = not self.flags.isdisjoint(self._alarms_in_registers)
         return field.name == error_flag and has_error_in_register

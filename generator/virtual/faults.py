@@ -183,7 +183,11 @@ def faults_of(interface: str) -> dict[str, str]:
 
 
 def _parse_fault(interface: str, text: str) -> tuple[str, float]:
-    """Return the name and the rate of a fault: ``("flip", 0.001)`` for ``flip:1e-3``."""
+    """Return the name and the rate of a fault: ``("flip", 0.001)`` for ``flip:1e-3``.
+
+    Raises:
+        ValueError: There is no such fault, the interface cannot have it, or the rate is not from 0 to 1.
+    """
     name, _, rate_text = text.partition(":")
     try:
         rate = float(rate_text or 1)  # Without a rate, every reply has the fault.
@@ -212,8 +216,8 @@ def motion(text: str, counts: int, lowest: int = 0, counts_per_turn: int = 0) ->
     """Parse a position.
 
     Args:
-        text: A number of counts, ``sine:0.5Hz:90deg`` (90 degrees to each side of the middle), ``sine:0.5Hz`` (through
-            all positions), or ``ramp:1000`` (counts per second).
+        text: A number of counts, ``sine:0.5Hz:90deg`` (90 degrees to each side of the middle), ``sine:0.5Hz:1000``
+            (1000 counts to each side), ``sine:0.5Hz`` (through all positions), or ``ramp:1000`` (counts per second).
         counts: Number of positions of the encoder.
         lowest: Lowest position of the encoder.
         counts_per_turn: Number of positions in one turn, or 0 if the position is not an angle.
@@ -222,7 +226,7 @@ def motion(text: str, counts: int, lowest: int = 0, counts_per_turn: int = 0) ->
         The position.
 
     Raises:
-        ValueError: The text has a different form.
+        ValueError: The text has a different form, a number in it is too large, or the encoder has no turns for degrees.
     """
     try:
         return int(text, 0)
@@ -277,7 +281,7 @@ def _amplitude_in_counts(
     ``text`` is the whole motion, such as ``sine:0.5Hz:90deg``, for the messages.
 
     Raises:
-        ValueError: The position is not an angle, or the encoder does not have that many positions.
+        ValueError: The encoder has no turns for degrees, or the amplitude is negative or leaves its positions.
     """
     if is_angle and not counts_per_turn:
         raise ValueError(f"'{text}' is an angle, but this encoder has no turns; write the amplitude in counts")

@@ -16,7 +16,11 @@ from ..order_codes.labels import Match, UnknownOrderCode, find_code
 
 @cache
 def _load_families(specs: tuple[Path, ...]) -> tuple[Family, ...]:
-    """Return the families without problems, from these specs or from those shipped with codewheel."""
+    """Return the families without problems, from these specs or from those shipped with codewheel.
+
+    Raises:
+        ValueError: There are none. The message has the problems of the specs.
+    """
     families, report = load_families(specs or None)
     valid_families = tuple(sound_families(families, report))
     if not valid_families:
@@ -36,8 +40,8 @@ def find_order_code(text: str, specs: tuple[Path, ...], edition: str) -> tuple[D
     order codes of that family.
 
     Raises:
-        ValueError: There is no such order code or edition. The message is the last message that is ``close``, or the
-            first.
+        ValueError: There is no such order code or edition, no spec is valid, or the line has a problem. For an unknown
+            order code, the message is that of the last family that is ``close``, or else of the first family.
     """
     if is_line(text):
         if edition:

@@ -391,7 +391,7 @@ class Memory:
         self._bytes[register.name][:] = number_to_bytes(register.layout, content, 8 * register.length)
 
     def _react_to_read(self, register: Register) -> None:
-        """Clear the alarms of a procedure that only reads, once its registers have been read in order."""
+        """Clear the alarms of a procedure that only reads, once it has been carried out up to its last step."""
         self._last_reads.append(register.name)
         for procedure in self._encoder.device.procedures:
             read_steps = [step for step in procedure.steps if isinstance(step, ReadStep)]

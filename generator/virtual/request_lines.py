@@ -222,7 +222,8 @@ class Rs485Line:
     ) -> tuple[bytes, bytes]:
         """Carry out a request. Return the reply of the encoder, and the reply of a second encoder.
 
-        Both are empty if there is no reply. Both replies are equal unless ``is_second`` is true.
+        They are the same unless ``is_second`` is true. If the reply has no frame, or one that depends on an open
+        question, both are empty, and nothing is carried out.
         """
         if layout is None or self.encoder.needs_answer(layout):
             return b"", b""
@@ -241,9 +242,9 @@ class Rs485Line:
     def _access_memory(
         self, data_id: DataId, layout: Layout, request_values: dict[str, int | str | bool]
     ) -> dict[str, int | bool] | None:
-        """Carry out an access to the EEPROM, and return the values for the reply: the busy flag, if any, and the data.
+        """Carry out an access to an EEPROM that is not busy. Return the values for the reply: the busy flag and data.
 
-        Return None if the EEPROM is busy and the reply cannot report it.
+        Return None if the EEPROM is busy and the reply has no flag to report it.
         """
         now = self.encoder.clock()
         sent_fields = [placed_field.field for placed_field in self.encoder.place(layout).fields]
@@ -405,9 +406,9 @@ class SpiLine:
         return self.encoder.frame(layout, {**repeated_values, "data": register_value})
 
     def _complete_write(self) -> int | None:
-        """Carry out a write once its address and data have arrived, and return the value of the register.
+        """Carry out a write if both its address and its data have come, and return the value of the register.
 
-        Return None if there is no register, or it cannot be written. Before the data arrive, this is the old value.
+        Before the data come, the value is the old one. Return None if it cannot be read, or with the data, written.
         """
         address = self._written_fields.get("address", -1)  # No register has the address -1.
         if self._written_fields.keys() >= {"address", "data"}:

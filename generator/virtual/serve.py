@@ -184,7 +184,7 @@ def serving(encoder: VirtualEncoder, line: Line | None = None, *, tcp: bool = Fa
 
     Args:
         encoder: The encoder.
-        line: Its line, by default the line of its interface.
+        line: Its line, by default that of its interface.
         tcp: Use TCP even if the system has pseudo-terminals.
 
     Yields:

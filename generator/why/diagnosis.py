@@ -93,11 +93,14 @@ class Diagnosis:
         return is_doubtful or len(self.explanations) > 1
 
 
-def diagnose_without_crc(device: Device, hypotheses: Iterable[Hypothesis], missing: str) -> Diagnosis | None:
+def diagnose_without_crc(
+    device: Device, hypotheses: Iterable[Hypothesis], missing: str, disturbed: tuple[int, ...] = ()
+) -> Diagnosis | None:
     """Return the readings of a frame without a CRC, most likely first. Nothing proves one of them.
 
     Of readings that lead to the same frame, only the likeliest is an explanation. ``missing`` is the part that a
-    recording lacks, or an empty string. Return None if there is no reading and nothing is missing.
+    recording lacks, or an empty string. ``disturbed`` are the bits that may be inverted. Return None if there is no
+    reading, nothing is missing and no bit may be inverted.
     """
     frame_and_explanations: list[tuple[int | str, Explanation]] = []
     for same_mistake in _grouped_by_mistake(hypotheses):
@@ -111,7 +114,7 @@ def diagnose_without_crc(device: Device, hypotheses: Iterable[Hypothesis], missi
     likeliest_by_frame: dict[int | str, Explanation] = {}
     for resulting_frame, explanation in frame_and_explanations:
         likeliest_by_frame.setdefault(resulting_frame, explanation)
-    if not likeliest_by_frame and not missing:
+    if not likeliest_by_frame and not missing and not disturbed:
         return None
     return Diagnosis(
         explanations=tuple(likeliest_by_frame.values()),
@@ -119,6 +122,7 @@ def diagnose_without_crc(device: Device, hypotheses: Iterable[Hypothesis], missi
         coincidence=1.0,
         cannot_see=(),
         missing=missing,
+        disturbed=disturbed,
         has_crc=False,
         unmerged=tuple(explanation for _, explanation in frame_and_explanations),
     )

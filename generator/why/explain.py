@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from ..model import Biss, Crc, Device, PlacedLayout, Rs485, Variant
+from ..model import Crc, Device, PlacedLayout, Rs485, Variant
+from ..say.plain_text import counted
 from .diagnosis import (
     LEAST_EQUAL_BITS,
     Diagnosis,
@@ -31,6 +32,7 @@ from .in_bits import (
 from .in_bytes import byte_hypotheses, is_valid_in_bytes
 from .other_crcs import hypothesis_without_mistake
 from .recordings import FRAME_INSIDE, LINES, line_name, missing_part, recorded_bits
+from .texts import TEXTS
 
 
 def explain_bits(
@@ -59,14 +61,17 @@ def explain_bits(
     missing = _missing_part(device, variant, placed_layout, typed_frame)
     if crc is None:
         hypotheses = _hypotheses_without_crc(device, variant, placed_layout, typed_frame)
-        return diagnose_without_crc(device, hypotheses, missing)
+        disturbed = _disturbed_constants(placed_layout, typed_frame)
+        return diagnose_without_crc(device, hypotheses, missing, disturbed)
     refuted = _refuted_hypotheses(placed_layout, crc, typed_frame)
     hypotheses = all_hypotheses(device, variant, placed_layout, crc, typed_frame)
     diagnosis = diagnose(device, hypotheses, refuted, [crc], with_pairs=with_pairs)
+    is_explained = diagnosis is not None and bool(diagnosis.explanations)
+    # A number may lack its leading zeros, but bytes are complete.
+    if typed_frame.is_bytes or not is_explained:
+        missing = missing or _missing_digits(placed_layout, typed_frame)
     if diagnosis is None:
         return _only_missing(missing) if missing else None
-    if not diagnosis.explanations:
-        missing = missing or _part_without_written_zeros(device, variant, placed_layout, typed_frame)
     disturbed_bits: list[int] = []
     # There is a refuted hypothesis only if the frame can have the expected length.
     has_frame_length = bool(refuted)
@@ -83,6 +88,15 @@ def _bits_to_invert(placed_layout: PlacedLayout, crc: Crc, frame: int) -> list[i
         if frame_hypothesis("", "", placed_layout, crc, frame_with_flip).fits:
             bits_to_invert.append(bit)
     return bits_to_invert
+
+
+def _disturbed_constants(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> tuple[int, ...]:
+    """Return the bits of which each, if inverted, makes wrong constants and a wrong parity of the frame right."""
+    frame = typed_frame.number
+    _, are_right = check_constant_bits(placed_layout, frame)
+    if are_right or not typed_frame.may_have(placed_layout.bits):
+        return ()
+    return tuple(bit for bit in range(placed_layout.bits) if check_constant_bits(placed_layout, frame ^ (1 << bit))[1])
 
 
 def _doubt_about_dead_line(placed_layout: PlacedLayout | None, crc: Crc | None, frame: int, is_valid: bool) -> str:
@@ -119,20 +133,21 @@ def _missing_part(device: Device, variant: Variant, placed_layout: PlacedLayout,
     return missing_part(line, placed_layout.bits, recorded_bits(typed_frame, placed_layout.bits))
 
 
-def _part_without_written_zeros(
-    device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame
-) -> str:
-    """Return what a word of SSI or SPI lacks if only its written hex digits were received, or an empty string.
-
-    It is empty unless the digits, with their leading zeros, have at least 8 bits fewer than the frame. A raw buffer of
-    BiSS needs other words.
-    """
-    line = LINES.get(line_name(device.interface(variant.interface)))
-    is_cut = not typed_frame.exact and 0 < typed_frame.written <= placed_layout.bits - 8
-    if line is None or variant.interface == Biss.name or not is_cut:
+def _missing_digits(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> str:
+    """Return how many bytes of the frame were not typed, so that they were read as zeros, or an empty string."""
+    has_known_digits = not typed_frame.exact and typed_frame.written > 0
+    if not has_known_digits:
         return ""
-    received_bits = f"{typed_frame.number:0{typed_frame.written}b}"
-    return missing_part(line, placed_layout.bits, received_bits)
+    missing = _missing_bytes(placed_layout, typed_frame.written)
+    return TEXTS["read_as_zeros"].format(missing) if missing else ""
+
+
+def _missing_bytes(placed_layout: PlacedLayout, received_bits: int) -> str:
+    """Return how many bytes of the frame are missing, or an empty string. Its last bits fill a whole byte."""
+    received_bytes, frame_bytes = -(-received_bits // 8), -(-placed_layout.bits // 8)
+    if received_bytes >= frame_bytes:
+        return ""
+    return TEXTS["bytes_missing"].format(received_bytes, frame_bytes, counted(frame_bytes - received_bytes, "byte"))
 
 
 def _hypotheses_without_crc(
@@ -149,12 +164,13 @@ def explain_constant(
     """Explain a wrong constant, or return None if nothing matches.
 
     With a valid CRC, this is another answer to a question that the manual leaves open, or the CRC of a moved or
-    rearranged frame is valid by coincidence. Without a CRC, it is a moved or rearranged frame.
+    rearranged frame is valid by coincidence. Without a CRC, it is a moved or rearranged frame, or a bit is disturbed.
     """
     crc = device.crc_of(placed_layout)
     if crc is None:
         hypotheses = _hypotheses_without_crc(device, variant, placed_layout, typed_frame)
-        return diagnose_without_crc(device, hypotheses, missing="")
+        disturbed = _disturbed_constants(placed_layout, typed_frame)
+        return diagnose_without_crc(device, hypotheses, missing="", disturbed=disturbed)
     answer_hypotheses = other_answer_hypotheses(device, variant, placed_layout, typed_frame)
     fitting_hypotheses = [hypothesis for hypothesis in answer_hypotheses if hypothesis.fits]
     frame_hypotheses = [
@@ -182,8 +198,8 @@ def explain_bytes(
 
     ``with_pairs`` also lists pairs of mistakes if a single one matches.
 
-    Return None if there is no mistake to try. Single bits that would make the frame valid are only searched if the
-    layout is known and has the length of the data.
+    Return None if there is no mistake to try. If nothing explains too few bytes, only their number is the diagnosis.
+    Single bits that would make the frame valid are only searched if the layout is known and has the length of the data.
     """
     number = int.from_bytes(received_bytes, "big")
     crc = device.crc_of(placed_layout) if placed_layout is not None else None
@@ -194,14 +210,31 @@ def explain_bytes(
     # Only what an encoder sends is searched for whole frames.
     whole_frames = list(exchange_hypotheses(device, variant, received_bytes)) if sender == "encoder" else []
     hypotheses = [*whole_frames, *byte_hypotheses(device, variant, sender, placed_layout, received_bytes)]
-    if not _has_crc_in_bytes(device, variant, sender):
-        return diagnose_without_crc(device, hypotheses, missing="")
+    if _has_crc_in_bytes(device, variant, sender):
+        diagnosis = _diagnose_with_crc(device, hypotheses, whole_frames, with_pairs=with_pairs)
+    else:
+        diagnosis = diagnose_without_crc(device, hypotheses, missing="")
+    if placed_layout is None:
+        return diagnosis
+    missing = _missing_bytes(placed_layout, 8 * len(received_bytes))
+    is_explained = diagnosis is not None and bool(diagnosis.explanations)
+    if missing and not is_explained:
+        return _only_missing(missing)
+    if diagnosis is None or 8 * len(received_bytes) != placed_layout.bits:
+        return diagnosis
+    return replace(diagnosis, disturbed=tuple(_bits_of_bytes_to_invert(device, placed_layout, received_bytes)))
+
+
+def _diagnose_with_crc(
+    device: Device, hypotheses: Sequence[Hypothesis], whole_frames: Sequence[Hypothesis], *, with_pairs: bool
+) -> Diagnosis | None:
+    """Return the diagnosis of bytes by the CRCs of the hypotheses, of which ``whole_frames`` explain extra bytes."""
     crc_names = dict.fromkeys(hypothesis.crc.name for hypothesis in hypotheses if hypothesis.crc is not None)
     crcs = [device.crc(name) for name in crc_names]
     # For an unknown frame the user has not chosen anything, so values that depend on an answer are not read.
     undecided = frozenset(name for alternative in device.alternatives for name in alternative.answers[0].sets)
     repeated = [hypothesis for hypothesis in hypotheses if _repeats_frame(hypothesis, whole_frames)]
-    diagnosis = diagnose(
+    return diagnose(
         device,
         [hypothesis for hypothesis in hypotheses if hypothesis not in repeated],
         refuted=[],
@@ -210,9 +243,6 @@ def explain_bytes(
         with_pairs=with_pairs,
         repeated=repeated,
     )
-    if diagnosis is None or placed_layout is None or 8 * len(received_bytes) != placed_layout.bits:
-        return diagnosis
-    return replace(diagnosis, disturbed=tuple(_bits_of_bytes_to_invert(device, placed_layout, received_bytes)))
 
 
 def _has_crc_in_bytes(device: Device, variant: Variant, sender: str) -> bool:

@@ -22,13 +22,15 @@ from ..reference.bits import compute_bits, compute_bytes, parity_bit
 class TypedFrame:
     """A frame as typed, with ``bits`` bits, or at least ``bits`` bits if the text does not show leading zeros.
 
-    ``written`` is the number of bits of all digits, leading zeros included.
+    ``written`` is the number of bits of all digits, leading zeros included, or 0 for a decimal number. ``is_bytes``
+    is true for several bytes, which usually have all their zeros.
     """
 
     number: int
     bits: int
     exact: bool
     written: int = 0
+    is_bytes: bool = False
 
     def may_have(self, bits: int) -> bool:
         """Return whether the frame may have this number of bits: exactly those typed, or also more leading zeros."""

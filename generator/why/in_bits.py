@@ -91,8 +91,9 @@ def moved_frame_hypotheses(
         yield from _left_out_command_hypotheses(placed_layout, crc, typed_frame)
     received_bits = recorded_bits(typed_frame, placed_layout.bits)
     hypotheses_by_rule: list[Hypothesis] = []
+    possible_offsets = [offset for offset in line.slips if _can_have(placed_layout, crc, offset)]
     for length in _possible_lengths(placed_layout, typed_frame):
-        for offset in line.slips:
+        for offset in possible_offsets:
             if placed_layout.bits + offset.additional_bits == length:
                 hypotheses_by_rule += _offset_hypotheses(placed_layout, crc, offset, typed_frame.number, length)
     hypotheses_by_rule += recording_hypotheses(line, placed_layout, crc, received_bits)
@@ -100,6 +101,13 @@ def moved_frame_hypotheses(
     is_frame_found = any(hypothesis.fits for hypothesis in hypotheses_by_rule)
     if crc is not None and not is_frame_found:
         yield from window_hypotheses(placed_layout, crc, received_bits)
+
+
+def _can_have(placed_layout: PlacedLayout, crc: Crc | None, offset: FrameOffset) -> bool:
+    """Return whether the frame has the bits that are missing with an offset, and its CRC the lost last bits."""
+    if len(offset.missing) + offset.lost > placed_layout.bits:
+        return False
+    return crc is None or offset.lost <= crc.width
 
 
 def _left_out_command_hypotheses(

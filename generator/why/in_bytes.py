@@ -52,7 +52,7 @@ def byte_hypotheses(
 
 
 def is_valid_in_bytes(device: Device, placed_layout: PlacedLayout, received_bytes: bytes) -> bool:
-    """Return whether the frame has an 8-bit CRC, and the CRC and the constants of the frame are correct."""
+    """Return whether the frame has an 8-bit CRC, and its CRC, constants, parity and selector are correct."""
     crc = device.crc_of(placed_layout)
     if crc is None or crc.width != 8:
         return False
@@ -69,13 +69,15 @@ def _other_crc_hypotheses(placed_layout: PlacedLayout, crc: Crc, frame: bytes) -
     for kind, description, other_crc in other_crcs_over_bytes(crc):
         yield replace(without_mistake, kind=kind, description=description, crc=other_crc)
     bytes_without_first_and_crc = frame[1:-1]
-    yield replace(
-        without_mistake,
-        kind="first_byte_left_out",
-        description=TEXTS["first_byte_left_out"],
-        covered_data=int.from_bytes(bytes_without_first_and_crc, "big"),
-        covered_bits=without_mistake.covered_bits - 8,
-    )
+    # A frame that is only a CRC has no first byte that it covers.
+    if len(frame) > 1:
+        yield replace(
+            without_mistake,
+            kind="first_byte_left_out",
+            description=TEXTS["first_byte_left_out"],
+            covered_data=int.from_bytes(bytes_without_first_and_crc, "big"),
+            covered_bits=8 * len(bytes_without_first_and_crc),
+        )
 
 
 def _displaced_byte_hypotheses(

@@ -34,6 +34,8 @@ TEXTS: Mapping[str, str] = MappingProxyType(
         "byte_missing": "the first byte ({0}) is missing",
         "and_follows": "{0}, and an extra byte follows the frame",
         "bytes_inverted": "every bit is inverted",
+        "bytes_missing": "the text has {0} of the {1} bytes of the frame. Missing: {2}",
+        "read_as_zeros": "{0}, read as zeros in front",
         "first_byte_left_out": "the CRC does not cover the first byte",
     }
 )

@@ -130,10 +130,8 @@ function box(root) {
   /** Return the layout to paste: the one with the position, among the choices. Null if a question is open. */
   function findExpectedLayout() {
     if (selectedRegister()) return null;
-    const [sender, layoutName] = state.frameType.split(":");
     const { interface: interface_ } = state.orderCode;
-    const layouts = interface_.frames.filter(
-      (layout) => layout.sender === sender && (!layoutName || layout.name === layoutName));
+    const layouts = layoutsOf(interface_, state.frameType);
     const decidedLayouts = layouts.filter((layout) => !unansweredQuestions(layout).length);
     const placedLayouts = decidedLayouts.map(
       (layout) => placedFor(state.orderCode, layout, state.registerContents, state.answers));
@@ -144,11 +142,13 @@ function box(root) {
   /** All about one frame, or the reason why the text is not a frame. */
   function resultOfLine({ line, decoded, error, spellings = [] }) {
     if (error) {
-      return [
-      createPart("div", "bad", createElement("p", {}, toSentence(error))),
-      ...(spellings.length ? [createCodeButtons(spellings, (spelling) => rewriteLine(line, spelling))] : [])];
+      const buttons = createCodeButtons(spellings, (spelling) => rewriteLine(line, spelling));
+      return [createPart("div", "bad", createSentence(error)), buttons];
     }
-    if (unansweredQuestions(decoded.placedLayout?.layout).length && decoded.fields.length) {
+    const layout = decoded.placedLayout?.layout;
+    // Even the length of a word can depend on the answers.
+    const dependsOnAnswers = decoded.fields.length > 0 || !layout?.order;
+    if (dependsOnAnswers && unansweredQuestions(layout).length) {
       return [createPart("div", "warning", createElement("p", {}, UNANSWERED_QUESTION))];
     }
     if (decoded.channels) return createWholeResult(decoded, state.orderCode.interface.measure);
@@ -159,9 +159,10 @@ function box(root) {
   }
 
   /** Replace the text of a frame in its line by another spelling, and show the result. */
-  function rewriteLine({ number, text }, spelling) {
+  function rewriteLine({ number, text, offset }, spelling) {
     const inputLines = frameInput.value.split(/\r\n|\r|\n/);
-    inputLines[number - 1] = inputLines[number - 1].replace(text, spelling);
+    const line = inputLines[number - 1];
+    inputLines[number - 1] = line.slice(0, offset) + spelling + line.slice(offset + text.length);
     frameInput.value = inputLines.join("\n");
     showResult();
   }
@@ -187,7 +188,12 @@ function box(root) {
     frameLink.hidden = !frameInput.value.trim();
     if (!root.hasAttribute("data-link") || !isSetUp) return;
     const isEmpty = !codeInput.value.trim() && !frameInput.value.trim();
-    history.replaceState(null, "", isEmpty ? location.pathname + location.search : frameLink.getAttribute("href"));
+    try {
+      history.replaceState(null, "", isEmpty ? location.pathname + location.search : frameLink.getAttribute("href"));
+    } catch (error) {
+      // Browsers reject many changes in a short time, as someone types. The link has the inputs nevertheless.
+      if (error.name !== "SecurityError") throw error;
+    }
   }
 
   /** Return the elements that help to find the order code: near codes, and the codes that match the first frame. */
@@ -307,16 +313,21 @@ function explainUnknownCode(label) {
 
 const UNANSWERED_QUESTION = "The manual is ambiguous here. Choose above, because there is no default.";
 
-/** Create the frames of a sender to choose from: one option, or one for each frame if the frames lack a selector. */
+/**
+ * Create the frames of a sender to choose from: one option, or one for each frame if the frames lack a selector. If
+ * their length or all channels together identify a frame, an option for all frames comes first.
+ */
 function createFrameChoices(interface_, sender) {
-  const layouts = interface_.frames.filter((layout) => layout.sender === sender);
-  const isIdentified = interface_.told?.some((selector) => selector.sender === sender);
-  if (layouts.length < 2 || isIdentified) return [createOption(sender, `a frame from the ${sender}`)];
+  const layouts = layoutsOf(interface_, sender);
+  const isIdentified = layouts.length < 2 || findSelector(interface_, sender);
+  if (isIdentified) return [createOption(sender, `a frame from the ${sender}`)];
   const hasWholeFrame = interface_.channels && sender === "encoder";
-  const wholeFrameChoice = hasWholeFrame ? [createOption(sender, `a whole frame, from the ${sender}`)] : [];
+  const haveLengths = interface_.exact?.includes(sender) && !layouts[0].order;
+  const choiceForAll = createOption(
+    sender, `${hasWholeFrame ? "a whole frame" : "a frame of any length"}, from the ${sender}`);
   const layoutChoices = layouts.map(
     ({ name }) => createOption(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
-  return [...wholeFrameChoice, ...layoutChoices];
+  return hasWholeFrame || haveLengths ? [choiceForAll, ...layoutChoices] : layoutChoices;
 }
 
 /** Return the part of an address after #, with the inputs of the box. */
@@ -338,7 +349,7 @@ function createQuestion(state, alternative, showResult) {
       state.answers[alternative.name] = name;
       showResult();
     });
-    return createElement("label", {}, radio, ` ${name}: ${meaning}`);
+    return createElement("label", {}, radio, ` ${name}: ${toSentence(meaning)}`);
   });
   idCounter += 1;
   return createElement("fieldset", {}, createElement("legend", {}, toSentence(alternative.meaning)), answerLabels);

@@ -3,7 +3,8 @@
 
 /**
  * Decode the frame in a text with all data channels. Return null if it is a single channel.
- * The digits of a number may lack leading zeros, so they are a single channel only if they are as many as a channel has.
+ * It is one if it has all digits of a channel, in hex digits or in bytes. Fewer digits may be those of a whole frame
+ * without its leading zeros. Exact bits are one if they are no more than the longest channel has.
  */
 function decodeChannels(orderCode, text, registerContents, answers) {
   const { channels } = orderCode.interface;
@@ -14,16 +15,27 @@ function decodeChannels(orderCode, text, registerContents, answers) {
   const typedFrame = numberIn(text, bits, true);
   const channelBits = placedChannels.map((placedLayout) => placedLayout.bits);
   const writtenBits = channelBits.flatMap((count) => [4, 8].map((unit) => unit * Math.ceil(count / unit)));
-  const hasAllDigits = typedFrame.exact || writtenBits.includes(typedFrame.written);
-  if (typedFrame.bits <= Math.max(...channelBits) && hasAllDigits) return null;
+  const longest = Math.max(...channelBits);
+  const hasAllDigits = writtenBits.includes(typedFrame.written) && bitLength(typedFrame.number) <= longest;
+  const hasBitsOfChannel = typedFrame.exact && typedFrame.bits <= longest;
+  if (hasAllDigits || hasBitsOfChannel) return null;
   const positionChannel = placedChannels[channels.position];
   const receivedBits = typedFrame.exact ? typedFrame.bits : Math.max(bits, typedFrame.bits);
   if (receivedBits !== bits) {
-    const names = placedChannels.map((placedLayout) => placedLayout.name).join(", ");
-    const lengthError = createLengthError({ ...positionChannel, name: names }, `${bits} bits`, receivedBits);
-    return { ...lengthError, channels: [], bits };
+    const message = describeChannelLength(placedChannels, bits, receivedBits);
+    const emptyResult = createEmptyResult(positionChannel, 0n);
+    return { ...emptyResult, problems: [{ fault: "length", field: "", message }], channels: [], bits };
   }
   return { ...mergeChannels(channels, decodeEachChannel(placedChannels, typedFrame.number, bits)), bits };
+}
+
+/** Return the message about a frame of another length than the ``bits`` bits of all channels. */
+function describeChannelLength(placedChannels, bits, receivedBits) {
+  const channelTexts = placedChannels.map((placedLayout) => `${placedLayout.name} (${placedLayout.bits} bits)`);
+  const bitsOff = Math.abs(bits - receivedBits);
+  const difference = `${countWithNoun(bitsOff, "bit")} ${bitsOff === 1 ? "is" : "are"} `
+    + (receivedBits < bits ? "missing" : "too many");
+  return messageFor("length_of_channels", channelTexts.join(" and "), `${bits} bits`, receivedBits, difference);
 }
 
 /** Decode the channels in the ``bits`` bits of a frame, each by its placed layout. The first has the highest bits. */

@@ -16,7 +16,7 @@ function placeLayout(family, layout, parameters) {
   const crcFieldName = fields.find(({ field }) => field.crc)?.name;
   return {
     family, layout, parameters, fields, name: layout.name, bits: evaluate(layout.bits),
-    crc: layout.crcs ? layout.crcs[crcFieldName] : layout.crc,
+    crc: family.crcs?.[layout.crcs ? layout.crcs[crcFieldName] : layout.crc],
     gray: placeGray(layout.gray, parameters),
     joins: (layout.joins ?? []).map((join) => placeJoin(join, fields, parameters)),
     checks: sharedParts(layout.checks).map((check) => placeCheck(check, parameters))
@@ -72,7 +72,7 @@ function decode(placedLayout, number) {
   decoded.crc = checkCrc(placedLayout, number);
   if (decoded.crc && decoded.crc.received !== decoded.crc.computed) {
     const message = messageFor("crc", hex(decoded.crc.received, 2), hex(decoded.crc.computed, 2));
-    decoded.problems.push({ fault: "crc", field: decoded.crc.field, message: message });
+    decoded.problems.push({ fault: "crc", field: decoded.crc.field, message });
   }
   decoded.problems.push(...placedLayout.checks.flatMap((placedCheck) => findProblems(placedCheck, number, binary)));
   const rankOf = (problem) => TABLE.faults.indexOf(problem.fault);
@@ -190,17 +190,23 @@ const findCrcField = (placedLayout) => placedLayout.fields.find((placedField) =>
 
 /** Return the received CRC and the computed one, or null if the layout lacks a CRC. */
 function checkCrc(placedLayout, number) {
-  if (!placedLayout.crc) return null;
-  const crc = placedLayout.family.crcs[placedLayout.crc];
+  const { crc } = placedLayout;
+  if (!crc) return null;
   const field = findCrcField(placedLayout);
   const received = extractBits(number, field.low, field.width);
   return { crc, field: field.name, received, computed: computeCrc(crc, placedLayout, number) };
 }
 
+/** Return the lowest bit that the CRC of a frame covers, and the number of these bits. */
+function placeOfCoveredBits(placedLayout) {
+  const { width } = findCrcField(placedLayout);
+  return placedLayout.layout.crc_of ?? [width, placedLayout.bits - width];
+}
+
 /** Compute the CRC with these parameters over the bits of a frame that its CRC covers. */
 function computeCrc(crc, placedLayout, number) {
   const { width } = findCrcField(placedLayout);
-  const [low, bitCount] = placedLayout.layout.crc_of ?? [width, placedLayout.bits - width];
+  const [low, bitCount] = placeOfCoveredBits(placedLayout);
   if (!placedLayout.layout.order || width % 8) return crcOfBits(crc, number >> BigInt(low), bitCount);
   return crcOfBytes(crc, bytesOf(placedLayout.layout.order, number, placedLayout.bits / 8).slice(0, -width / 8));
 }
@@ -221,18 +227,18 @@ function findProblems(placedCheck, number, binary) {
   return [{ fault: check.fault, field: check.field, message }];
 }
 
-/** Return the message about a wrong number. Its name in the table is the name of the check. */
-function describeProblem({ check, limit, lowest }, checkedNumber, rightValue) {
+/** Return the message about a wrong number. Its name in the table is that of the check. */
+function describeProblem({ check, limit, lowest, coveredPlaces }, checkedNumber, rightValue) {
   const { field, says: messageName } = check;
   switch (messageName) {
     case "constant":
       return messageFor(messageName, field, hex(checkedNumber), hex(rightValue));
     case "parity":
-      return messageFor(messageName, field, checkedNumber, check.of_name, rightValue);
+      return messageFor(messageName, field, checkedNumber, listCoveredFields(check, coveredPlaces), rightValue);
     case "no_value":
       return messageFor(messageName, field, hex(checkedNumber));
     case "of_other_frame":
-      return messageFor(messageName, field, checkedNumber.toString(16).toUpperCase());
+      return messageFor(messageName, field, hexDigits(checkedNumber));
     case "too_high":
       return messageFor(messageName, field, checkedNumber, limit);
     case "outside":
@@ -243,6 +249,10 @@ function describeProblem({ check, limit, lowest }, checkedNumber, rightValue) {
       throw new TypeError(`unknown check ${messageName}`);
   }
 }
+
+/** Return the names of the fields that a parity bit covers, without those of 0 bits, which the order code lacks. */
+const listCoveredFields = (check, coveredPlaces) => (
+  check.of_name.split(", ").filter((_, index) => coveredPlaces[index].width > 0).join(", "));
 
 /** Add the reports, the verdict and the differences from the manual to the result of a valid frame or register. */
 function judgeFrame(decoded) {
@@ -337,8 +347,7 @@ function encode(placedLayout, values) {
     number |= computeParity(number, coveredFields, placedField.field) << BigInt(placedField.low);
   });
   if (placedLayout.crc) {
-    const crc = placedLayout.family.crcs[placedLayout.crc];
-    number |= computeCrc(crc, placedLayout, number) << BigInt(findCrcField(placedLayout).low);
+    number |= computeCrc(placedLayout.crc, placedLayout, number) << BigInt(findCrcField(placedLayout).low);
   }
   for (const problem of decode(placedLayout, number).problems) throw new Refusal(problem.message);
   return number;
@@ -353,7 +362,7 @@ function encodeField(placedField, values) {
   if ("fixed" in field) return toBigInt(field.fixed) & ones(width);
   if (!isEnteredByUser(placedField)) return toBigInt(field.unused) & ones(width);
   const wantedValue = values[field.name];
-  if (field.kind === "flag" || field.kind === "not_flag") return BigInt(wantedValue === (field.kind === "flag"));
+  if (isFlag(field)) return BigInt(wantedValue === (field.kind === "flag"));
   if (field.kind === "text") return encodeText(placedField, wantedValue);
   const raw = field.zero_means && wantedValue === toBigInt(field.zero_means) ? 0n : BigInt.asUintN(width, wantedValue);
   if (interpretRaw({
@@ -415,6 +424,3 @@ function bytesFor(placedLayout, values, limits) {
   refuseOutsideLimits(placedLayout, number, limits);
   return formatBytes(bytesOf(placedLayout.layout.order, number, placedLayout.layout.length));
 }
-
-/** Return bytes as text: two hex digits each, with spaces. */
-const formatBytes = (bytes) => bytes.map((byte) => byte.toString(16).toUpperCase().padStart(2, "0")).join(" ");

@@ -1,14 +1,11 @@
 // Licence 0BSD: use, modify and distribute this file without any condition.
 // The table of many frames, and its export as CSV.
 
-const VERDICT_CLASSES = { usable: "good", usable_with_warning: "warning", not_usable: "bad" };
-
 /** Return the verdict on a row in words, with the class for its colour and shape. */
 function describeVerdict({ decoded, error }) {
   if (error) return ["not a frame", "bad"];
   if (decoded.problems.length) return [`${decoded.problems[0].fault.replace("crc", "CRC")} error`, "bad"];
-  if (!decoded.verdict) return ["no verdict", "plain"];
-  return [decoded.verdict.replace(/_/g, " "), VERDICT_CLASSES[decoded.verdict]];
+  return [(decoded.verdict ?? "no verdict").replace(/_/g, " "), VERDICT_CLASSES[decoded.verdict] ?? "plain"];
 }
 
 /** Create the mark of a verdict: its text with the colour and shape of ``verdictClass``. */
@@ -26,9 +23,7 @@ function writeRemark({ decoded, error }) {
 /** Return the field that the position is read from, or the first number of a frame. */
 function findMainField({ decoded }, measure) {
   if (!decoded?.fields.length || decoded.problems.length) return null;
-  const findNumber = (name) => decoded.fields.find((field) => field.name === name && typeof field.value === "bigint");
-  return findNumber(measure?.of) ?? findNumber(measure?.part)
-    ?? decoded.fields.find((field) => typeof field.value === "bigint");
+  return findMeasuredField(decoded, measure) ?? decoded.fields.find((field) => typeof field.value === "bigint");
 }
 
 /** Create a table of lines, each with its frame ``decoded`` or an ``error``. ``pick`` shows a frame in full. */
@@ -36,9 +31,8 @@ function createLineTable(rows, measure, pick) {
   const hasTimes = rows.some((row) => row.line.time);
   const heads = ["Line", ...(hasTimes ? ["Time"] : []), "Frame", "Verdict", "Value", "Remark"];
   const bodyRows = rows.map((row) => {
-    const showButton = createElement("button", { type: "button", "aria-label": `Show line ${row.line.number} in full` },
-      `${row.line.number}`);
-    showButton.addEventListener("click", () => pick(row));
+    const { number } = row.line;
+    const showButton = createButton(`${number}`, () => pick(row), `Show line ${number} in full`);
     const mainField = findMainField(row, measure);
     const valueTexts = mainField ? [`${mainField.name} ${formatWithUnit(mainField)}`] : [];
     const angleText = mainField ? describeMeasurement(row.decoded, measure).replace(/^\w+: /, "") : "";
@@ -52,9 +46,10 @@ function createLineTable(rows, measure, pick) {
   });
   const headCells = heads.map((text) => createElement("th",
     { scope: "col", class: text === "Frame" && `${CLASS}-frame` }, text));
-  return createElement("table", { class: `${CLASS}-many` },
+  const table = createElement("table", { class: `${CLASS}-many` },
     createElement("caption", {}, countWithNoun(rows.length, "frame")),
     createElement("thead", {}, createElement("tr", {}, headCells)), createElement("tbody", {}, bodyRows));
+  return createPart("div", "scroll", table);
 }
 
 /** Return the cells of a field by column: its value, and the quantity that a number represents. */
@@ -91,7 +86,7 @@ function listCommonMistakes(rows) {
     "together", `${mistakes[0].frames}`, `${Math.min(wrongFrames.length, TABLE.likely.frames)}`);
   const mistakeTexts = mistakes.map(
     ({ text, oneIn }) => (oneIn > ONE ? `${text} (matches by chance in 1 of ${oneIn})` : text));
-  const shiftLines = mistakes[0].hidesShift ? [createElement("p", {}, toSentence(messageFor("hidden_shift")))] : [];
+  const shiftLines = mistakes[0].hidesShift ? [createSentence(messageFor("hidden_shift"))] : [];
   return [createElement("p", {}, `${introduction}:`), createList(mistakeTexts), ...shiftLines];
 }
 
@@ -109,20 +104,18 @@ function listCommonDoubts(rows, measure) {
     (text) => `${readingsOfFrames.map((positionByText) => positionByText.get(text)).join(" ")} ${text}`).join(", ");
   return [
     ...(deadLineTexts.size === 1 && !deadLineTexts.has("") ? [createElement("p", {}, [...deadLineTexts][0])] : []),
-    ...(isOwnRequest ? [createElement("p", {}, toSentence(capitalize(requestsText)))] : []),
+    ...(isOwnRequest ? [createSentence(capitalize(requestsText))] : []),
     ...(readingsText ? [foldDoubt(measure, readingsText)] : []),
   ];
 }
 
 /** Create buttons that copy and download the lines as CSV. */
 function createExportButtons(rows) {
-  const copyButton = createElement("button", { type: "button" }, "Copy as CSV");
-  copyButton.addEventListener("click", () => {
+  const copyButton = createButton("Copy as CSV", () => {
     navigator.clipboard.writeText(writeCsv(rows)).then(() => { copyButton.textContent = "Copied"; },
       () => { copyButton.textContent = "The browser did not allow it"; });
   });
-  const downloadButton = createElement("button", { type: "button" }, "Download CSV");
-  downloadButton.addEventListener("click", () => {
+  const downloadButton = createButton("Download CSV", () => {
     const url = URL.createObjectURL(new Blob([writeCsv(rows)], { type: "text/csv" }));
     createElement("a", { href: url, download: "frames.csv" }).click();
     setTimeout(() => URL.revokeObjectURL(url), 1000);

@@ -14,6 +14,10 @@ const ones = (width) => (ONE << BigInt(width)) - ONE;
 const extractBits = (number, low, width) => (number >> BigInt(low)) & ones(width);
 /** Return a number in hex, with 0x and leading zeros up to ``digits``. */
 const hex = (number, digits = 1) => "0x" + number.toString(16).padStart(digits, "0");
+/** Return the digits of a number in hex, in capitals. */
+const hexDigits = (number) => number.toString(16).toUpperCase();
+/** Return bytes as text: two hex digits each, with spaces. */
+const formatBytes = (bytes) => bytes.map((byte) => hexDigits(byte).padStart(2, "0")).join(" ");
 /** Return a count with its noun in the singular or plural. */
 const countWithNoun = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
 /** Fill the values into a template, at {0}, {1} and so on. */

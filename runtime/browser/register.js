@@ -49,12 +49,10 @@ function createRegisterForm(state, register, frameInput, showResult) {
 
 /** Create the button that enters the default bytes of a register. */
 function createDefaultButton(register, frameInput, showResult) {
-  const button = createElement("button", { type: "button" }, `Default: ${register.default}`);
-  button.addEventListener("click", () => {
+  return createButton(`Default: ${register.default}`, () => {
     frameInput.value = register.default;
     showResult();
   });
-  return button;
 }
 
 /** Return the limits of a register in numbers, or an empty string if it has neither. */
@@ -76,7 +74,7 @@ function chooseLimits(register, limitsByMeaning, chosenMeaning) {
 function createFieldInput({ field, name, width }) {
   const hint = [field.meaning, field.unit].filter(Boolean).join(", ") || countWithNoun(width, "bit");
   const inputOf = (input, read, write) => ({ name, input, read, write, label: createLabelledInput(name, input, hint) });
-  if (field.kind === "flag" || field.kind === "not_flag") {
+  if (isFlag(field)) {
     const input = createElement("input", { type: "checkbox" });
     return inputOf(input, () => input.checked, (isActive) => Object.assign(input, { checked: isActive }));
   }

@@ -2,6 +2,8 @@
 // Display of a decoded frame or register. Text of specs is only ever inserted as text.
 
 const CLASS = "codewheel-decode";
+/** Class for the colour and shape of a verdict. All others are plain. */
+const VERDICT_CLASSES = { usable: "good", usable_with_warning: "warning", not_usable: "bad" };
 
 /** An element with attributes and children, without empty children. */
 function createElement(tag, attributes = {}, ...children) {
@@ -15,6 +17,8 @@ function createElement(tag, attributes = {}, ...children) {
 
 /** Create an element of the class ``codewheel-decode-NAME``. */
 const createPart = (tag, name, ...children) => createElement(tag, { class: `${CLASS}-${name}` }, ...children);
+/** Create a paragraph with a sentence. */
+const createSentence = (text) => createElement("p", {}, toSentence(text));
 /** Create a list with an entry for each content: a text, an element, or an array of both. */
 const createList = (contents) => createElement("ul", {}, contents.map((content) => createElement("li", {}, content)));
 /** Return the text with a capital first letter. */
@@ -62,6 +66,10 @@ function formatWithUnit(field) {
 const breakableName = (name) => (
   name.split("_").flatMap((word, index) => (index ? ["_", createElement("wbr"), word] : [word])));
 
+/** Return the length of a frame in bytes or bits, which with all its data channels is ``bitCount``. */
+const describeLength = ({ layout, bits }, bitCount = bits) => (
+  layout.order ? countWithNoun(bits / 8, "byte") : countWithNoun(bitCount, "bit"));
+
 /** Create the table of the decoded fields: the place, the name with its meaning, and the value with the raw number. */
 function createFieldTable(decoded) {
   const { placedLayout } = decoded;
@@ -76,19 +84,22 @@ function createFieldTable(decoded) {
       createElement("td", {}, formatWithUnit(field), rawText));
   });
   const heads = ["Place", "Field", "Value, raw"].map((text) => createElement("th", { scope: "col" }, text));
-  const lengthText = layout.order
-    ? countWithNoun(placedLayout.bits / 8, "byte") : countWithNoun(placedLayout.bits, "bit");
   return createElement("table", {},
-    createElement("caption", {}, `${layout.title}, ${lengthText}`,
+    createElement("caption", {}, `${layout.title}, ${describeLength(placedLayout)}`,
       layout.source ? createPart("span", "source", `, manual ${layout.source}`) : ""),
     createElement("thead", {}, createElement("tr", {}, heads)), createElement("tbody", {}, rows));
+}
+
+/** Return the decoded field with the measured number, or with its part within a turn if only that is a number. */
+function findMeasuredField({ fields }, measure) {
+  const findNumber = (name) => fields.find((field) => field.name === name && typeof field.value === "bigint");
+  return findNumber(measure?.of) ?? findNumber(measure?.part);
 }
 
 /** The position in degrees or micrometres if it is usable, or the angle of a frame with only an angle. */
 function describeMeasurement(decoded, measure) {
   if (!measure || !decoded.verdict || decoded.verdict === "not_usable") return "";
-  const findNumber = (name) => decoded.fields.find((field) => field.name === name && typeof field.value === "bigint");
-  const position = findNumber(measure.of) ?? findNumber(measure.part);
+  const position = findMeasuredField(decoded, measure);
   if (!position) return "";
   const { parameters } = decoded.placedLayout;
   const evaluate = (expression) => (expression === undefined ? 0n : evaluateExpression(expression, parameters));
@@ -136,11 +147,10 @@ function createHeadline(decoded) {
   const phrases = [
     ...(decoded.reports.length ? [] : [errorText]), ...(decoded.verdict ? [TABLE.worth[decoded.verdict]] : [])];
   const verdict = decoded.verdict ? [createElement("code", {}, decoded.verdict), ": "] : [];
-  const classes = { not_usable: "bad", usable_with_warning: "warning", usable: "good" };
   const [firstSentence, ...moreSentences] = phrases.map(toSentence);
   const line = phrases.length
     ? [createElement("p", {}, verdict, [firstSentence, ...moreSentences.map(capitalize)].join(" "))] : [];
-  return createPart("div", classes[decoded.verdict] ?? "plain", line);
+  return createPart("div", VERDICT_CLASSES[decoded.verdict] ?? "plain", line);
 }
 
 /** Whether a wrong frame is a valid one of another kind, whose check bits match, so it has no mistake. */
@@ -156,7 +166,7 @@ function nameOtherFrames(decoded, otherLayouts) {
   const names = otherLayouts.map((placedLayout) => placedLayout.name.replaceAll("_", " ")).join(", ");
   const textName = isAnotherFrame(decoded, otherLayouts) ? "valid_other" : decoded.problems.length ? "instead" : "also";
   const otherText = messageFor(textName, names);
-  return [createElement("p", {}, `${otherText[0].toUpperCase()}${otherText.slice(1)}. Choose it above.`)];
+  return [createElement("p", {}, `${capitalize(otherText)}. Choose it above.`)];
 }
 
 /** Other readings of a position that nothing in the frame can contradict, folded, and the request that it also is. */
@@ -165,7 +175,7 @@ function createDoubts(decoded, measure) {
   const requestName = ownRequest(decoded);
   return [
     ...(readings ? [foldDoubt(measure, readings)] : []),
-    ...(requestName ? [createElement("p", {}, toSentence(capitalize(messageFor("own_request", requestName))))] : []),
+    ...(requestName ? [createSentence(capitalize(messageFor("own_request", requestName)))] : []),
   ];
 }
 
@@ -173,7 +183,7 @@ function createDoubts(decoded, measure) {
 function foldDoubt(measure, readings) {
   const [question, ...answerParts] = messageFor("looks_wrong", positionNameOf(measure), readings).split("? ");
   return createElement("details", {},
-    createElement("summary", {}, `${question}?`), createElement("p", {}, toSentence(answerParts.join("? "))));
+    createElement("summary", {}, `${question}?`), createSentence(answerParts.join("? ")));
 }
 
 /** Create the lines about the mistakes that could explain a wrong frame. */
@@ -188,15 +198,16 @@ function createExplanations(decoded, hasOtherFrames) {
     (explanation) => describeExplanation(explanation.placedLayout ?? decoded.placedLayout, explanation));
   const explanationLines = explanations.length ? [
     createElement("p", {}, introduceExplanations(decoded, noiseText !== "")), createList(describedExplanations)] : [];
-  const isUnexplained = !explanations.length && !missingText && !hasOtherFrames && isCorrupted(decoded);
+  const isIncomplete = missingText && decoded.problems.some(({ fault }) => fault === "length");
+  const isUnexplained = !explanations.length && !isIncomplete && !hasOtherFrames && isCorrupted(decoded);
   const notes = [
     ...(isUnexplained ? [toSentence(messageFor("no_explanation"))] : []),
     ...describeEqualReadings(decoded, explanations),
     ...(explanations.length && hidesShift(explanations[0]) ? [toSentence(messageFor("hidden_shift"))] : []),
-    ...(missingText ? [toSentence(capitalize(missingText))] : []),
     ...(anotherHelps(explanations) ? [messageFor("another_frame")] : []),
   ];
   return [
+    ...(missingText ? [createElement("p", {}, toSentence(capitalize(missingText)))] : []),
     ...(noiseText ? [createElement("p", {}, noiseText)] : []), ...explanationLines,
     ...notes.map((note) => createElement("p", {}, note)),
   ];
@@ -208,14 +219,15 @@ function describeNoise(decoded) {
   if (!disturbedBits.length) return "";
   const bitText = disturbedBits.length === 1
     ? nameBit(decoded.placedLayout, disturbedBits[0]) : `one of ${disturbedBits.length} bits`;
+  const proofText = decoded.placedLayout.crc ? "the CRC matches" : "the frame is valid";
   return "If only some frames fail, one bit may have been disturbed on the line: "
-    + `the CRC matches with ${bitText} inverted. `
+    + `${proofText} with ${bitText} inverted. `
     + "In that case, no change is needed.";
 }
 
 /** Return the words before the explanations, which are another cause if noise is a cause (``hasNoise``). */
 function introduceExplanations(decoded, hasNoise) {
-  if (!decoded.placedLayout?.crc) return `${messageFor("uncertain")}:`;
+  if (!canCrcContradict(decoded)) return `${messageFor("uncertain")}:`;
   return hasNoise ? "If all frames fail, these changes make the CRC match:" : "These changes make the CRC match:";
 }
 
@@ -224,8 +236,8 @@ const isCorrupted = ({ problems, crc }) => problems.some(
   ({ fault }) => ["crc", "length", "constant"].includes(fault)) && !(crc && crc.received === crc.computed);
 
 /** Return the sentence on readings of a frame without a CRC that fit equally well, in a list, or an empty list. */
-function describeEqualReadings({ placedLayout }, explanations) {
-  if (placedLayout?.crc || explanations.length < 2) return [];
+function describeEqualReadings(decoded, explanations) {
+  if (canCrcContradict(decoded) || explanations.length < 2) return [];
   const mostFrames = explanations.map(({ oneIn }) => oneIn).reduce((most, oneIn) => (oneIn > most ? oneIn : most));
   const equalCount = explanations.filter(({ oneIn }) => oneIn === mostFrames).length;
   return equalCount > 1 ? [toSentence(messageFor("equal_readings", `${equalCount}`))] : [];
@@ -274,7 +286,7 @@ function createResult(decoded, measure, otherLayouts) {
 /** Create all output about a frame with several data channels: its verdict, and then each channel. */
 function createWholeResult(decoded, measure) {
   const comparisonLines = decoded.compared
-    ? [createElement("p", {}, toSentence(capitalize(decoded.compared.words)))] : [];
+    ? [createSentence(capitalize(decoded.compared.words))] : [];
   const channelLines = decoded.channels.flatMap((channel) => [
     createElement("h3", {}, capitalize(channel.placedLayout.layout.title)),
     ...createResult({ ...channel, verdict: channel.verdict && decoded.verdict }, measure, []),
@@ -284,23 +296,17 @@ function createWholeResult(decoded, measure) {
 
 /** Create a button for each order code, which calls ``pick`` with it. */
 function createCodeButtons(codes, pick) {
-  return createPart("div", "codes", codes.map((code) => {
-    const codeButton = createElement("button", { type: "button" }, code);
-    codeButton.addEventListener("click", () => pick(code));
-    return codeButton;
-  }));
+  return createPart("div", "codes", codes.map((code) => createButton(code, () => pick(code))));
 }
 
 /** List the order codes that match the frame in a text. ``pick`` selects one of them. */
 function createGuesses(frameText, pick) {
   const groups = inferred(frameText);
-  if (!groups.length) return [createPart("div", "bad", createElement("p", {}, toSentence(notOfAnyCode(frameText))))];
+  if (!groups.length) return [createPart("div", "bad", createSentence(notOfAnyCode(frameText)))];
   const groupsWithCrc = groups.filter((group) => group.decoded.crc);
   const entries = [...groupsWithCrc, ...groups.filter((group) => !group.decoded.crc)].map((group) => {
     const { placedLayout } = group.decoded;
-    const bitCount = group.decoded.bits ?? placedLayout.bits;
-    const lengthText = placedLayout.layout.order
-      ? countWithNoun(placedLayout.bits / 8, "byte") : countWithNoun(bitCount, "bit");
+    const lengthText = describeLength(placedLayout, group.decoded.bits);
     const crcText = group.decoded.crc ? "with a correct CRC" : "without a CRC";
     const mark = group.family.mark ? ` (${group.family.mark})` : "";
     const text = (

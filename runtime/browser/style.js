@@ -13,6 +13,7 @@ function sheet() {
       display: block; width: 100%; font: inherit; padding: .45rem .5rem; color: inherit;
       background: transparent; border: 1px solid var(--codewheel-control); border-radius: 4px;
     }
+    .${CLASS}-item > :is(input:not([type]), select) { min-height: 2.6rem; }
     div.${CLASS} :is(option, optgroup) { background: var(--codewheel-page); color: var(--codewheel-ink); }
     div.${CLASS} :is(textarea, pre, input, input:not([type])) { font-family: ui-monospace, monospace; }
     div.${CLASS} [aria-invalid=true] { border-color: var(--codewheel-not-usable); }
@@ -99,6 +100,7 @@ function sheet() {
     .${CLASS}-badge-good::before { content: "✓ "; color: var(--codewheel-usable); }
     .${CLASS}-badge-warning::before { content: "▲ "; color: var(--codewheel-warning); }
     .${CLASS}-badge-bad::before { content: "✕ "; color: var(--codewheel-not-usable); }
+    .${CLASS}-scroll { overflow-x: auto; }
     div.${CLASS} table.${CLASS}-many { table-layout: auto; }
     div.${CLASS} table.${CLASS}-many :is(th, td) { width: auto; overflow-wrap: break-word; }
     div.${CLASS} table.${CLASS}-many code { font-family: ui-monospace, monospace; font-size: .9em; }

@@ -29,13 +29,18 @@ const PASTED_SPELLINGS = [
 const LEADING_TIME = new RegExp("^\\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"
   + "|[0-9]+[.][0-9]+(?: ?(?:s|ms|us|µs))?|[0-9]+ ?(?:s|ms|us|µs))\\]?[ \\t,;]+(?=[^ \\t])");
 
-/** Return the frames in a text, one per line, as {number, time, text}. Comments after # and empty lines are skipped. */
+/**
+ * Return the frames in a text, one per line, as {number, time, text, offset} with the ``offset`` of the text in its
+ * line. Comments after # and empty lines are skipped.
+ */
 function linesOf(input) {
   return input.split(/\r\n|\r|\n/).flatMap((line, lineIndex) => {
-    const lineText = line.split("#")[0].trim();
-    const timeMatch = LEADING_TIME.exec(lineText);
-    const frameText = timeMatch ? lineText.slice(timeMatch[0].length) : lineText;
-    return frameText ? [{ number: lineIndex + 1, time: timeMatch ? timeMatch[1] : "", text: frameText }] : [];
+    const beforeComment = line.split("#")[0].trimEnd();
+    const timeAndFrame = beforeComment.trimStart();
+    const timeMatch = LEADING_TIME.exec(timeAndFrame);
+    const frameText = timeMatch ? timeAndFrame.slice(timeMatch[0].length) : timeAndFrame;
+    const offset = beforeComment.length - frameText.length;
+    return frameText ? [{ number: lineIndex + 1, time: timeMatch?.[1] ?? "", text: frameText, offset }] : [];
   });
 }
 
@@ -88,7 +93,7 @@ function withLeadingZeros(pieces) {
     const areBytes = pieces.length > 1 && longest >= 3 && longest <= 8;
     const cannotBeHex = lengths.some((length) => length % 2) || lengths.every((length) => length === 8);
     return areBytes && cannotBeHex
-      ? pieces.map((piece) => parseInt(piece, 2).toString(16).toUpperCase().padStart(2, "0")) : pieces;
+      ? pieces.map((piece) => formatBytes([parseInt(piece, 2)])) : pieces;
   }
   return longest === 2 && !hasLeadingZero(pieces) ? pieces.map((piece) => piece.padStart(2, "0")) : pieces;
 }
@@ -114,7 +119,8 @@ function numberIn(text, bitCount, areBytesExact) {
   let compactText = prefixedText.replace(/[\s_]/g, "");
   if (/^0b[01]+$/i.test(compactText)) return makeTypedFrame(compactText, compactText.length - 2, true);
   const pieces = prefixedText.split(/\s+/);
-  if (pieces.length > 1 && pieces.every((piece) => /^(0x)?([0-9a-f]{2})+$/i.test(piece))) {
+  const isPieceOfBytes = (piece) => /^(0x)?([0-9a-f]{2})+$/i.test(piece);
+  if (pieces.length > 1 && pieces.every(isPieceOfBytes)) {
     if (pieces.every((piece) => /^[01]{2}$/.test(piece))) throw new FrameText(messageFor("bits_or_bytes", quoteText(text)));
     compactText = "0x" + pieces.map((piece) => piece.replace(/^0x/i, "")).join("");
     const writtenBits = 4 * (compactText.length - 2);
@@ -124,6 +130,7 @@ function numberIn(text, bitCount, areBytesExact) {
   if (/^0x[0-9a-f]+$/i.test(compactText)) {
     return {
       ...makeTypedFrame(compactText, bitLength(BigInt(compactText)), false), written: 4 * (compactText.length - 2),
+      isBytes: pieces.length > 1 && pieces.every(isPieceOfBytes),
     };
   }
   const meanings = pieces.length === 1 ? listMeanings(compactText, bitCount) : [];
@@ -131,11 +138,11 @@ function numberIn(text, bitCount, areBytesExact) {
   if (meanings.length === 1 && /^[0-9]+$/.test(compactText)) {
     const areBits = meanings[0] === messageFor("if_bits", compactText);
     return areBits ? makeTypedFrame(`0b${compactText}`, compactText.length, true)
-      : makeTypedFrame(compactText, bitLength(BigInt(compactText)), false);
+      : { ...makeTypedFrame(compactText, bitLength(BigInt(compactText)), false), written: 0 };
   }
   const isLongNumber = pieces.length === 1 && /^[1-9][0-9]{0,19}$/.test(compactText);
   const remedies = meanings.length || !isLongNumber ? meanings
-    : [messageFor("if_decimal", `0x${BigInt(compactText).toString(16).toUpperCase()}`), messageFor("if_hex", compactText)];
+    : [messageFor("if_decimal", `0x${hexDigits(BigInt(compactText))}`), messageFor("if_hex", compactText)];
   const remedy = remedies.length ? messageFor("write_one_of", remedies.join(", ")) : messageFor("write_number", bitCount);
   const spellings = remedies.map((remedyText) => remedyText.split(" ")[0]);
   throw new FrameText(messageFor("no_bits", quoteText(text), bitCount, remedy), spellings);
@@ -143,10 +150,10 @@ function numberIn(text, bitCount, areBytesExact) {
 
 /**
  * Return a typed frame: its number with its bits. Unless ``exact``, it may have more. ``written`` counts the bits of
- * all digits.
+ * all digits, or is 0 for a decimal number. ``isBytes`` is true for several bytes, which usually have all their zeros.
  */
 const makeTypedFrame = (text, bitCount, isExact) => ({
-  number: BigInt(text), bits: bitCount, exact: isExact, written: bitCount,
+  number: BigInt(text), bits: bitCount, exact: isExact, written: bitCount, isBytes: false,
 });
 
 /**
@@ -158,7 +165,7 @@ function listMeanings(digits, bitCount) {
   const isDecimal = /^(0|[1-9][0-9]{0,39})$/.test(digits) && fits(BigInt(digits));
   const isHexadecimal = /^[0-9a-f]{1,40}$/i.test(digits) && fits(BigInt(`0x${digits}`));
   return [
-    ...(isDecimal ? [messageFor("if_decimal", `0x${BigInt(digits).toString(16).toUpperCase()}`)] : []),
+    ...(isDecimal ? [messageFor("if_decimal", `0x${hexDigits(BigInt(digits))}`)] : []),
     ...(isHexadecimal ? [messageFor("if_hex", digits)] : []),
     ...(/^[01]{1,160}$/.test(digits) ? [messageFor("if_bits", digits)] : []),
   ];
@@ -231,14 +238,20 @@ function placedFor(orderCode, layout, registerContents, answers) {
   };
 }
 
+/** Return the layouts of a sender such as "encoder", or only the one with the name in "encoder:NAME". */
+function layoutsOf(interface_, senderAndName) {
+  const [sender, layoutName] = senderAndName.split(":");
+  return interface_.frames.filter(
+    (layout) => layout.sender === sender && (!layoutName || layout.name === layoutName));
+}
+
 /**
  * Decode the frame in a text. ``orderCode`` is {code, family, interface, parameters}. ``senderAndName`` is "encoder" or
  * "master", with a colon and the name of the frame where that is needed.
  */
 function decodeFrame(orderCode, senderAndName, text, registerContents, answers) {
   const [sender, layoutName] = senderAndName.split(":");
-  const layouts = orderCode.interface.frames.filter(
-    (layout) => layout.sender === sender && (!layoutName || layout.name === layoutName));
+  const layouts = layoutsOf(orderCode.interface, senderAndName);
   if (!layouts.length) {
     throw new FrameText(`the spec does not describe a frame from the ${sender} over ${orderCode.interface.title}`);
   }
@@ -247,11 +260,10 @@ function decodeFrame(orderCode, senderAndName, text, registerContents, answers) 
     ? decodeChannels(orderCode, plainText, registerContents, answers) : null;
   if (wholeFrame) return { ...wholeFrame, interface: interface_ };
   if (!layouts[0].order) {
-    const placedLayout = placedFor(orderCode, layouts[0], registerContents, answers);
-    return {
-      ...decodeBits(placedLayout, numberIn(plainText, placedLayout.bits, orderCode.interface.exact?.includes(sender))),
-      interface: interface_,
-    };
+    const haveLengths = interface_.exact?.includes(sender);
+    const placedLayouts = layouts.map((layout) => placedFor(orderCode, layout, registerContents, answers));
+    const placedLayout = haveLengths ? findLayoutOfLength(placedLayouts, plainText) : placedLayouts[0];
+    return { ...decodeBits(placedLayout, numberIn(plainText, placedLayout.bits, haveLengths)), interface: interface_ };
   }
   const firstLayout = placedFor(orderCode, layouts[0], registerContents, answers);
   const bytes = placedBytes(firstLayout, plainText, interface_.name === "rs485");
@@ -261,13 +273,19 @@ function decodeFrame(orderCode, senderAndName, text, registerContents, answers) 
   return { ...decoded, receivedBytes: bytes, interface: interface_, orderCode, sender };
 }
 
+/** Return the first layout, unless the text has another length and only one other layout has that length. */
+function findLayoutOfLength(placedLayouts, text) {
+  const hasLength = ({ bits }) => mayHaveBits(numberIn(text, bits, true), bits);
+  const [firstLayout] = placedLayouts;
+  const fittingLayouts = hasLength(firstLayout) ? [firstLayout] : placedLayouts.filter(hasLength);
+  return fittingLayouts.length === 1 ? fittingLayouts[0] : firstLayout;
+}
+
 /** Return the placed layouts of the other frames that a text can be, if the frame lacks a selector. */
 function otherFrames(orderCode, sender, text, decoded, registerContents, answers) {
-  const { frames, told: selectors = [] } = orderCode.interface;
-  const hasSelector = selectors.some((selector) => selector.sender === sender);
-  if (!decoded.placedLayout || hasSelector) return [];
+  if (!decoded.placedLayout || findSelector(orderCode.interface, sender)) return [];
   const hasOtherLength = decoded.problems.some((problem) => problem.fault === "length");
-  return frames.filter((layout) => layout.sender === sender && layout !== decoded.placedLayout.layout
+  return layoutsOf(orderCode.interface, sender).filter((layout) => layout !== decoded.placedLayout.layout
     && !layout.order === !decoded.placedLayout.layout.order
     && !layout.asks?.some((question) => !(question in answers))).flatMap((layout) => {
     try {
@@ -293,10 +311,13 @@ function decodeBits(placedLayout, typedFrame) {
   };
 }
 
+/** Return the selector that identifies the frames of a sender, if they have one. */
+const findSelector = (interface_, sender) => interface_.told?.find((selector) => selector.sender === sender);
+
 /** Return {layout} of the frame that the selector in these bytes identifies, or else a result with the problem. */
 function identifyLayout(interface_, sender, bytes) {
-  const selector = (interface_.told ?? []).find((candidate) => candidate.sender === sender);
-  if (!selector) return { layout: interface_.frames.find((layout) => layout.sender === sender) };
+  const selector = findSelector(interface_, sender);
+  if (!selector) return { layout: layoutsOf(interface_, sender)[0] };
   const fallbackLayout = interface_.frames[selector.fallback];
   if (bytes.length < selector.needs) {
     const message = messageFor("too_few_bytes", countWithNoun(bytes.length, "byte"));
@@ -309,11 +330,10 @@ function identifyLayout(interface_, sender, bytes) {
   if (selectorRow || fallbackLayout) return {
     layout: selectorRow ? interface_.frames[selectorRow[0]] : fallbackLayout,
   };
-  const formatUpper = (number) => number.toString(16).toUpperCase();
   const allowedValues = selector.frames.flatMap(([, ...selectorValues]) => selectorValues)
-    .sort((first, second) => first - second).map(formatUpper);
+    .sort((first, second) => first - second).map(hexDigits);
   return makeFailedFrame("range", selector.selector,
-    messageFor("no_frame", selector.selector, formatUpper(selectorValue), allowedValues.join(", ")));
+    messageFor("no_frame", selector.selector, hexDigits(selectorValue), allowedValues.join(", ")));
 }
 
 /** Return the result of a frame whose layout is open, with its problem. */

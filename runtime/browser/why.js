@@ -41,14 +41,22 @@ function deadLine(decoded) {
 }
 
 /** Return the bits that make the frame valid if one of them is inverted: the usual cause if only some frames fail. */
-function findDisturbedBits({ placedLayout, number, problems }) {
-  const hasWrongCrc = problems.some((problem) => problem.fault === "crc");
-  if (!placedLayout?.crc || problems[0]?.fault === "length" || !hasWrongCrc) return [];
+function findDisturbedBits({ placedLayout, number, problems, receivedBytes }) {
+  if (!placedLayout || problems[0]?.fault === "length") return [];
+  if (!placedLayout.crc) return findDisturbedConstants(placedLayout, number, receivedBytes);
+  if (!problems.some((problem) => problem.fault === "crc")) return [];
   const { low, width } = findCrcField(placedLayout);
-  const crc = placedLayout.family.crcs[placedLayout.crc];
+  const { crc } = placedLayout;
   const isValid = (frameNumber) => computeCrc(crc, placedLayout, frameNumber) === extractBits(frameNumber, low, width)
     && hasRightConstants(placedLayout, frameNumber);
   return listNumbersBelow(placedLayout.bits).filter((bit) => isValid(number ^ (ONE << BigInt(bit))));
+}
+
+/** Return the bits that make the constants and the parity of a frame of bits right if one of them is inverted. */
+function findDisturbedConstants(placedLayout, number, receivedBytes) {
+  if (receivedBytes || hasRightConstants(placedLayout, number)) return [];
+  return listNumbersBelow(placedLayout.bits).filter(
+    (bit) => hasRightConstants(placedLayout, number ^ (ONE << BigInt(bit))));
 }
 
 /** Return the numbers from 0 to ``count`` - 1. */
@@ -77,12 +85,12 @@ function findExplanations(decoded, isWithPairs = false) {
 /** Return the explanations of a frame of bytes, {merged, all}. */
 function explainBytes(decoded, isWithPairs) {
   const hypotheses = tryMistakesInBytes(decoded);
-  return hasCrcInBytes(decoded) ? explainWithCrc(hypotheses, [], isWithPairs) : explainWithoutCrc(hypotheses);
+  return canCrcContradict(decoded) ? explainWithCrc(hypotheses, [], isWithPairs) : explainWithoutCrc(hypotheses);
 }
 
 /** Return the explanations of a frame of bits, {merged, all}. */
 function explainBits({ placedLayout, typedFrame, problems }, isWithPairs) {
-  const crc = placedLayout.crc && placedLayout.family.crcs[placedLayout.crc];
+  const { crc } = placedLayout;
   if (!crc) {
     return explainWithoutCrc([
       ...tryMovedFrames(placedLayout, null, typedFrame), ...tryRearrangedFrames(placedLayout, null, typedFrame)]);
@@ -102,19 +110,22 @@ function explainBits({ placedLayout, typedFrame, problems }, isWithPairs) {
   return significant.length ? explainWithCrc(significant, [], isWithPairs) : { merged: [], all: [] };
 }
 
-/** Return whether any frame in bytes from the sender has a CRC. */
-const hasCrcInBytes = ({ orderCode, interface: interface_, sender }) => !orderCode
-  || interface_.frames.some((layout) => layout.order && layout.sender === sender && layout.crc);
+/** Return whether a CRC can contradict the frame: its own one or, for bytes, that of any frame from the sender. */
+const canCrcContradict = ({ placedLayout, receivedBytes, interface: interface_, sender }) => (
+  receivedBytes ? layoutsOf(interface_, sender).some((layout) => layout.order && layout.crc)
+    : Boolean(placedLayout?.crc));
 
-/** Return the part that a recording without a complete frame lacks, or "". */
+/** Return the part that a recording without a complete frame lacks, or the bytes that a shorter text lacks, or "". */
 function missingPart(decoded) {
-  const { placedLayout, typedFrame, problems } = decoded;
-  if (!typedFrame || !placedLayout || deadLine(decoded)) return "";
-  if (isCutWord(decoded) && !explained(decoded).length) return findMissingPart(
-    placedLayout, typedFrame.number.toString(2).padStart(typedFrame.written, "0"));
+  const { placedLayout, typedFrame, receivedBytes, problems } = decoded;
+  if (!placedLayout || !(typedFrame || receivedBytes) || deadLine(decoded)) return "";
+  if (receivedBytes) return explained(decoded).length ? "" : describeMissingBytes(placedLayout, 8 * receivedBytes.length);
+  if (hasMissingDigits(decoded) && (typedFrame.isBytes || !explained(decoded).length)) {
+    return fillTemplate(TABLE.texts.read_as_zeros, describeMissingBytes(placedLayout, typedFrame.written));
+  }
   const hasWrongLength = problems.some((problem) => problem.fault === "length");
   if (!hasWrongLength || mayHaveBits(typedFrame, placedLayout.bits)) return "";
-  const crc = placedLayout.crc && placedLayout.family.crcs[placedLayout.crc];
+  const { crc } = placedLayout;
   const isSignificant = (hypothesis) => !crc || (isSignificantWithCrc(hypothesis) && !isIdleLine(hypothesis));
   const isFoundByRule = (hypothesis) => (
     hypothesis.kind !== TABLE.inside[0] && fitsFrame(hypothesis) && isSignificant(hypothesis));
@@ -122,10 +133,21 @@ function missingPart(decoded) {
   return findMissingPart(placedLayout, writeReceivedBits(placedLayout, typedFrame));
 }
 
-/** Whether a wrong word of SSI or SPI with a CRC has at least a byte fewer hex digits than the frame. */
-const isCutWord = ({ placedLayout, typedFrame, problems }) => !typedFrame.exact && typedFrame.written > 0
-  && typedFrame.written <= placedLayout.bits - 8 && interfaceOf(placedLayout).name !== "biss"
-  && problems.some((problem) => problem.fault === "crc");
+/** Return whether the digits of a frame with a wrong CRC lack whole bytes, so that these were read as 0. */
+const hasMissingDigits = ({ placedLayout, typedFrame, problems }) => !typedFrame.exact && typedFrame.written > 0
+  && countBytes(typedFrame.written) < countBytes(placedLayout.bits)
+  && problems.some(({ fault }) => fault === "crc");
+
+/** Return the number of bytes that bits fill, the last one at least in part. */
+const countBytes = (bitCount) => Math.ceil(bitCount / 8);
+
+/** Return how many bytes of the frame are missing, or "". */
+function describeMissingBytes(placedLayout, receivedBits) {
+  const [receivedCount, frameCount] = [countBytes(receivedBits), countBytes(placedLayout.bits)];
+  if (receivedCount >= frameCount) return "";
+  const missingText = countWithNoun(frameCount - receivedCount, "byte");
+  return fillTemplate(TABLE.texts.bytes_missing, receivedCount, frameCount, missingText);
+}
 
 /** Return the part that these received bits lack, by the patterns of the line. */
 function findMissingPart(placedLayout, receivedText) {
@@ -365,8 +387,7 @@ const withoutDetails = (template) => fillTemplate(template.replace("({0}) ", "")
 
 /** Return the bits that the CRC covers, shifted to bit 0, and how many they are. */
 function coveredBitsOf(placedLayout, number) {
-  const { width } = findCrcField(placedLayout);
-  const [low, bitCount] = placedLayout.layout.crc_of ?? [width, placedLayout.bits - width];
+  const [low, bitCount] = placeOfCoveredBits(placedLayout);
   return { coveredData: extractBits(number, low, bitCount), coveredBits: bitCount };
 }
 
@@ -391,7 +412,7 @@ function createFrameHypothesis(
 ) {
   if (!crc) {
     return createHypothesis({
-      kind, text, placedLayout, number: frameNumber, missingLowBits: missingLowBits, coveredData: frameNumber,
+      kind, text, placedLayout, number: frameNumber, missingLowBits, coveredData: frameNumber,
       coveredBits: placedLayout.bits, likelihood: computeLikelihood(placedLayout, frameNumber),
       otherBitsRequired: otherBitsRequired + Math.max(countConstantBits(placedLayout) - missingLowBits, 0),
       isConsistent: isConsistent && hasRightConstants(placedLayout, frameNumber), ...otherMembers,
@@ -454,22 +475,23 @@ function tryOtherCrcs(placedLayout, crc, number) {
     ...startBitRules.map(coverStartBits)];
 }
 
-/** Return the bits of error and warning in a frame, set to 1. */
-const statusMaskOf = (placedLayout) => placedLayout.fields.filter(isStatusField)
-  .reduce((mask, { low, width }) => mask | (ones(width) << BigInt(low)), 0n);
+/** Return the bits of fields in a frame, set to 1. */
+const maskOf = (placedFields) => (
+  placedFields.reduce((mask, { low, width }) => mask | (ones(width) << BigInt(low)), 0n));
 
 /** The CRC does not cover error and warning, or they were inverted. */
 function tryOtherStatus(placedLayout, asSent, number, withMistake) {
-  const statusMask = statusMaskOf(placedLayout);
+  const statusFields = placedLayout.fields.filter(isStatusField);
+  const statusMask = maskOf(statusFields);
   if (!statusMask) return [];
   const crcWidth = BigInt(asSent.crcBitsReceived);
-  const remainingBits = [...Array(asSent.coveredBits).keys()].reverse()
+  const remainingBits = listNumbersBelow(asSent.coveredBits).reverse()
     .filter((bit) => !extractBits(statusMask >> crcWidth, bit, 1));
   const remainingData = remainingBits.reduce((sum, bit) => (sum << ONE) | extractBits(asSent.coveredData, bit, 1), 0n);
   const leftOut = withMistake("status_left_out", TABLE.texts.status_left_out, {
     coveredData: remainingData, coveredBits: remainingBits.length });
   // Only bits that are 1 while they are inactive can be converted to active high.
-  const hasActiveLow = placedLayout.fields.filter(isStatusField).some(({ field }) => field.kind !== "flag");
+  const hasActiveLow = statusFields.some(({ field }) => field.kind !== "flag");
   return hasActiveLow ? [leftOut, withMistake("status_turned", TABLE.texts.status_turned, {
     coveredData: (number ^ statusMask) >> crcWidth, likelihood: computeLikelihood(placedLayout, number ^ statusMask) })]
     : [leftOut];
@@ -537,14 +559,13 @@ function tryRearrangedFrames(placedLayout, crc, typedFrame) {
 
 /** Error and warning are missing: removed after the CRC was computed, or before. */
 function tryRemovedStatus(placedLayout, crc, typedFrame) {
-  const statusMask = statusMaskOf(placedLayout);
+  const statusFields = placedLayout.fields.filter(isStatusField);
+  const statusMask = maskOf(statusFields);
   const statusBits = countOnes(statusMask);
   const shortBits = placedLayout.bits - statusBits;
   if (!statusMask || statusMask >> BigInt(crc.width) !== ones(statusBits)
     || !mayHaveBits(typedFrame, shortBits)) return [];
-  const idleStatus = placedLayout.fields.filter((placedField) => isStatusField(placedField)
-    && (placedField.field.kind === "not_flag" || "unused" in placedField.field))
-    .reduce((mask, { low, width }) => mask | (ones(width) << BigInt(low)), 0n);
+  const idleStatus = maskOf(statusFields.filter(({ field }) => field.kind !== "flag"));
   const data = typedFrame.number >> BigInt(crc.width);
   const receivedCrc = extractBits(typedFrame.number, 0, crc.width);
   const frameNumber = (data << BigInt(crc.width + statusBits)) | idleStatus | receivedCrc;
@@ -653,8 +674,7 @@ function tryFrameAtEveryBit(placedLayout, crc, receivedText) {
 /** The bits during the command are missing, and the command is the command that the layout expects. */
 function tryLeftOutCommand(placedLayout, crc, typedFrame) {
   if (interfaceOf(placedLayout)?.name !== "spi") return [];
-  const [coveredLow, coveredBits] = crc
-    ? placedLayout.layout.crc_of ?? [crc.width, placedLayout.bits - crc.width] : [0, placedLayout.bits];
+  const [coveredLow, coveredBits] = crc ? placeOfCoveredBits(placedLayout) : [0, placedLayout.bits];
   const isDuringCommand = (placedField) => "fixed" in placedField.field || placedField.low >= coveredLow + coveredBits;
   const fields = [...placedLayout.fields].sort((placedField, otherField) => otherField.low - placedField.low);
   const dataIndex = fields.findIndex((placedField) => !isDuringCommand(placedField));
@@ -690,9 +710,9 @@ function tryOffset(
   // Without a CRC, there is a hypothesis for each value of the lost last bits.
   const assumedBits = crc ? 0 : missingLowBits + missingFirstBits.length;
   const members = {
-    template, missingLowBits: crc ? missingLowBits : assumedBits, otherBitsRequired: startBits.length, isConsistent: isConsistent,
+    template, missingLowBits: crc ? missingLowBits : assumedBits, otherBitsRequired: startBits.length, isConsistent,
     hasAssumedBit: assumedBits > 0 };
-  const lastBitValues = [...Array(crc ? 1 : 1 << missingLowBits).keys()].map(BigInt);
+  const lastBitValues = listNumbersBelow(crc ? 1 : 1 << missingLowBits).map(BigInt);
   const text = fillTemplate(template, missingFirstBits);
   const hypotheses = lastBitValues.map((lastBits) => (
     createFrameHypothesis(placedLayout, crc, kind, text, frameNumber | lastBits, members)));
@@ -729,13 +749,12 @@ const MOST_ECHOED_BYTES = 4;
 function tryMistakesInBytes(decoded) {
   const { placedLayout: expectedLayout, receivedBytes: data, orderCode, interface: interface_, sender } = decoded;
   const wholeFrames = tryWholeFrames(decoded);
-  const layouts = orderCode ? interface_.frames : [];
   // Where the manual is ambiguous, the first answer decides, as on the command line.
   const firstAnswers = Object.fromEntries(
-    (orderCode?.family.alternatives ?? []).map((alternative) => [alternative.name, alternative.answers[0][0]]));
-  const hypotheses = layouts.filter((layout) => layout.order && layout.sender === sender).flatMap((layout) => {
+    (orderCode.family.alternatives ?? []).map((alternative) => [alternative.name, alternative.answers[0][0]]));
+  const hypotheses = layoutsOf(interface_, sender).filter((layout) => layout.order).flatMap((layout) => {
     const placedLayout = placedFor(orderCode, layout, {}, firstAnswers);
-    const crc = placedLayout.crc ? placedLayout.family.crcs[placedLayout.crc] : null;
+    const { crc } = placedLayout;
     if (crc && crc.width !== 8) return [];
     const isExpected = expectedLayout?.layout === layout && 8 * data.length === placedLayout.bits;
     return [...(crc && isExpected ? tryOtherByteCrcs(placedLayout, crc, data) : []),
@@ -788,7 +807,7 @@ function tryMovedBytes(placedLayout, crc, data) {
   }
   if (extraBytes === 0 || extraBytes === -1) {
     for (const byte of findPossibleFirstBytes(placedLayout)) {
-      const [text, template] = [byte.toString(16).toUpperCase().padStart(2, "0"), "{0}"]
+      const [text, template] = [formatBytes([byte]), "{0}"]
         .map((byteText) => fillTemplate(texts.byte_missing, byteText))
         .map((missingText) => (extraBytes ? missingText : fillTemplate(texts.and_follows, missingText)));
       hypotheses.push(assumeFrame("first_byte_lost", text, [byte, ...data.slice(0, byteCount - 1)], template));
@@ -835,8 +854,7 @@ function computeParityOf(placedLayout, parityField, number) {
 /** Try the bytes as whole frames of RS-485: an echo of the request, a reply after it, or several replies. */
 function tryWholeFrames({ receivedBytes, orderCode, interface: interface_, sender }) {
   const { most: mostBytes, least: leastEvidence } = TABLE.exchanges;
-  if (!orderCode || receivedBytes.length > mostBytes) return [];
-  if (interface_.name !== "rs485" || sender !== "encoder") return [];
+  if (receivedBytes.length > mostBytes || interface_.name !== "rs485" || sender !== "encoder") return [];
   const placedLayouts = interface_.frames.filter((layout) => layout.order)
     .map((layout) => placedFor(orderCode, layout));
   const frames = splitIntoFrames(placedLayouts, receivedBytes);
@@ -908,7 +926,7 @@ function countExpectedBits(placedLayout, number) {
     return sum + (isUsual ? placedField.width - bitLength(BigInt(usualValues.length - 1)) : 0);
   }, 0);
   return countConstantBits(placedLayout) + usualBits
-    + (placedLayout.crc ? placedLayout.family.crcs[placedLayout.crc].width : 0);
+    + (placedLayout.crc?.width ?? 0);
 }
 
 /** Find the request of SPI that a word from the encoder equals, with the most expected bits, or undefined. */
@@ -922,7 +940,7 @@ function findEchoedRequest(placedLayout, number) {
   const hasDocumentedBits = (request) => request.fields.every((placedField) => !("unused" in placedField.field)
     || extractBits(number, placedField.low, placedField.width)
       === (toBigInt(placedField.field.unused) & ones(placedField.width)));
-  const requests = interface_.frames.filter((layout) => layout.sender === "master" && !layout.order)
+  const requests = layoutsOf(interface_, "master").filter((layout) => !layout.order)
     .map((layout) => placeLayout(placedLayout.family, layout, placedLayout.parameters))
     .filter((request) => request.bits === placedLayout.bits && !decode(request, number).problems.length
       && hasDocumentedBits(request))

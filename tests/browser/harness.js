@@ -152,15 +152,19 @@
     });
   }
 
-  /** Return the mistakes that are listed for a frame. */
+  /** Return the mistakes that are listed for a frame, the missing part, whether a CRC can contradict the frame, whether
+   * another frame helps, and the bits that may be disturbed. */
   function reasons(item) {
     return item.frames.map((text) => {
       const found = decoded(foundFor(item), item, text);
-      const mistakes = wheel.explained(found).map((one) => [one.text, `${one.oneIn}`,
+      const explanations = wheel.explained(found);
+      const mistakes = explanations.map((one) => [one.text, `${one.oneIn}`,
         (one.number === undefined ? [] : [one.number, ...one.orNumbers ?? []]).flatMap((number) => (
           wheel.numbersRead(one.placedLayout ?? found.placedLayout, number).map(([name, value]) => `${name} ${value}`))),
         (one.parts ?? []).map((pair) => pair.join(" "))]);
-      return [mistakes, wheel.missingPart(found)];
+      const isWithCrc = mistakes.length > 0 && wheel.canCrcContradict(found);
+      const disturbedBits = wheel.deadLine(found) ? [] : wheel.findDisturbedBits(found);
+      return [mistakes, wheel.missingPart(found), isWithCrc, wheel.anotherHelps(explanations), disturbedBits];
     });
   }
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -11,12 +12,14 @@ from typing import Any
 
 import pytest
 from browser_harness import Asker, Case, cases, frames_with_checksums
-from codewheel.commands.decode.frames import FrameTextError, frame_bytes, frame_number, undecorated
+from codewheel.commands.cli import main
+from codewheel.commands.decode.frames import FrameTextError, decode_text, frame_bytes, frame_number, undecorated
 from codewheel.loading.library import load_library
 from codewheel.model import Choice, Decimal, Device, Flag, FrameExample, RegisterExample, Text, number_to_bytes
 from codewheel.model.registers import bounds, name_with_limits
 from codewheel.reference import codec
 from codewheel.targets import Library
+from codewheel.targets.browser.files import generate
 from codewheel.why.diagnosis import Diagnosis, Explanation
 from codewheel.why.doubts import other_positions
 from codewheel.why.exchanges import own_request
@@ -51,6 +54,9 @@ MADE_UP += (
 )
 MADE_UP += ("../specs/tamagawa/ts5700",)
 MADE_UP += ("../specs/magntek/mt6835", "../specs/mps/ma732", "../specs/cui/amt22")
+#: Words without a CRC, whose parity bit covers a toggle bit that only some order codes have.
+WITH_PARITY = "../specs/trelectronic/c58"
+MADE_UP += (WITH_PARITY,)
 #: The order code of the made-up encoder of 22 bits.
 BITS_22 = "T22SC"
 #: Frames of each layout. tests/verify/test_browser.py reads a hundred thousand.
@@ -77,11 +83,31 @@ def test_frames_and_registers_in_node(node: Asker, library: Library) -> None:
     assert [difference for differing in node("compared", items) for difference in differing] == []
 
 
-@pytest.mark.parametrize("name", mostly_exhaustive(MADE_UP, "c/specs/shapes", "../specs/mps/ma732"))
+@pytest.mark.parametrize("name", mostly_exhaustive(MADE_UP, "c/specs/shapes", "../specs/mps/ma732", WITH_PARITY))
 def test_what_no_device_has(name: str, ask: Ask) -> None:
     library = library_of(name)
     answers = ask(library, "node")("compared", frames(library, MADE_UP_FRAMES))
     assert [difference for answer in answers for difference in answer] == []
+
+
+def test_a_parity_error_names_only_the_bits_of_the_order_code(ask: Ask) -> None:
+    node = ask(library_of(WITH_PARITY), "node")
+    words = {"C58-25B-E": f"0b{2:026b}", "C58-25B-TE": f"0b{4:027b}"}
+    answers = node("lines", [{"code": code, "text": text} for code, text in words.items()])
+    problems = [line.split("\t")[-1] for ((_, _, text),) in answers for line in text.splitlines() if "problem" in line]
+    assert [problem.partition("parity of ")[2] for problem in problems] == [
+        "multiturn, singleturn",
+        "multiturn, singleturn, toggle",
+    ]
+
+
+@pytest.mark.parametrize("name", ["", "amm5", "amt21", "icmr", "orbis", "ts5700"])
+def test_the_link_of_the_readme_has_a_valid_frame(name: str, library: Library, every_encoder: Library) -> None:
+    """The frames are bits with a CRC, a channel of several, and bytes."""
+    families = [device for device in every_encoder.devices if device.name == name] or library.devices
+    readme = generate(Library(tuple(families)))["browser/README.md"]
+    ((order_code, frame),) = re.findall(r"^decode.html#code=(.+)&frame=(.+)$", readme, re.MULTILINE)
+    assert main(["decode", order_code, frame]) == 0
 
 
 def test_bytes_of_a_word_of_another_length_are_refused(ask: Ask) -> None:
@@ -95,6 +121,20 @@ def test_bytes_of_a_word_of_another_length_are_refused(ask: Ask) -> None:
     items = [{"code": "AMT22-14", "sender": sender, "text": text, "answers": {}} for sender, text in rows]
     faults = [answer["faults"] for answer in node("values", items)]
     assert faults == [[], ["length"], ["length"], [], ["length"]]
+
+
+@pytest.mark.parametrize(("path", "code"), [("cui/amt22", "AMT22-14"), ("mps/ma600", "MA600")])
+def test_a_word_has_the_layout_of_its_length(path: str, code: str, ask: Ask) -> None:
+    """It has the layout that the command gives it: the words have 16 and 32 bits, those of the MA600 also 17."""
+    library = library_of(f"../specs/{path}")
+    (device,) = library.devices
+    variant = next(variant for variant in device.variants if variant.code == code)
+    texts = [*(f"0b{1:0{bits}b}" for bits in (15, 16, 17, 32)), "61 AB", "61 AB C0", "61 AB C0 00", "0x61AB", "0x161AB"]
+    items = [{"code": code, "sender": "encoder", "text": text, "answers": {}} for text in texts]
+    layouts = [answer["layout"] for answer in ask(library, "node")("values", items)]
+    decoded_frames = [decode_text(device, variant, "encoder", text) for text in texts]
+    assert layouts == [decoded.layout.name for decoded in decoded_frames if decoded.layout is not None]
+    assert len(set(layouts)) > 1
 
 
 def test_the_bits_of_a_long_frame(ask: Ask) -> None:
@@ -242,7 +282,8 @@ def test_texts_are_read_as_the_command_reads_them(node: Asker, library: Library)
 
     def number(text: str) -> dict[str, Any]:
         read = frame_number(placed, text)
-        return {"number": str(read.number), "bits": read.bits, "exact": read.exact, "written": read.written}
+        bits = {"bits": read.bits, "exact": read.exact, "written": read.written, "isBytes": read.is_bytes}
+        return {"number": str(read.number), **bits}
 
     for text, answers in zip(TEXTS, node("readings", [{"text": text} for text in TEXTS]), strict=True):
         for read, answer in zip((lambda text: [*frame_bytes(text)], number), answers, strict=True):
@@ -354,7 +395,7 @@ def test_reasons_over_spi(name: str, ask: Ask) -> None:
     compare_reasons(ask(library, "node"), [*compared_cases(library, 4)], 20)
 
 
-@pytest.mark.parametrize("name", mostly_exhaustive(MADE_UP, MADE_UP[0]))
+@pytest.mark.parametrize("name", mostly_exhaustive(MADE_UP, MADE_UP[0], WITH_PARITY))
 def test_reasons_for_what_no_device_has(name: str, ask: Ask) -> None:
     library = library_of(name)
     compare_reasons(ask(library, "node"), [*compared_cases(library, 4)], 0)
@@ -488,6 +529,10 @@ def disturbed_texts(case: Case, random_: random.Random) -> Iterator[str]:
         if bits % 8 == 0 and bits > 16:
             after_command = number & (1 << bits - 16) - 1
             yield f"0x{after_command:0{(bits - 16) // 4}X}"
+        if bits > 24:
+            first_bytes = number >> bits - 16
+            yield f"0x{first_bytes:04X}"
+            yield f"0x{first_bytes >> 8:02X} 0x{first_bytes & 0xFF:02X}"
         yield from recorded_texts(f"{number:0{bits}b}", random_)
 
 
@@ -506,14 +551,20 @@ def recorded_texts(frame: str, random_: random.Random) -> Iterator[str]:
 
 
 def expected_explanations(case: Case, text: str) -> list[Any] | None:
-    """Return the explanations of the command, and the missing part, or None if only the command explains the frame."""
+    """Return the explanations of the command, or None if only the command explains the frame.
+
+    They come with the missing part, with whether a CRC can contradict the frame and whether another frame helps, and
+    with the bits that may be disturbed.
+    """
     why = why_of(case, text)
     if why is None:
-        return [[], ""]
+        return [[], "", False, False, []]
     single_kinds = {mistake.kind for mistake in why.explanations if not mistake.twice}
     if single_kinds & COMMAND_KINDS and single_kinds <= COMMAND_KINDS | {"frame_inside"}:
         return None
-    return [[reason(mistake) for mistake in of_page(why).explanations], why.missing]
+    page_why = of_page(why)
+    reasons = [reason(mistake) for mistake in page_why.explanations]
+    return [reasons, why.missing, bool(reasons) and why.has_crc, page_why.needs_another_frame, [*why.disturbed]]
 
 
 def why_of(case: Case, text: str, *, with_pairs: bool = False) -> Diagnosis | None:

@@ -204,9 +204,9 @@ def test_a_negative_position_has_an_angle_of_its_revolution(position: int, expec
     """-1000 of 8,192 counts is 360° - 43.95° of the revolution before the first one."""
     node = require(["node"])
     text = (ROOT / "runtime" / "browser" / "result.js").read_text(encoding="utf-8")
-    function = text[text.index("function describeMeasurement(") :].split("\n}\n", 1)[0] + "\n}\n"
+    functions = text[text.index("function findMeasuredField(") : text.index("/** Create the line about the CRC")]
     frame_result = f'{{ verdict: "usable", placedLayout: {{}}, fields: [{{ name: "position", value: {position}n }}] }}'
     call = f'describeMeasurement({frame_result}, {{ of: "position", counts_per_turn: 8192n, turns: 4096n }})'
-    script = f"const ONE = 1n, evaluateExpression = (item) => item;\n{function}\nconsole.log({call});"
+    script = f"const ONE = 1n, evaluateExpression = (item) => item;\n{functions}\nconsole.log({call});"
     completed = subprocess.run([node, "-e", script], capture_output=True, text=True, check=True)
     assert completed.stdout == f"position: {expected_text}\n"

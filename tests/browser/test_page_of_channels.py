@@ -50,8 +50,8 @@ def test_both_words_and_their_verdict(chromium: str, tmp_path: Path) -> None:
     assert "The highest 13 bits agree: singleturn of control_word 0x246" in results["whole"]
     assert "25.6" in results["whole"] or "25.59999" in results["whole"]
     assert "crc error: safety_word: expected CRC" in results["wrong"]
-    assert "control_word, safety_word" in results["long"]
-    assert "73" in results["long"]
+    message = "control_word (32 bits) and safety_word (40 bits) have 72 bits together, got 73: 1 bit is too many."
+    assert message in results["long"]
     assert "safety_word: expected CRC" in results["many"]
     assert "highest 13 bits" not in results["alone"]
     assert "usable" in results["alone"]

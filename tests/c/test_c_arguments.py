@@ -25,6 +25,8 @@ VALUES: Mapping[str, tuple[int, ...]] = {
     "goal": (0, 511, 512, 8191, 8192),
     "mode": (6, 1, 0, 2, 7, 15, 16),
     "speed": (0, 1023, 1024, 0x2A5),
+    "span": (300, 1, 200, 201, 2000, 4000, 4001),
+    "inside": (200, 0, 299, 300, 999, 1000),
     "level": (7, 6, 900, 901, 0xFFF, 0x1000),
 }
 
@@ -52,7 +54,7 @@ def test_no_warning(command: list[str], arguments: Device, tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize("code", ["ZASC", "ZBSC"])
-@pytest.mark.parametrize("name", ["whole", "parts", "look"])
+@pytest.mark.parametrize("name", ["whole", "parts", "teach", "look"])
 def test_arguments_are_written_and_refused_as_by_the_model(
     name: str, code: str, arguments: Device, run_arguments: Run
 ) -> None:

@@ -186,6 +186,26 @@ def test_the_readme_names_the_macros_that_there_are(
     assert all(macro in headers for macro in re.findall(r"`(\w+_CRC_\w+)`", readme))
 
 
+#: Bytes of the word with the position over SPI, as the data sheets have them. They are counted by hand.
+SPI_WORD_BYTES = {
+    "ma600": 2,  # an angle of 16 bits in 16 clocks
+    "as5047p": 2,  # parity, error and 14 bits of the angle
+    "amt22": 2,  # two check bits and 14 bits of the position
+    "mt6835": 6,  # two bytes of the request, 21 bits of the angle, 3 bits of the status, and 8 bits of the CRC
+    "tle5012b": 6,  # three words of 16 bits: the command, the angle and the safety word
+    "mlx90363": 8,  # messages of 64 bits
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SPI_WORD_BYTES)
+def test_the_buffer_of_an_spi_word_in_the_readme_has_its_bytes(name: str, every_encoder: Library) -> None:
+    device = next(device for device in every_encoder.devices if device.name == name)
+    readme = generate(Library((device,)))["c/README.md"]
+    buffers = re.findall(r"^static uint8_t spi_rx\[(\w+)\];", readme, re.MULTILINE)
+    assert buffers == [str(SPI_WORD_BYTES[name])]
+
+
 @pytest.mark.slow
 def test_the_readme_tells_the_stack_of_the_longest_procedure(c_devices: tuple[Device, ...]) -> None:
     # AM36 set_resolution: 3 + 2 register bytes, which are read back, save, wait, open, 5 preset bytes, which are read

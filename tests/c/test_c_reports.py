@@ -60,9 +60,9 @@ class ExpectedReports:
     def __init__(self, device: Device) -> None:
         self.device = device
         self._bits = {}
-        for reporting in reportings(device):
+        for name, reporting in reportings(device).items():
             bits = {report_key(device, cause): 1 << cause.report.number for cause in reporting.causes}
-            self._bits[reporting.codec.layout.name] = bits
+            self._bits[name] = bits
 
     def says_anything(self, layout: str) -> bool:
         return layout in self._bits

@@ -189,6 +189,44 @@ def test_what_is_recorded(tmp_path: Path, capsys: pytest.CaptureFixture[str], mo
     assert [(release["version"], release["since"]) for release in releases] == [("2.0.1", "2.0.0"), ("2.0.0", "1.4.2")]
 
 
+OVERLAY = """\
+codewheel: 1
+overlay: mine
+of: demo
+title: Measured here
+changes:
+  - {set: interfaces.biss.clock.min_hz, to: 90000, why: Measured., source: "1"}
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("applies_to", ["", "applies_to: {special: S007}\n"])
+def test_a_family_with_an_overlay_is_recorded(tmp_path: Path, applies_to: str) -> None:
+    """The overlay has no version, and a special model has no history of its own."""
+    old, new = write_specs(tmp_path / "old"), write_specs(tmp_path / "new", ("max_hz: 10000000", "max_hz: 5000000"))
+    for folder in (old, new):
+        (folder / "mine.yaml").write_text(OVERLAY.replace("changes:", f"{applies_to}changes:"), encoding="utf-8")
+    earlier = {**RECORDED["releases"][0], "version": "1.4.2", "since": "1.4.1"}
+    history = new / "demo.changes.json"
+    history.write_text(json.dumps({"releases": [earlier]}), encoding="utf-8")
+    assert main(["diff", str(old), str(new), "--record"]) == 1
+    assert 'version: "2.0.0"' in (new / "manufacturer.yaml").read_text(encoding="utf-8")
+    assert (new / "mine.yaml").read_text(encoding="utf-8").count("version") == 0
+    devices, _ = load_library([new])
+    assert [[release.version for release in device.releases] for device in devices] == len(devices) * [
+        ["2.0.0", "1.4.2"]
+    ]
+    release, earlier_release = json.loads(history.read_text(encoding="utf-8"))["releases"]
+    assert earlier_release == earlier
+    assert release["changes"] == RECORDED["releases"][0]["changes"]
+    names = (
+        ["MAKER_DEMO_BISS_CLOCK_MAX_HZ", "MAKER_DEMO_S007_BISS_CLOCK_MAX_HZ"]
+        if applies_to
+        else ["MAKER_DEMO_BISS_CLOCK_MAX_HZ"]
+    )
+    assert release["names"] == [f"C macro {name}: 10000000U → 5000000U" for name in names]
+
+
 @pytest.mark.slow
 def test_the_page_of_changes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     old, new = write_specs(tmp_path / "old"), write_specs(tmp_path / "new", ("max_hz: 10000000", "max_hz: 5000000"))

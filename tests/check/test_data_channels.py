@@ -142,3 +142,15 @@ def test_a_channel_that_is_not_in_the_frame_cannot_be_compared(tmp_path: Path) -
     _, report = load_for_targets([tmp_path, SPECS / "manufacturer.yaml"], targets_named())
     messages = [problem.message for problem in report.problems]
     assert messages == ["'third_word' is not in 'order'; add it, or leave it out here"]
+
+
+@pytest.mark.parametrize(("wrong", "rule"), [("other_bits", "undefined-reference"), ('"9 *"', "bad-expression")])
+def test_the_number_of_compared_bits_must_be_an_expression_of_parameters(tmp_path: Path, wrong: str, rule: str) -> None:
+    text = (SPECS / "channels.yaml").read_text(encoding="utf-8")
+    assert "compared_bits: accurate_bits" in text
+    (tmp_path / "channels.yaml").write_text(
+        text.replace("compared_bits: accurate_bits", f"compared_bits: {wrong}"), encoding="utf-8"
+    )
+    _, report = load_for_targets([tmp_path, SPECS / "manufacturer.yaml"], targets_named())
+    found = [(problem.rule, problem.path) for problem in report.problems]
+    assert found == [(rule, "interfaces.biss.channels.compared_bits")]

@@ -89,6 +89,14 @@ def test_a_power_of_two_may_be_in_gray_code(tmp_path: Path) -> None:
     assert _rules(_write(tmp_path, ('        "360": {sets: {counts: 360}}\n', ""))) == []
 
 
+def test_a_counter_of_turns_may_be_in_gray_code(tmp_path: Path) -> None:
+    """One count per turn is a power of two, although it is odd."""
+    one_count = ('"512": {sets: {counts: 512}}', '"512": {sets: {counts: 1}}')
+    turns = ("counts_per_turn: counts, turns: 1,", "counts_per_turn: counts, turns: 512,")
+    folder = _write(tmp_path, ('        "360": {sets: {counts: 360}}\n', ""), one_count, turns)
+    assert _rules(folder) == []
+
+
 def test_only_masters_with_remainder_code_get_settings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Omron's manual W524, page 7-46: Encoder Resolution is the counts per turn, and the code is Gray code."""
     specs = str(_write(tmp_path, *EXCESS))
@@ -112,3 +120,13 @@ def test_no_master_gets_settings_for_the_way_out(tmp_path: Path, capsys: pytest.
     )
     assert main(["master", "EXC360G", "--specs", str(raw), "--master", "omron_nx"]) != 0
     assert "Encoder Resolution" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("wrong", "rule"), [("first", "undefined-reference"), ("2 *", "bad-expression"), ("2^200", "bad-expression")]
+)
+def test_an_excess_must_be_an_expression_of_parameters(tmp_path: Path, wrong: str, rule: str) -> None:
+    power_of_two = ('        "360": {sets: {counts: 360}}\n', "")
+    assert _rules(_write(tmp_path, power_of_two)) == []
+    changes = (power_of_two, ("when: ssi_gray}", f'when: ssi_gray, excess: "{wrong}"}}'))
+    assert _rules(_write(tmp_path, *changes)) == [rule]

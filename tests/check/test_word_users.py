@@ -5,17 +5,14 @@ from __future__ import annotations
 import copy
 import functools
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import chain
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import pytest
-import yaml
-from codewheel.language.schema_files import is_second, is_word_sheet, load_schema
+from codewheel.language.schema_files import load_schema
+from spec_words import nodes_of, read_specs
 
-ROOT = Path(__file__).parents[2]
-LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 #: Manufacturer whose whole manuals were read. Its words existed before other encoders were described.
 WHOLE = "lika"
 #: Words that only one other manufacturer uses, with the reason to keep them.
@@ -107,81 +104,15 @@ UNUSED = {
 PHYSICS = re.compile(r"(quantity\.(unit|quantity)|scale\.unit)\.")
 
 
-class Part(NamedTuple):
-    """A part of a schema with its key, if any, and the values that the data have there.
-
-    ``values`` is None if all words of the schema are wanted.
-    """
-
-    key: str
-    schema: Mapping[str, Any]
-    values: list[Any] | None
-
-
-def parts_of(node: Mapping[str, Any], values: list[Any] | None) -> Iterator[Part]:
-    """Yield the alternatives, the members and the items of a schema."""
-    for alternative in (*node.get("oneOf", ()), *node.get("anyOf", ())):
-        yield Part("", alternative, values)
-    if "items" in node and "properties" in node:  # One part, or a list of parts.
-        items = [item for value in values or () for item in (value if isinstance(value, list) else [value])]
-        yield Part("", node["items"], None if values is None else items)
-        return
-    mappings = [value for value in values or () if isinstance(value, dict)]
-    properties = node.get("properties", {})
-    for key, member in properties.items():
-        member_values = [mapping[key] for mapping in mappings if key in mapping]
-        yield Part(key, member, None if values is None else member_values)
-    any_member = node.get("additionalProperties")
-    if isinstance(any_member, dict):
-        unlisted = [value for mapping in mappings for key, value in mapping.items() if key not in properties]
-        yield Part("", any_member, None if values is None else unlisted)
-    if "items" in node:
-        lists = [value for value in values or () if isinstance(value, list)]
-        yield Part("", node["items"], None if values is None else list(chain.from_iterable(lists)))
-
-
-def allowed_words(node: Mapping[str, Any], values: list[Any] | None) -> list[Any]:
-    """Return the words of an enumeration, or those among the values."""
-    scalars = [value for value in values or () if not isinstance(value, dict | list)]
-    return [word for word in node.get("enum", ()) if values is None or word in scalars]
-
-
-def words_of(schema: Mapping[str, Any], data: Iterable[Any] | None) -> Iterator[str]:
-    """Yield the words of a schema, or those that the data uses."""
-    visited: set[str] = set()
-
-    def below(node: Mapping[str, Any], owner: str, values: list[Any] | None) -> Iterator[str]:
-        if "$ref" in node:
-            owner = node["$ref"].rsplit("/", 1)[1]
-            if values is None and owner in visited:
-                return
-            visited.add(owner)
-            node = schema["$defs"][owner]
-        for part in parts_of(node, values):
-            if part.values == []:
-                continue
-            if part.key:
-                yield f"{owner}.{part.key}"
-            yield from below(part.schema, f"{owner}.{part.key}" if part.key else owner, part.values)
-        for word in allowed_words(node, values):
-            yield f"{owner}.{word}"
-
-    yield from below(schema, "device", None if data is None else list(data))
+def words_of(schema: Mapping[str, Any], specs: Sequence[Any] | None) -> Iterator[str]:
+    """Yield the words of a schema, or those that the specs use."""
+    return chain.from_iterable(node.words for node in nodes_of(schema, specs))
 
 
 @functools.cache
-def specs() -> dict[str, list[Any]]:
+def specs() -> dict[str, list[dict[str, Any]]]:
     """Return the specs of all real encoders, by manufacturer."""
-    specs_by_manufacturer: dict[str, list[Any]] = {}
-    for path in sorted((ROOT / "specs").glob("*/*.yaml")):
-        if (
-            path.name != "manufacturer.yaml"
-            and path.parent.name != "masters"
-            and not (is_second(path) or is_word_sheet(path))
-        ):
-            text = path.read_text(encoding="utf-8")
-            specs_by_manufacturer.setdefault(path.parent.name, []).append(yaml.load(text, LOADER))
-    return specs_by_manufacturer
+    return read_specs()
 
 
 def users(schema: Mapping[str, Any]) -> dict[str, set[str]]:

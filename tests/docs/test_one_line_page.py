@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.one_line.options import _SETTINGS, _WORDS
-from codewheel.one_line.parse import parse_line
+from codewheel.one_line.parse import _SETTINGS, _WORDS, parse_line
 
 PAGE = (Path(__file__).parents[2] / "docs/encoder/one-line.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)

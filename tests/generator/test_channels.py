@@ -32,6 +32,7 @@ from codewheel.virtual.encoder import VirtualEncoder
 from exhaustive import mostly_exhaustive
 from five_engines import NOT_USABLE, SPECS, USABLE, VERDICTS, WARNING, Import, joined, load_made, remainder
 
+ENCODERS = Path(__file__).resolve().parents[2] / "specs"
 COUNTS = mostly_exhaustive([100, 4000], 100)
 
 
@@ -375,7 +376,8 @@ def test_why_finds_bits_around_the_frame_and_exchanged_words(capsys: pytest.Capt
     bits = frame_of_rxh(0x1234)
     code, text = decoded(capsys, "RXH", f"0b10{bits}0")
     assert code == 1
-    assert "'control_word, safety_word' has 72 bits, got 75" in text
+    message = "control_word (32 bits) and safety_word (40 bits) have 72 bits together, got 75: 3 bits are too many."
+    assert message in text
     assert "All CRCs are correct with 2 other bits before the frame and 1 after it." in text
     _, text = decoded(capsys, "RXH", f"0b{bits[32:]}{bits[:32]}")
     assert "All CRCs are correct with the channels in the order safety_word, control_word." in text
@@ -392,6 +394,49 @@ def test_a_single_word_is_decoded_as_before(capsys: pytest.CaptureFixture[str]) 
     assert "Safety position word, 40 bits" in text
 
 
+@pytest.mark.parametrize(
+    ("text", "has_whole_frame"),
+    [
+        # 12 bits of revolutions, 24 of the angle, and 0 for the active error: the whole frame without leading zeros.
+        ("0x63a2ba03b57", True),
+        ("0x63A2BA03B57", True),
+        ("00 00 00 06 3A 2B A0 3B 57", True),
+        # The position channel alone, with all its digits.
+        ("0x000000031D15D", False),
+        ("0x0000000031D15D", False),
+        ("00 00 00 00 31 D1 5D", False),
+        ("0b" + f"{0x31D15D:050b}", False),
+    ],
+)
+def test_a_number_without_leading_zeros_is_a_whole_frame(
+    text: str, has_whole_frame: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its bits would also fit into the position channel of 50 bits, which would then be decoded as usable."""
+    exit_code = main(["decode", "iC-MR-12-L6T", text, "--specs", str(ENCODERS / "ichaus")])
+    output = " ".join(capsys.readouterr().out.split())
+    assert exit_code == 3
+    assert "error (nE): an error is active" in output
+    assert ("all channels together: the position is not usable" in output) is has_whole_frame
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("0F 42 43 00 00 00 00 00", "71 bits together, got 64: 7 bits are missing."),
+        ("0b" + "01" * 35, "71 bits together, got 70: 1 bit is missing."),
+        ("0b" + "01" * 36, "71 bits together, got 72: 1 bit is too many."),
+    ],
+)
+def test_a_frame_of_another_length_has_the_bits_of_each_channel(
+    text: str, words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    exit_code = main(["decode", "iC-MR-12-L6T", text, "--specs", str(ENCODERS / "ichaus")])
+    output = " ".join(capsys.readouterr().out.split())
+    assert exit_code == 1
+    remedy = "Write all of them, or all bits of a single channel"
+    assert f"length error: pos (50 bits) and tmp (21 bits) have {words} {remedy}" in output
+
+
 def test_json_has_both_words_in_the_shape_of_the_schema(capsys: pytest.CaptureFixture[str]) -> None:
     number = int(frame_of_rxh(0x1244), 2)
     arguments = ["decode", "RXH", f"0x{number:018X}", "--json", "--specs"]
@@ -404,10 +449,49 @@ def test_json_has_both_words_in_the_shape_of_the_schema(capsys: pytest.CaptureFi
     assert [channel["crc"]["ok"] for channel in data["channels"]] == [True, True]
 
 
+def test_json_has_the_errors_and_reports_of_all_channels(capsys: pytest.CaptureFixture[str]) -> None:
+    """A program that reads only the members of the whole frame sees why it has no usable position."""
+
+    def decode(text: str) -> dict[str, Any]:
+        main(["decode", "iC-MR-12-L6T", text, "--json", "--specs", str(ENCODERS / "ichaus")])
+        data: dict[str, Any] = json.loads(capsys.readouterr().out)
+        return data
+
+    active_error = decode("0x63a2ba03b57")
+    assert (active_error["verdict"], active_error["problems"]) == ("not_usable", [])
+    assert [report["field"] for report in active_error["reports"]] == ["error"]
+    assert active_error["reports"] == active_error["channels"][0]["reports"]
+    wrong_crc = decode("0x63a2ba03b56")
+    assert wrong_crc["verdict"] is None
+    assert [problem["kind"] for problem in wrong_crc["problems"]] == ["crc"]
+    assert wrong_crc["problems"][0]["message"] == f"tmp: {wrong_crc['channels'][1]['problems'][0]['message']}"
+
+
 def test_the_published_word_of_a_safety_encoder_has_this_crc() -> None:
     """Word in a log of TI's motor-control SDK: 65535 turns, angle 2924 of 4096, nE 0, nW 1, counter 57, CRC D79Fh."""
     made = Configuration(16, 0, 12, 0)
     assert safety_word(made, 65535, 2924, 0, 1, 57) & 0xFFFF == 55199
+
+
+@pytest.mark.slow
+def test_a_whole_frame_in_decode_of_a_single_channel_gets_a_hint(import_generated: Import) -> None:
+    package: Any = import_generated(Library((made_device(),)), "test_encoders")[1]
+    encoder = package.lookup("RXH")
+    bits = frame_of_rxh(0x1234)
+    expected_hint = "The frame has several data channels, and this decodes a single one: use channels().decode"
+    # As text, as bytes, as a number with all its bits, and as one whose two highest bits are 0.
+    made = CONFIGURATIONS["RXH"]
+    low_number = whole(made, control_word(made, 0, 0x123456, 1, 1), safety_word(made, 0, 0x1234, 1, 1, 5))
+    high_number = whole(made, control_word(made, 0, 0xF23456, 1, 1), safety_word(made, 0, 0xF234, 1, 1, 5))
+    for frame in (bits, f"0b{bits}", low_number.to_bytes(9, "big"), high_number, low_number):
+        error = encoder.try_decode(frame)
+        assert (type(error).__name__, error.hint) == ("LengthError", expected_hint)
+        assert package.why(encoder, frame) == (expected_hint.replace("The", "the", 1),)
+    # The length alone shows it, also with a disturbed bit.
+    assert encoder.try_decode(high_number ^ 1 << 30).hint == expected_hint
+    # A single word that is one bit too long has another cause.
+    one_bit_more = control_word(made, 0, 0xF23456, 1, 1) << 1
+    assert "without its last 1 bit" in encoder.try_decode(one_bit_more).hint
 
 
 @pytest.mark.slow

@@ -12,6 +12,9 @@ from typing import Any
 
 import pytest
 from codewheel.commands.cli import main
+from codewheel.commands.show import text as show_text
+from codewheel.order_codes.labels import find_code
+from codewheel.targets import Library
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "docs" / "example"
@@ -52,6 +55,18 @@ def test_show_fits_a_terminal(capsys: pytest.CaptureFixture[str], argument: str)
     exit_code, out, err = run(capsys, "show", argument)
     assert (exit_code, err) == (0, "")
     assert [line for line in out.splitlines() if len(line) > 80] == []
+
+
+def test_show_has_no_empty_section_and_fits(every_encoder: Library) -> None:
+    """A heading is the first line of its section. The order code of some families sets no parameter."""
+    assert any(not device.parameters for device in every_encoder.devices)
+    for device in every_encoder.devices:
+        texts = [show_text.device_text(device)]
+        texts += [show_text.variant_text(device, find_code(device, device.variants[0].code))]
+        for text in texts:
+            headings_alone = [section for section in text.split("\n\n") if "\n" not in section]
+            assert not {"Parameters", "Position", "Registers", "Inputs", "Procedures"}.intersection(headings_alone)
+            assert [line for line in text.splitlines() if len(line) > 80] == []
 
 
 def test_show_one_code(capsys: pytest.CaptureFixture[str]) -> None:

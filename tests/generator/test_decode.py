@@ -72,6 +72,60 @@ def reported_fields(data: dict[str, Any]) -> list[str]:
     return [report["field"] for report in data["reports"]]
 
 
+# ------------------------------------------------------------------------------------------------------ short frames
+
+
+@pytest.mark.parametrize(
+    ("frame", "words"),
+    [
+        ("0F 42", "The text has 2 of the 6 bytes of the frame. Missing: 4 bytes, read as zeros in front."),
+        ("01 F4 24 3D 03", "The text has 5 of the 6 bytes of the frame. Missing: 1 byte, read as zeros in front."),
+        # No single mistake explains this one, but two at once do.
+        ("0F 42 43", "The text has 3 of the 6 bytes of the frame. Missing: 3 bytes, read as zeros in front."),
+        ("0x0F42", "The text has 2 of the 6 bytes of the frame. Missing: 4 bytes, read as zeros in front."),
+    ],
+)
+def test_bytes_that_a_frame_of_bits_lacks_are_counted_first(capsys: Capture, frame: str, words: str) -> None:
+    """A frame of 45 bits has 6 bytes."""
+    code, output = text(capsys, "AMM5A21/65KSC1", frame)
+    assert code == 1
+    _, _, after_problem = output.partition("crc error: ")
+    assert words in after_problem
+    explanations = ("one bit may have been disturbed", "common mistake", "No single mistake", "Possible explanations")
+    beginnings = [after_problem.index(phrase) for phrase in explanations if phrase in after_problem]
+    assert after_problem.index(words) < min(beginnings)
+
+
+@pytest.mark.parametrize("frame", ["00 00 0F 42 43 D2", "0x1E8487A7", "0F 42 43 D3", "1000003"])
+def test_complete_bytes_valid_frames_and_decimal_numbers_lack_nothing(capsys: Capture, frame: str) -> None:
+    """Leading zeros can be omitted in a number that a mistake explains, and in a valid frame. A decimal has none."""
+    _, output = text(capsys, "AMM5A21/65KSC1", frame)
+    assert "Missing:" not in output
+
+
+@pytest.mark.parametrize(
+    ("order_code", "frame", "words"),
+    [
+        # Replies in examples of the manuals, without their last bytes.
+        ("SMA21-JP1-0050", "A2 00 10 32", "The text has 4 of the 7 bytes of the frame. Missing: 3 bytes."),
+        ("SMA21-JP1-0050", "A2 00 10 32 54 00", "The text has 6 of the 7 bytes of the frame. Missing: 1 byte."),
+        ("AMT212B-V", "12", "The text has 1 of the 2 bytes of the frame. Missing: 1 byte."),
+    ],
+)
+def test_a_short_frame_over_rs_485_has_nothing_to_do_with_its_crc(
+    capsys: Capture, order_code: str, frame: str, words: str
+) -> None:
+    code, output = text(capsys, order_code, frame)
+    assert code == 1
+    _, _, after_problem = output.partition("length error: ")
+    assert words in after_problem
+    assert "CRC" not in after_problem
+    assert "mistake" not in after_problem
+    data = decode(capsys, order_code, frame)[1]["why"]
+    assert f"{data['missing']}." == f"t{words[1:]}"
+    assert (data["tried"], data["cannot_see"]) == (0, [])
+
+
 # --------------------------------------------------------------------------------------------- reports of the encoder
 
 

@@ -122,6 +122,10 @@ def test_an_edition_is_written_with_its_family(capsys: pytest.CaptureFixture[str
     assert run(capsys, *command)[::2] == (0, "")
     names = sorted(path.name for path in (project / "generated/biss").glob("lika-*.xml"))
     assert names == ["lika-amm5.xml", "lika-amm5_1_6.xml"]
+    # Without the edition, the command would remove it.
+    (project / "generated/biss/lika-amm5_1_6.xml").write_text("", encoding="utf-8")
+    err = run(capsys, *command, "--check")[2]
+    assert err.endswith(f" out of date; run: codewheel generate {ROOT}/specs/lika --target biss --edition amm5=1.6\n")
 
 
 def test_a_target_that_would_write_no_family_is_an_error(capsys: pytest.CaptureFixture[str], project: Path) -> None:

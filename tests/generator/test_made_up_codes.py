@@ -6,9 +6,12 @@ import json
 
 import pytest
 from codewheel.commands.cli import main
+from codewheel.say.plain_text import plain
 from codewheel.targets import Library
 from codewheel.targets.browser.files import family_data
+from codewheel.targets.c.files import generate as generate_c
 from codewheel.targets.docs.files import generate
+from codewheel.targets.python.files import generate as generate_python
 
 UNCORROBORATED = {"as38", "bml_s1g", "c58", "dl100", "dl1000", "icmr", "kcd", "la11", "msa213c", "wdga"}
 SAID = "Made-up order code: The label of the chip has only its name."
@@ -20,7 +23,7 @@ def _printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     return " ".join(capsys.readouterr().out.split())
 
 
-@pytest.mark.parametrize("arguments", [("decode", "iC-MU-38-7", "0x0"), ("show", "iC-MU-38-7")])
+@pytest.mark.parametrize("arguments", [("decode", "iC-MU-38-7", "0x0"), ("show", "iC-MU-38-7"), ("show", "icmu")])
 def test_commands_say_it(capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...]) -> None:
     assert SAID in _printed(capsys, *arguments)
     assert "Made-up" not in _printed(capsys, arguments[0], "AMM5A21/65KSC1", *arguments[2:])
@@ -33,6 +36,31 @@ def test_pages_say_it(every_encoder: Library) -> None:
     assert "Made-up order codes: The label of the chip has only its name." in " ".join(pages["docs/icmu.md"].split())
     assert "Made-up" not in pages["docs/as5047p/AS5047P.md"]
     assert any(text.startswith(SAID) for text in family_data(devices["icmu"])["about"])
+
+
+@pytest.mark.parametrize("order_codes_are_made_up", [True, False])
+def test_packages_say_it(every_encoder: Library, order_codes_are_made_up: bool) -> None:
+    """A README or a program names no label for a made-up order code, and says what the label shows instead."""
+    names = {True: ("icmr", "c58", "amt22", "dl100"), False: ("amm5", "as5047p", "tle5012b")}[order_codes_are_made_up]
+    for device in [device for device in every_encoder.devices if device.name in names]:
+        library = Library((device,))
+        python_readme = generate_python(library)["python/README.md"]
+        c_files = generate_c(library)
+        programs = [text for path, text in c_files.items() if path.startswith("c/examples/")]
+        for text in (python_readme, c_files["c/README.md"], *programs):
+            named_label = "order code on the label" in text or "order code from the label" in text
+            assert named_label is not order_codes_are_made_up, device.name
+        first_words = plain(device.order_code.not_on_label).partition(".")[0]
+        assert first_words in python_readme
+        assert first_words in c_files["c/README.md"]
+
+
+def test_the_c58_says_what_its_codes_and_decoders_lack(capsys: pytest.CaptureFixture[str]) -> None:
+    """Its default of 24 data bits has no order code, and its check sum is not checked."""
+    assert not any(code.startswith("C58-24") for code in _printed(capsys, "show", "c58").split())
+    assert "No order code has the default of 24 data bits" in _printed(capsys, "show", "c58")
+    position_1 = f"0b{1 << 18:043b}"
+    assert "TR check sum. It is not checked, because" in _printed(capsys, "decode", "C58-25B-C25", position_1)
 
 
 def test_every_code_with_a_width_of_our_own_says_it(every_encoder: Library) -> None:

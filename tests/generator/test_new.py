@@ -128,6 +128,18 @@ def test_names_that_cannot_be(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("name", "suggested"),
+    [("My-Encoder", "my_encoder"), ("Class", "encoder_1"), ("Manufacturer", "encoder_1"), ("Lookup", "encoder_1")],
+)
+def test_the_name_suggested_can_be_used(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, suggested: str
+) -> None:
+    assert main(["new", name, "-o", str(tmp_path)]) == 2
+    assert capsys.readouterr().err.endswith(f", such as {suggested}\n")
+    assert main(["new", suggested, "-o", str(tmp_path)]) == 0
+
+
 def test_a_file_is_named_like_its_family(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["new", "demo", "-o", str(tmp_path / "other.yaml")]) == 2
     assert "the file of a spec has its family's name" in capsys.readouterr().err

@@ -358,3 +358,10 @@ def test_hints_for_raw_buffers_and_other_lengths(run: Run) -> None:
     # Three clocks too many behind a word of SSI whose alignment is left.
     _, out, _ = run("decode", "ssi,left:position=12,error=low", "0b0011111010001000")
     assert "position 1000" in out
+
+
+@pytest.mark.parametrize(("line", "frame"), [("rs485,low_byte_first:crc=8:0x101", "12"), ("biss:crc=1:0x3", "0b0")])
+def test_a_wrong_frame_that_is_only_a_crc_is_decoded(run: Run, line: str, frame: str) -> None:
+    code, out, _ = run("decode", line, frame)
+    assert code == 1
+    assert "WRONG, expected" in out

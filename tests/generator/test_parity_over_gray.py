@@ -176,6 +176,38 @@ def test_every_engine(code: str, engine: str, device: Device, import_generated: 
     assert not different[:5]
 
 
+#: Changes of the spec after which the order codes with 11 bits lack the bit ``parity_of_angle``.
+_WITHOUT_A_BIT = {
+    "  in_gray: {meaning: 1 for Gray": "  has_parity: {meaning: 1 with the bit}\n  in_gray: {meaning: 1 for Gray",
+    "sets: {angle_bits: 9}": "sets: {angle_bits: 9, has_parity: 1}",
+    "sets: {angle_bits: 11}": "sets: {angle_bits: 11, has_parity: 0}",
+    "{name: parity_of_angle, parity: odd, parity_of: angle}": (
+        "{name: parity_of_angle, bits: has_parity, parity: odd, parity_of: [turns, angle, error]}"
+    ),
+}
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_an_order_code_without_one_of_the_parity_bits(engine: str, import_generated: Import, tmp_path: Path) -> None:
+    """The bit that the order code lacks is not sent: no other bit of the word takes its parity."""
+    spec_text = SPEC.read_text(encoding="utf-8")
+    for old, new in _WITHOUT_A_BIT.items():
+        assert spec_text.count(old) == 1
+        spec_text = spec_text.replace(old, new)
+    spec = tmp_path / SPEC.name
+    spec.write_text(spec_text, encoding="utf-8")
+    (changed_device,), report = load_library([spec, *SPECS[1:]])
+    assert not report
+    expected: list[tuple[int, int, bool]] = []
+    sent: list[int] = []
+    for turns, angle, error in ((0, 0, False), (5, 300, True), (6, 301, False), (15, 2047, True), (1, 2, False)):
+        word = word_of(11, True, turns, angle, error)
+        # The bit would be bit 1, above the parity of the odd bits.
+        sent.append(word >> 2 << 1 | word & 1)
+        expected.append((turns, angle, error))
+    assert ENGINES[engine](changed_device, "GP11G", sent, import_generated, tmp_path) == expected
+
+
 @pytest.mark.parametrize("code", CODES)
 def test_a_virtual_encoder(code: str) -> None:
     bits, is_gray = CODES[code]

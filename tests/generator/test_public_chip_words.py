@@ -75,6 +75,18 @@ def test_requests_of_the_ma600(import_generated: Importer) -> None:
     assert int(ma600.WriteData(address=28, data=0x80).encode()) == 28 << 8 | 0x80
 
 
+def test_the_register_of_the_ma600_that_selects_turns_or_speed(import_generated: Importer) -> None:
+    """The library writes 80h for the speed and 00h for the turns. It names functions of the other bits."""
+    package_of(import_generated, "mps", "ma600")
+    from mps_encoders import ma600
+
+    assert ma600.Output(content=ma600.Content.SPEED).encode() == b"\x80"
+    assert ma600.Output(content=ma600.Content.TURNS).encode() == b"\x00"
+    for number in range(256):
+        content = ma600.Output.decode(bytes([number])).content
+        assert content is (ma600.Content.SPEED if number & 0x80 else ma600.Content.TURNS)
+
+
 class Configuration(NamedTuple):
     """A configuration of the iC-MR, by its made-up order code."""
 

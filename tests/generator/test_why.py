@@ -39,6 +39,8 @@ from planted import (
 )
 
 SPECS = Path(__file__).parents[1] / "specs"
+#: Order codes with a parity bit, without and with a toggle bit, and the bits of their words.
+PARITY_WORDS = {"C58-25B-E": 26, "C58-25B-TE": 27}
 Run = Callable[..., tuple[int, dict[str, Any]]]
 
 
@@ -328,6 +330,28 @@ def test_a_disturbed_bit_comes_first(decode: Run, capsys: pytest.CaptureFixture[
     data = decode("AMM5A23/65KJP1", (reply[:4] + bytes([reply[4] ^ 0x10]) + reply[5:]).hex())[1]
     assert data["why"]["disturbed"] == [4, 12, 20, 28, 36]
     assert decode("AMM5A23/65KJP1", "02 02 20 C7 D1 6A 5E")[1]["why"]["disturbed"] == []
+
+
+def test_a_disturbed_bit_of_a_word_without_a_crc(decode: Run, capsys: pytest.CaptureFixture[str]) -> None:
+    """A parity bit shows that one of its 26 bits is inverted, and a wrong constant shows which bit is."""
+    exit_code, data = decode("C58-25B-E", f"0b{2:026b}")
+    assert (exit_code, data["why"]["disturbed"]) == (1, [*range(26)])
+    assert main(["decode", "C58-25B-E", f"0b{2:026b}"]) == 1
+    out = " ".join(capsys.readouterr().out.split())
+    assert "on the line: the frame is valid with one of 26 bits inverted. In that case, no change is needed." in out
+    # Position 1, and the middle one of three zeros before the check sum. With two of them, no single bit explains it.
+    assert decode("C58-25B-C25", f"0b{1 << 18 | 1 << 16 | 5:043b}")[1]["why"]["disturbed"] == [16]
+    assert decode("C58-25B-C25", f"0b{1 << 18 | 3 << 16 | 5:043b}")[1]["why"]["disturbed"] == []
+    # A word of another length has another cause.
+    assert decode("C58-25B-E", f"0b{2:027b}")[1]["why"] is None
+
+
+def test_a_parity_error_names_only_the_bits_of_the_order_code(decode: Run) -> None:
+    messages = {code: decode(code, f"0b{4:0{bits}b}")[1]["problems"] for code, bits in PARITY_WORDS.items()}
+    assert [problem["message"].partition("parity of ")[2] for (problem,) in messages.values()] == [
+        "multiturn, singleturn",
+        "multiturn, singleturn, toggle",
+    ]
 
 
 @pytest.mark.slow

@@ -189,6 +189,7 @@ def test_bytes_of_rs485(run: Run) -> None:
         (["0b01", "0b10", "--positions", "1"], "1 position for 2 frames; give one for each frame"),
         (["0b01", "0b10", "--positions", "a,b"], "'a,b' is not a list of numbers"),
         (["0b01", "0b10", "--positions", "nan,1"], "a position is not a finite number"),
+        (["0b01", "0b10", "--positions", "1e200,0"], "a position is beyond ±1e+20"),
         (["0x100", "0x1", "--bits", "8"], "'0x100' has more than 8 bits"),
         ([f"0b{'01' * 40}", f"0b{'10' * 40}"], "the frames have 80 bits; a line has at most 64"),
     ],
@@ -197,3 +198,13 @@ def test_wrong_arguments(run: Run, arguments: list[str], message: str) -> None:
     code, out, err = run("find", "ssi", *arguments)
     assert (code, out) == (1 if "equal" in message else 2, "")
     assert message in err
+
+
+def test_a_part_of_a_byte_is_no_frame_over_rs485(run: Run) -> None:
+    code, out, err = run("find", "rs485", "000F", "000E", "--bits", "12")
+    assert (code, out) == (2, "")
+    assert "the frames have 12 bits; over RS-485, they are whole bytes" in err
+
+
+def test_great_positions_are_compared(run: Run) -> None:
+    assert run("find", "ssi", f"0b{'01' * 32}", f"0b{'10' * 32}", "--positions=1e20,-1e20")[0] == 0

@@ -102,6 +102,24 @@ def test_what_is_open_has_to_be_chosen(capsys: pytest.CaptureFixture[str]) -> No
     assert run(capsys, "master", "ASC8525/BG1", "--choose", "zero_bit=left_out")[0] == 2
 
 
+@pytest.mark.parametrize(
+    ("order_code", "fact"),
+    [
+        # The spec has neither times nor characteristics, only a note on the interface.
+        ("iC-MR-12-L6T", "Time-out see the note on the interface in the spec: The time-out follows the clock Busy"),
+        ("iC-MR-12-L6T", "Supply the spec does not say"),
+        # The spec has characteristics, but no times.
+        ("KCD-BC03B-1617", "Supply see the characteristics in the spec"),
+        ("KCD-BC03B-1617", "Time-out the spec does not say Busy time the spec does not say, but BiSS C allows 40 µs"),
+    ],
+)
+def test_a_fact_without_a_value_refers_to_a_part_that_the_spec_has(
+    capsys: pytest.CaptureFixture[str], order_code: str, fact: str
+) -> None:
+    _, out, _ = run(capsys, "master", order_code, "--master", "ic_mb")
+    assert fact in " ".join(out.split())
+
+
 def test_registers(capsys: pytest.CaptureFixture[str]) -> None:
     """0Ch turns bits, 10h position bits: a frame of 28 + 2 + 6 = 36 bits."""
     code, out, _ = run(

@@ -384,7 +384,7 @@ def test_hostile_names_stay_in_comments(
     """A setting or document whose name would end a comment changes no value."""
     masters_with_format = (master for master in masters.values() if name in format_names(master))
     master = next(masters_with_format)
-    hostile = "x --> */ \n- {index: 1}\\"
+    hostile = "x --> ---> */ \n- {index: 1}\\"
     settings = [{**setting, "name": f"{setting['name']} {hostile}"} for setting in master.settings]
     documents = tuple(replace(document, title=f"{document.title} {hostile}") for document in master.documents)
     hostile_sheet = sheet(

@@ -229,6 +229,19 @@ def test_one_channel_is_too_few(tmp_path: Path) -> None:
         read([tmp_path / "line.csv"])
 
 
+@pytest.mark.parametrize("shape", [(5, 2, 2), (5, 0)])
+def test_an_array_of_numpy_without_rows_of_channels(tmp_path: Path, shape: tuple[int, ...]) -> None:
+    numpy.savez(tmp_path / "line.npz", numpy.zeros(shape, numpy.uint8))
+    with pytest.raises(InputError, match=r"line\.npz: expected whole numbers in one or two dimensions, got uint8"):
+        read([tmp_path / "line.npz"])
+
+
+def test_a_time_stamp_in_a_13th_month(tmp_path: Path) -> None:
+    (tmp_path / "line.csv").write_text("Time,MA,SLO\n2024-13-01T00:00:00.1,1,1\n2024-13-01T00:00:00.2,0,1\n")
+    with pytest.raises(InputError, match=r"line\.csv, from line 2: .*2024-13-01"):
+        read([tmp_path / "line.csv"])
+
+
 @pytest.mark.parametrize("name", ["rate", "rest", "baud", "threshold"])
 def test_numbers_that_are_none(tmp_path: Path, name: str) -> None:
     paths = saleae_csv(tmp_path / "line.csv", wave())

@@ -17,6 +17,7 @@ import numpy
 import pytest
 from codewheel_runtime import biss
 from codewheel_runtime.captures import signals
+from codewheel_runtime.captures.accesses import Accesses, ControlBits
 from codewheel_runtime.captures.any_biss import biss_layout
 from codewheel_runtime.captures.capture import Captures
 from codewheel_runtime.captures.signals import Edges, Signals
@@ -169,6 +170,34 @@ def test_refused_and_unanswered_accesses() -> None:
     assert accesses_in(line) == [f"read 33h: {biss.Outcome.REFUSED.value}"]
     line = line_with_accesses(lambda master: master.read(0x40, slave_id=3, busy_limit=0), {0x40: 0})
     assert accesses_in(line) == [f"read 40h of slave 3: {biss.Outcome.NO_ANSWER.value}"]
+
+
+def test_a_read_that_is_cut_off_after_a_write_is_not_a_write() -> None:
+    """The capture ends between the address and R W, so the kind of the second access is not known."""
+    memory = {0x40: 0, 0x78: 0x4C}
+    master, slave = biss.Master(), biss.Slave(memory, memory)
+    cds_bits, cdm_bits = [], [0]
+
+    def follow(cycles: int) -> None:
+        for _ in range(cycles):
+            cds_bits.append(slave.next(cdm_bits[-1]))
+            slave.stored()
+            cdm_bits.append(master.next(cds_bits[-1]))
+
+    master.write(0x40, b"\xa5", busy_limit=0)
+    follow(46)
+    assert master.outcome is biss.Outcome.DONE
+    master.read(0x78, busy_limit=0)
+    while not cdm_bits[-1]:
+        follow(1)
+    # After S, the bits from CTS to the CRC of the address.
+    follow(15)
+    finder = Accesses()
+    times = numpy.arange(len(cds_bits), dtype=float)
+    bits = ControlBits(times, cds=numpy.array(cds_bits), cdm=numpy.array(cdm_bits[1:]))
+    written, cut_off = [*finder.feed(bits), *finder.finish()]
+    assert (written.is_write, written.address, written.value, written.done) == (True, 0x40, 0xA5, True)
+    assert (cut_off.is_write, cut_off.address, cut_off.value, cut_off.done) == (False, 0x78, None, False)
 
 
 # The command

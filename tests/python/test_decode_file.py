@@ -163,6 +163,29 @@ def test_frames_that_follow_a_register(
     assert f"no register affects the frames of {CODE}" in decode(CODE, "it.bin", "--register", "0x56=1").err
 
 
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((CODE, ""), "the frame is empty"),
+        ((CODE, " ", ""), "the frame is empty"),
+        (("AMM5A23/65KJP1", ""), "the frame is empty"),
+        ((CODE, "10 01 11"), "'10 01 11' could be bits or hexadecimal digits. Prefix it with 0b or 0x"),
+        ((CODE, "10", "01"), "'10 01' could be bits or hexadecimal digits. Prefix it with 0b or 0x"),
+        (
+            ("ASC8525/SC2", "0x123"),
+            (
+                "ASC8525/SC2: expected ZeroBit.AS_PRINTED or ZeroBit.LEFT_OUT, got None: the manual leaves this open; "
+                "add --choose zero_bit=as_printed or --choose zero_bit=left_out"
+            ),
+        ),
+    ],
+)
+def test_a_frame_that_needs_another_argument(decode: Command, arguments: tuple[str, ...], message: str) -> None:
+    """``codewheel decode`` also refuses an empty frame, and digits that can be bits or bytes."""
+    outcome = decode(*arguments)
+    assert (outcome.code, outcome.out, outcome.err) == (2, "", f"lika-encoders: {message}\n")
+
+
 def test_what_the_manual_leaves_open(decode: Command, tmp_path: Path) -> None:
     """The address of AMM5's EEPROM, according to its erratum: EA 0A E0 or EA 05 EF for address 5."""
     (tmp_path / "it.bin").write_bytes(bytes.fromhex("EA 0A E0"))

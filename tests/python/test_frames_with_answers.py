@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from itertools import permutations
+from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import pytest
-from test_agreement import Family, families
-
-__all__ = ["families"]
 
 #: Bits of the position, as in the order code of the ASC85 manual.
 POSITION_BITS = {"ASC8520/SC1": 20, "ASC8525/SC1": 25}
@@ -22,15 +20,19 @@ def remainder(number: int) -> int:
     return number
 
 
+@pytest.fixture(scope="session")
+def asc85(generated_python: tuple[Path, ModuleType]) -> Any:
+    """The module of the family, whose frames over BiSS depend on an answer."""
+    return generated_python[1].asc85
+
+
 @pytest.fixture(params=[*permutations(POSITION_BITS)], ids=" then ".join)
-def encoders(families: Mapping[str, Family], request: pytest.FixtureRequest) -> list[Any]:
+def encoders(asc85: Any, request: pytest.FixtureRequest) -> list[Any]:
     """Return new encoders, for which nothing was encoded yet."""
-    lookup = families["asc85"].module.lookup
-    return [lookup(code)._with_changes() for code in request.param]
+    return [asc85.lookup(code)._with_changes() for code in request.param]
 
 
-def test_each_encoder_has_its_own_width(families: Mapping[str, Family], encoders: list[Any]) -> None:
-    asc85 = families["asc85"].module
+def test_each_encoder_has_its_own_width(asc85: Any, encoders: list[Any]) -> None:
     for encoder in encoders:
         bits = POSITION_BITS[encoder.code]
         for zero_bit, below_position in ((asc85.ZeroBit.AS_PRINTED, "011"), (asc85.ZeroBit.LEFT_OUT, "11")):
@@ -43,15 +45,13 @@ def test_each_encoder_has_its_own_width(families: Mapping[str, Family], encoders
 
 
 @pytest.mark.parametrize("wrong", [None, 5, "ASC8525/SC1"])
-def test_a_frame_without_an_encoder_is_refused(families: Mapping[str, Family], wrong: Any) -> None:
-    asc85 = families["asc85"].module
+def test_a_frame_without_an_encoder_is_refused(asc85: Any, wrong: Any) -> None:
     frame = asc85.SingleCycleData(wrong, asc85.ZeroBit.AS_PRINTED, 1, error=False, warning=False)
     with pytest.raises(TypeError, match="expected an encoder, got"):
         frame.encode()
 
 
-def test_a_frame_with_a_wrong_answer_is_refused(families: Mapping[str, Family]) -> None:
-    asc85 = families["asc85"].module
+def test_a_frame_with_a_wrong_answer_is_refused(asc85: Any) -> None:
     encoder = asc85.lookup("ASC8525/SC1")._with_changes()
     for wrong in (None, 1, []):
         frame = asc85.SingleCycleData(encoder, wrong, 1, error=False, warning=False)

@@ -9,6 +9,8 @@ import sys
 import tarfile
 import zipfile
 from collections.abc import Callable, Iterator
+from importlib import import_module
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -75,6 +77,31 @@ def test_every_example_runs(output: Path, monkeypatch: pytest.MonkeyPatch, capsy
                 example_pages[page.name] += bool(test.examples)
     assert example_pages[FILES] == example_pages[TEST] == len(package_folders(output))
     assert min(example_pages.values()) > 5
+
+
+@pytest.mark.slow
+def test_calls_in_the_text_have_all_arguments(output: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A call such as ``icmr.Tmp.decode(frame, encoder)`` in a sentence is not run, because its frame is any frame."""
+    monkeypatch.syspath_prepend(output / "runtime")
+    call_count = 0
+    with new_packages():
+        for folder in package_folders(output):
+            monkeypatch.syspath_prepend(folder)
+            calls = re.findall(r"`(\w+)\.(\w+)\.decode\((.+?)\)`", (folder / "README.md").read_text(encoding="utf-8"))
+            for module_name, class_name, arguments in calls:
+                package = next(path.parent.name for path in folder.glob(f"*/{module_name}.py"))
+                frame_class = getattr(import_module(f"{package}.{module_name}"), class_name)
+                signature(frame_class.decode).bind(*arguments.split(", "))
+                call_count += 1
+    assert call_count >= 5
+
+
+@pytest.mark.slow
+def test_frames_with_data_channels_are_explained(output: Path) -> None:
+    """The README of a manufacturer whose encoders send several data channels shows how a whole frame is decoded."""
+    readmes = {folder: (folder / "README.md").read_text(encoding="utf-8") for folder in package_folders(output)}
+    explaining = [folder.name for folder, text in readmes.items() if "encoder.channels().decode(" in text]
+    assert explaining == ["ichaus_encoders"]
 
 
 @pytest.mark.slow

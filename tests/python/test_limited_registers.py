@@ -6,11 +6,16 @@ import copy
 import inspect
 import pickle
 import random
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import pytest
+from codewheel.loading.library import load_library
+from codewheel.targets import Library
+
+SPECS = Path(__file__).parents[1] / "c" / "specs"
 
 
 def registers_of(lika: ModuleType) -> Iterator[tuple[Any, tuple[Any, ...], int]]:
@@ -63,3 +68,17 @@ def test_created_and_changed_objects_have_limits(generated_python: tuple[Any, Mo
     with pytest.raises(lika.RangeError):
         lika.am36.InformationPerRevolution(1 << 21).encode()
     assert register._replace(steps=4096).encode() == bytes.fromhex("00 10 00")
+
+
+def test_limits_of_a_meaning_depend_on_what_an_earlier_step_writes(import_generated: Callable[..., Any]) -> None:
+    """The span is 1,000 by default. The first step of the procedure changes it, and the second one stays below it."""
+    devices, report = load_library([SPECS / "arguments.yaml", SPECS / "manufacturer.yaml"])
+    assert not report
+    module = import_generated(Library(devices), "test_encoders")[1].arguments
+    variant = module.VARIANTS["ZASC"]
+    for span, inside, is_accepted in ((300, 299, True), (300, 300, False), (2000, 1999, True), (2000, 2000, False)):
+        if is_accepted:
+            assert module.teach(variant, span, inside)
+        else:
+            with pytest.raises(ValueError, match="inside"):
+                module.teach(variant, span, inside)

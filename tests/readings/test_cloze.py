@@ -10,7 +10,7 @@ from codewheel.commands.check.specs import check_specs
 from codewheel.commands.cli import main
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document
-from codewheel.readings.turning_words import Vocabulary
+from codewheel.readings.cloze import Vocabulary
 from mutation.words import opposites
 
 pytestmark = pytest.mark.slow
@@ -139,6 +139,26 @@ def test_the_command_keeps_what_is_filled(folder: pathlib.Path, capsys: pytest.C
     text = (folder / "twice.words.yaml").read_text(encoding="utf-8")
     assert 'words: ["on", "not", "before", "off"]' in text
     assert '    text: "Supply {1 place} 5 V"\n    words: ["?"]' in text
+
+
+def test_what_is_filled_moves_with_its_text(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The new first state takes the path of the old one, whose text it does not have."""
+    state = '      - {state: "on", meaning: "Supply above 4 V, or an error"}\n'
+    new_state = '      - {state: "off", meaning: "Supply below 4 V"}\n'
+    replace_in_file(folder / "twice.yaml", state, new_state + state)
+    assert main(["cloze", "twice"]) == 0
+    assert capsys.readouterr().out == "written    twice.words.yaml: 2 gaps to fill, in 8 texts\n"
+    text = (folder / "twice.words.yaml").read_text(encoding="utf-8")
+    assert (
+        'states.1.meaning":\n    text: "Supply {1 place} 4 V, or an {2 report}"\n    words: ["above", "error"]' in text
+    )
+
+
+def test_a_word_that_is_missing_is_a_gap_to_fill(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    fill(folder / "twice.words.yaml", "leds.power.states.0.meaning", '["above"]')
+    assert main(["cloze", "twice"]) == 0
+    assert capsys.readouterr().out == "written    twice.words.yaml: 1 gap to fill, in 6 texts\n"
+    assert 'words: ["above", "?"]' in (folder / "twice.words.yaml").read_text(encoding="utf-8")
 
 
 def test_a_spec_without_a_sheet_needs_none(folder: pathlib.Path) -> None:

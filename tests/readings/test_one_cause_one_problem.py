@@ -174,3 +174,15 @@ def test_a_wider_position_of_one_model_is_one_problem(folder: Path, capsys: pyte
     found = [problem for problem in disagreements(capsys) if not problem.startswith("numbers in")]
     assert len(found) == 1
     assert "and 6 more with the same cause" in found[0]
+
+
+def test_a_text_about_another_parameter_stays(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    edit(
+        folder / "sma21.yaml",
+        ("position_bits: 25, scd_padding_bits: 0", "position_bits: 25, scd_padding_bits: 1"),
+        ("33 bits at 1 µm", "34 bits at 1 µm"),
+        ("24 or 25 bits", "24 or 26 bits"),
+        ("SSI word: 1 for Gray code", "SSI word: 2 for Gray code"),
+    )
+    found = disagreements(capsys)
+    assert any(problem.startswith("numbers in parameters.ssi_gray.meaning: 2 0 here, 1 0 in ") for problem in found)

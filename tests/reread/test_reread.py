@@ -113,6 +113,9 @@ def test_a_section_without_a_number_has_its_page(tmp_path: Path, capsys: pytest.
     (passage,) = json.loads(capsys.readouterr().out)["passages"]
     assert passage["section"] == "Vorwort"
     assert passage["facts"][0]["path"].startswith("characteristics.shaft.")
+    main(["reread", str(tmp_path / "old.txt"), str(tmp_path / "new.txt"), "--specs", str(specs)])
+    out = capsys.readouterr().out
+    assert f"\n1 passage in 1 section, cited by {passage['facts_of_section']} of " in out
 
 
 def _as_pages(lines: list[str], length: int = 22) -> str:

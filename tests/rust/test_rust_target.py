@@ -55,7 +55,11 @@ def test_it_uses_what_the_page_on_targets_tells_of() -> None:
 def test_it_is_installed_and_generates(codewheel: Run, tmp_path: Path) -> None:
     help_text = " ".join(codewheel("generate", "--help")[1].split())
     assert "rust crates without the standard library, in Rust 1.56 --option rust.edition=2018|2021: the" in help_text
-    specs = [argument for path in ("ichaus/icmu.yaml", "lika") for argument in ("--specs", f"specs/{path}")]
+    specs = [
+        argument
+        for path in ("ichaus/icmhm.yaml", "ichaus/icmu.yaml", "lika")
+        for argument in ("--specs", f"specs/{path}")
+    ]
     assert codewheel("generate", *specs, "-o", tmp_path, "--target", "rust", "--option", "rust.edition=2018")[0] == 0
     for maker in ("ichaus", "lika"):
         folder = tmp_path / "rust" / f"{maker}-encoders"

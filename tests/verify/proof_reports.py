@@ -75,7 +75,7 @@ def _verdict(codec: Codec) -> str:
 
 def _reports(codec: Codec) -> str:
     """Return the mask of reports. The plan defines the names of the bits, and each report has the name of its field."""
-    (frame,) = (reporting for reporting in reportings(codec.device) if reporting.codec.layout.name == codec.layout.name)
+    frame = reportings(codec.device)[codec.layout.name]
     names = {}
     for cause in frame.causes:
         is_unexplained = cause.report.name.endswith("_unexplained")

@@ -249,9 +249,8 @@ class Oracle:
 
     def __init__(self, device: Device, codec: Codec) -> None:
         self.device, self.layout = device, codec.layout
-        reports = next(
-            (reporting.causes for reporting in reportings(device) if reporting.codec.layout.name == codec.name), ()
-        )
+        reporting = reportings(device).get(codec.name)
+        reports = reporting.causes if reporting is not None else ()
         self._bits = {report_key(device, report): 1 << report.report.number for report in reports}
 
     def findings_of(

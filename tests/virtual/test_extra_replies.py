@@ -47,7 +47,7 @@ class Line:
 
     Args:
         extra: Function that returns, for each reply, the gap in seconds between it and a second copy, or None.
-        second: Gap in seconds between a reply and the reply of a second device, or None if there is no such device.
+        second: Gap in seconds between a reply and that of a second device, or None if there is no such device.
         splits: Let some replies arrive in two parts.
         turnaround: Time in seconds from a request to the start of its reply.
     """

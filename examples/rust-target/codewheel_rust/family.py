@@ -108,7 +108,7 @@ class Family:
         }
         self._inner = self._scope((*OF_MODULE, *self.interfaces))
         codes, methods = self._scope(OF_CODE), self._scope(OF_CODE)
-        self._judgements = {reporting.codec.layout.name: reporting.judgement for reporting in reportings(device)}
+        self._judgements = {name: reporting.judgement for name, reporting in reportings(device).items()}
         self.codes = {variant.code: codes.give(constant(variant.code), "order_code") for variant in device.variants}
         self.held = tuple(held_parameters(device))
         for held_register in self.held:

@@ -13,7 +13,7 @@
 #include "ichaus/icmu_biss_reports.h"
 #include "ichaus/icmu_biss_registers.h"
 
-/* The order code from the label, iC-MU-28-2. The compiler computes the position of each bit. */
+/* The made-up order code, iC-MU-28-2. The compiler computes the position of each bit. */
 #define ENCODER ICHAUS_ICMU_BISS_IC_MU_28_2
 
 /* -- your bus ---------------------------------------------------------------------------------- */

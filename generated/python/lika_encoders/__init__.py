@@ -265,6 +265,6 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
         The matching order codes.
 
     Raises:
-        ValueError: No family has such a register.
+        ValueError: No family has such a register, or one with this length.
     """
     return _PACKAGE.identify(read)

@@ -328,7 +328,8 @@ class SsiEncoder(Variant):
         """Decode a frame that the encoder sent.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes
+                of the number, most significant first.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -347,7 +348,8 @@ class SsiEncoder(Variant):
         Type checkers then require that the error is handled.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes
+                of the number, most significant first.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -371,6 +373,9 @@ class SsiEncoder(Variant):
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+
+        Raises:
+            TypeError, ValueError: ``frames`` are not in this form.
         """
         return decode_many(frames, SsiWord, variant=self)
 
@@ -385,7 +390,8 @@ class SsiEncoder(Variant):
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
-            TypeError: A column is missing or unknown.
+            TypeError: A column is missing or unknown, or its type does not fit the field.
+            ValueError: The columns have different lengths.
         """
         return encode_many(columns, SsiWord, variant=self)
 
@@ -404,7 +410,8 @@ class BissEncoder(Variant):
         """Decode a frame that the encoder sent.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes
+                of the number, most significant first.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -423,7 +430,8 @@ class BissEncoder(Variant):
         Type checkers then require that the error is handled.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes
+                of the number, most significant first.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -447,6 +455,9 @@ class BissEncoder(Variant):
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+
+        Raises:
+            TypeError, ValueError: ``frames`` are not in this form.
         """
         return decode_many(frames, SingleCycleData, variant=self)
 
@@ -461,7 +472,8 @@ class BissEncoder(Variant):
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
-            TypeError: A column is missing or unknown.
+            TypeError: A column is missing or unknown, or its type does not fit the field.
+            ValueError: The columns have different lengths.
         """
         return encode_many(columns, SingleCycleData, variant=self)
 
@@ -518,6 +530,9 @@ def crc_biss_6(number: int, bits: int) -> int:
 
     Returns:
         The CRC.
+
+    Raises:
+        RangeError: ``number`` is negative or has more than ``bits`` bits.
     """
     return crc_of_bits(number, bits, width=6, poly=0x03, init=0x0, refout=False, xorout=0x3F)
 
@@ -537,6 +552,9 @@ def crc_biss_4(number: int, bits: int) -> int:
 
     Returns:
         The CRC.
+
+    Raises:
+        RangeError: ``number`` is negative or has more than ``bits`` bits.
     """
     return crc_of_bits(number, bits, width=4, poly=0x03, init=0x0, refout=False, xorout=0x0F)
 
@@ -639,7 +657,13 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
     @classmethod
     def from_position(cls, variant: SsiEncoder, position: int) -> SsiWord:
-        """Create the frame with ``multiturn`` and ``singleturn`` from ``position``."""
+        """Create the frame with ``multiturn`` and ``singleturn`` from ``position``.
+
+        Raises:
+            RangeError: ``position`` does not fit into its bits.
+            FamilyError: The encoder belongs to another family.
+            InterfaceError: The encoder has another interface.
+        """
         check_encoder(variant, Variant, _SSI)
         position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
         return cls(
@@ -653,7 +677,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         """Decode the frame.
 
         Args:
-            word: A number whose most significant bit was sent first, or a string of 0 and 1.
+            word: A number whose most significant bit was sent first, a string of 0 and 1, or the bytes of the number,
+                most significant first.
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
@@ -662,6 +687,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
         Raises:
             LengthError: There are too many or too few bits.
+            RangeError: The number is negative, or the string has other characters.
             FamilyError: The encoder belongs to another family.
             InterfaceError: The encoder has another interface.
         """
@@ -790,7 +816,13 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
 
     @classmethod
     def from_position(cls, variant: BissEncoder, position: int, unused: int = 0) -> SingleCycleData:
-        """Create the frame with ``multiturn`` and ``singleturn`` from ``position``."""
+        """Create the frame with ``multiturn`` and ``singleturn`` from ``position``.
+
+        Raises:
+            RangeError: ``position`` does not fit into its bits.
+            FamilyError: The encoder belongs to another family.
+            InterfaceError: The encoder has another interface.
+        """
         check_encoder(variant, Variant, _BISS)
         position = check_width("position", position, variant.used_singleturn_bits + variant.used_multiturn_bits)
         return cls(
@@ -805,7 +837,8 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         """Decode the frame.
 
         Args:
-            word: A number whose most significant bit was sent first, or a string of 0 and 1.
+            word: A number whose most significant bit was sent first, a string of 0 and 1, or the bytes of the number,
+                most significant first.
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
@@ -815,6 +848,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         Raises:
             LengthError: There are too many or too few bits.
             CrcError: The CRC does not match.
+            RangeError: The number is negative, or the string has other characters.
             FamilyError: The encoder belongs to another family.
             InterfaceError: The encoder has another interface.
         """
@@ -1675,7 +1709,7 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
         The matching order codes.
 
     Raises:
-        ValueError: There is no such register, or it has another length.
+        ValueError: There is no such register, it has another length, or a byte is not 0 to 255.
     """
     from .facts.am36 import REGISTERS
 

@@ -315,7 +315,8 @@ class SsiEncoder(Variant):
         """Decode a frame that the encoder sent.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes
+                of the number, most significant first.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -334,7 +335,8 @@ class SsiEncoder(Variant):
         Type checkers then require that the error is handled.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes
+                of the number, most significant first.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -358,6 +360,9 @@ class SsiEncoder(Variant):
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+
+        Raises:
+            TypeError, ValueError: ``frames`` are not in this form.
         """
         return decode_many(frames, SsiWord, variant=self)
 
@@ -372,7 +377,8 @@ class SsiEncoder(Variant):
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
-            TypeError: A column is missing or unknown.
+            TypeError: A column is missing or unknown, or its type does not fit the field.
+            ValueError: The columns have different lengths.
         """
         return encode_many(columns, SsiWord, variant=self)
 
@@ -391,7 +397,8 @@ class BissEncoder(Variant):
         """Decode a frame that the encoder sent.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes
+                of the number, most significant first.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -410,7 +417,8 @@ class BissEncoder(Variant):
         Type checkers then require that the error is handled.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes
+                of the number, most significant first.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -434,6 +442,9 @@ class BissEncoder(Variant):
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+
+        Raises:
+            TypeError, ValueError: ``frames`` are not in this form.
         """
         return decode_many(frames, SingleCycleData, variant=self)
 
@@ -448,7 +459,8 @@ class BissEncoder(Variant):
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
-            TypeError: A column is missing or unknown.
+            TypeError: A column is missing or unknown, or its type does not fit the field.
+            ValueError: The columns have different lengths.
         """
         return encode_many(columns, SingleCycleData, variant=self)
 
@@ -516,6 +528,10 @@ class Rs485Encoder(Variant, SerialEncoder):
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+
+        Raises:
+            TypeError, ValueError: ``frames`` are not in this form, or a required answer is missing.
+            TypeError: The encoder does not send frames of this ``kind``.
         """
         check_kind(kind, Reply)
         return decode_many(frames, kind, variant=self, eeprom_address=eeprom_address)
@@ -540,7 +556,9 @@ class Rs485Encoder(Variant, SerialEncoder):
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
-            TypeError: A column is missing or unknown.
+            TypeError: A column is missing or unknown, or its type does not fit the field.
+            ValueError: The columns have different lengths.
+            TypeError: The encoder does not send frames of this ``kind``, or a required answer is missing.
         """
         check_kind(kind, Reply)
         return encode_many(columns, kind, variant=self, eeprom_address=eeprom_address)
@@ -602,6 +620,9 @@ def crc_biss_6(number: int, bits: int) -> int:
 
     Returns:
         The CRC.
+
+    Raises:
+        RangeError: ``number`` is negative or has more than ``bits`` bits.
     """
     return crc_of_bits(number, bits, width=6, poly=0x03, init=0x0, refout=False, xorout=0x3F)
 
@@ -621,6 +642,9 @@ def crc_biss_4(number: int, bits: int) -> int:
 
     Returns:
         The CRC.
+
+    Raises:
+        RangeError: ``number`` is negative or has more than ``bits`` bits.
     """
     return crc_of_bits(number, bits, width=4, poly=0x03, init=0x0, refout=False, xorout=0x0F)
 
@@ -786,7 +810,13 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
     @classmethod
     def from_position(cls, variant: SsiEncoder, position: int) -> SsiWord:
-        """Create the frame with ``multiturn`` and ``singleturn`` from ``position``."""
+        """Create the frame with ``multiturn`` and ``singleturn`` from ``position``.
+
+        Raises:
+            RangeError: ``position`` does not fit into its bits.
+            FamilyError: The encoder belongs to another family.
+            InterfaceError: The encoder has another interface.
+        """
         check_encoder(variant, Variant, _SSI)
         position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
         return cls(
@@ -800,7 +830,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         """Decode the frame.
 
         Args:
-            word: A number whose most significant bit was sent first, or a string of 0 and 1.
+            word: A number whose most significant bit was sent first, a string of 0 and 1, or the bytes of the number,
+                most significant first.
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
@@ -809,6 +840,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
         Raises:
             LengthError: There are too many or too few bits.
+            RangeError: The number is negative, or the string has other characters.
             FamilyError: The encoder belongs to another family.
             InterfaceError: The encoder has another interface.
         """
@@ -952,7 +984,13 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         error: bool = False,
         warning: bool = False,
     ) -> SingleCycleData:
-        """Create the frame with ``multiturn`` and ``singleturn`` from ``position``."""
+        """Create the frame with ``multiturn`` and ``singleturn`` from ``position``.
+
+        Raises:
+            RangeError: ``position`` does not fit into its bits.
+            FamilyError: The encoder belongs to another family.
+            InterfaceError: The encoder has another interface.
+        """
         check_encoder(variant, Variant, _BISS)
         position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
         return cls(
@@ -968,7 +1006,8 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         """Decode the frame.
 
         Args:
-            word: A number whose most significant bit was sent first, or a string of 0 and 1.
+            word: A number whose most significant bit was sent first, a string of 0 and 1, or the bytes of the number,
+                most significant first.
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
@@ -978,6 +1017,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         Raises:
             LengthError: There are too many or too few bits.
             CrcError: The CRC does not match.
+            RangeError: The number is negative, or the string has other characters.
             FamilyError: The encoder belongs to another family.
             InterfaceError: The encoder has another interface.
         """
@@ -1164,6 +1204,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
             CrcError: The CRC does not match.
             ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
+            TypeError: An answer is missing or of another class.
         """
         decode_frame = cached_decoder(cls._make_decoder, None, raise_error)
         return decode_frame(data, eeprom_address=eeprom_address)
@@ -1224,6 +1265,10 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+
+        Raises:
+            TypeError: An answer is missing or of another class.
+            TypeError, ValueError: ``frames`` are not in this form.
         """
         return decode_many(frames, cls, variant=None, eeprom_address=eeprom_address)
 
@@ -1240,7 +1285,8 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
-            TypeError: A column is missing or unknown.
+            TypeError: A column is missing or unknown, its type does not fit the field, or an answer is missing.
+            ValueError: The columns have different lengths.
         """
         return encode_many(columns, cls, variant=None, eeprom_address=eeprom_address)
 
@@ -1302,6 +1348,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
             CrcError: The CRC does not match.
             ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
+            TypeError: An answer is missing or of another class.
         """
         decode_frame = cached_decoder(cls._make_decoder, None, raise_error)
         return decode_frame(data, eeprom_address=eeprom_address)
@@ -1361,6 +1408,10 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+
+        Raises:
+            TypeError: An answer is missing or of another class.
+            TypeError, ValueError: ``frames`` are not in this form.
         """
         return decode_many(frames, cls, variant=None, eeprom_address=eeprom_address)
 
@@ -1377,7 +1428,8 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
-            TypeError: A column is missing or unknown.
+            TypeError: A column is missing or unknown, its type does not fit the field, or an answer is missing.
+            ValueError: The columns have different lengths.
         """
         return encode_many(columns, cls, variant=None, eeprom_address=eeprom_address)
 
@@ -1979,7 +2031,13 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
         battery_alarm: bool = False,
         unused: int = 0,
     ) -> CompleteReply:
-        """Create the frame with ``multiturn`` and ``singleturn`` from ``position``."""
+        """Create the frame with ``multiturn`` and ``singleturn`` from ``position``.
+
+        Raises:
+            RangeError: ``position`` does not fit into its bits.
+            FamilyError: The encoder belongs to another family.
+            InterfaceError: The encoder has another interface.
+        """
         check_encoder(variant, Variant, _RS485)
         position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
         return cls(
@@ -2141,6 +2199,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
             CrcError: The CRC does not match.
             ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
+            TypeError: An answer is missing or of another class.
         """
         decode_frame = cached_decoder(cls._make_decoder, None, raise_error)
         return decode_frame(data, eeprom_address=eeprom_address)
@@ -2199,6 +2258,10 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+
+        Raises:
+            TypeError: An answer is missing or of another class.
+            TypeError, ValueError: ``frames`` are not in this form.
         """
         return decode_many(frames, cls, variant=None, eeprom_address=eeprom_address)
 
@@ -2215,7 +2278,8 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
-            TypeError: A column is missing or unknown.
+            TypeError: A column is missing or unknown, its type does not fit the field, or an answer is missing.
+            ValueError: The columns have different lengths.
         """
         return encode_many(columns, cls, variant=None, eeprom_address=eeprom_address)
 
@@ -2281,6 +2345,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
             CrcError: The CRC does not match.
             ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
+            TypeError: An answer is missing or of another class.
         """
         decode_frame = cached_decoder(cls._make_decoder, None, raise_error)
         return decode_frame(data, eeprom_address=eeprom_address)
@@ -2339,6 +2404,10 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+
+        Raises:
+            TypeError: An answer is missing or of another class.
+            TypeError, ValueError: ``frames`` are not in this form.
         """
         return decode_many(frames, cls, variant=None, eeprom_address=eeprom_address)
 
@@ -2355,7 +2424,8 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
-            TypeError: A column is missing or unknown.
+            TypeError: A column is missing or unknown, its type does not fit the field, or an answer is missing.
+            ValueError: The columns have different lengths.
         """
         return encode_many(columns, cls, variant=None, eeprom_address=eeprom_address)
 
@@ -2575,7 +2645,13 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
 
     @classmethod
     def from_position(cls, variant: BissEncoder, position: int) -> Preset:
-        """Create the register with ``multiturn`` and ``singleturn`` from ``position``."""
+        """Create the register with ``multiturn`` and ``singleturn`` from ``position``.
+
+        Raises:
+            RangeError: ``position`` does not fit into its bits.
+            FamilyError: The encoder belongs to another family.
+            InterfaceError: The encoder has another interface.
+        """
         check_encoder(variant, Variant, _BISS)
         position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
         return cls(
@@ -2893,7 +2969,7 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
         The matching order codes.
 
     Raises:
-        ValueError: There is no such register, or it has another length.
+        ValueError: There is no such register, it has another length, or a byte is not 0 to 255.
     """
     from .facts.amm5 import REGISTERS
 

@@ -239,7 +239,8 @@ class SsiEncoder(Variant):
         """Decode a frame that the encoder sent.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes
+                of the number, most significant first.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -258,7 +259,8 @@ class SsiEncoder(Variant):
         Type checkers then require that the error is handled.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes
+                of the number, most significant first.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -282,6 +284,9 @@ class SsiEncoder(Variant):
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+
+        Raises:
+            TypeError, ValueError: ``frames`` are not in this form.
         """
         return decode_many(frames, SsiWord, variant=self)
 
@@ -296,7 +301,8 @@ class SsiEncoder(Variant):
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
-            TypeError: A column is missing or unknown.
+            TypeError: A column is missing or unknown, or its type does not fit the field.
+            ValueError: The columns have different lengths.
         """
         return encode_many(columns, SsiWord, variant=self)
 
@@ -310,7 +316,8 @@ class BissEncoder(Variant):
         """Decode a frame that the encoder sent.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes
+                of the number, most significant first.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
             zero_bit: Constant 0 bit between position and error bit of a BiSS frame. Required only for frames that
                 depend on it.
@@ -331,7 +338,8 @@ class BissEncoder(Variant):
         Type checkers then require that the error is handled.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes
+                of the number, most significant first.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
             zero_bit: Constant 0 bit between position and error bit of a BiSS frame. Required only for frames that
                 depend on it.
@@ -359,6 +367,9 @@ class BissEncoder(Variant):
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+
+        Raises:
+            TypeError, ValueError: ``frames`` are not in this form, or a required answer is missing.
         """
         return decode_many(frames, SingleCycleData, variant=self, zero_bit=zero_bit)
 
@@ -375,7 +386,8 @@ class BissEncoder(Variant):
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
-            TypeError: A column is missing or unknown.
+            TypeError: A column is missing or unknown, or its type does not fit the field.
+            ValueError: The columns have different lengths.
         """
         return encode_many(columns, SingleCycleData, variant=self, zero_bit=zero_bit)
 
@@ -433,6 +445,9 @@ def crc_biss_6(number: int, bits: int) -> int:
 
     Returns:
         The CRC.
+
+    Raises:
+        RangeError: ``number`` is negative or has more than ``bits`` bits.
     """
     return crc_of_bits(number, bits, width=6, poly=0x03, init=0x0, refout=False, xorout=0x3F)
 
@@ -452,6 +467,9 @@ def crc_biss_4(number: int, bits: int) -> int:
 
     Returns:
         The CRC.
+
+    Raises:
+        RangeError: ``number`` is negative or has more than ``bits`` bits.
     """
     return crc_of_bits(number, bits, width=4, poly=0x03, init=0x0, refout=False, xorout=0x0F)
 
@@ -533,7 +551,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         """Decode the frame.
 
         Args:
-            word: A number whose most significant bit was sent first, or a string of 0 and 1.
+            word: A number whose most significant bit was sent first, a string of 0 and 1, or the bytes of the number,
+                most significant first.
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
@@ -542,6 +561,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
         Raises:
             LengthError: There are too many or too few bits.
+            RangeError: The number is negative, or the string has other characters.
             FamilyError: The encoder belongs to another family.
             InterfaceError: The encoder has another interface.
         """
@@ -649,7 +669,8 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
         """Decode the frame.
 
         Args:
-            word: A number whose most significant bit was sent first, or a string of 0 and 1.
+            word: A number whose most significant bit was sent first, a string of 0 and 1, or the bytes of the number,
+                most significant first.
             variant: The encoder.
             zero_bit: Answer to a question that the manual leaves open, as a member of ``ZeroBit``.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
@@ -661,6 +682,8 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
             LengthError: There are too many or too few bits.
             CrcError: The CRC does not match.
             ConstantError: A constant or a parity bit has the wrong value.
+            RangeError: The number is negative, or the string has other characters.
+            TypeError: An answer is missing or of another class.
             FamilyError: The encoder belongs to another family.
             InterfaceError: The encoder has another interface.
         """
@@ -729,6 +752,10 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+
+        Raises:
+            TypeError: An answer is missing or of another class.
+            TypeError, ValueError: ``frames`` are not in this form.
         """
         return decode_many(frames, cls, variant=variant, zero_bit=zero_bit)
 
@@ -746,7 +773,8 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
-            TypeError: A column is missing or unknown.
+            TypeError: A column is missing or unknown, its type does not fit the field, or an answer is missing.
+            ValueError: The columns have different lengths.
         """
         return encode_many(columns, cls, variant=variant, zero_bit=zero_bit)
 
@@ -1378,7 +1406,7 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
         The matching order codes.
 
     Raises:
-        ValueError: There is no such register, or it has another length.
+        ValueError: There is no such register, it has another length, or a byte is not 0 to 255.
     """
     from .facts.asc85 import REGISTERS
 

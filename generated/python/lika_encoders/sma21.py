@@ -377,7 +377,8 @@ class SsiEncoder(Variant):
         """Decode a frame that the encoder sent.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes
+                of the number, most significant first.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -396,7 +397,8 @@ class SsiEncoder(Variant):
         Type checkers then require that the error is handled.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes
+                of the number, most significant first.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -420,6 +422,9 @@ class SsiEncoder(Variant):
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+
+        Raises:
+            TypeError, ValueError: ``frames`` are not in this form.
         """
         return decode_many(frames, SsiWord, variant=self)
 
@@ -434,7 +439,8 @@ class SsiEncoder(Variant):
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
-            TypeError: A column is missing or unknown.
+            TypeError: A column is missing or unknown, or its type does not fit the field.
+            ValueError: The columns have different lengths.
         """
         return encode_many(columns, SsiWord, variant=self)
 
@@ -453,7 +459,8 @@ class BissEncoder(Variant):
         """Decode a frame that the encoder sent.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes
+                of the number, most significant first.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -472,7 +479,8 @@ class BissEncoder(Variant):
         Type checkers then require that the error is handled.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes
+                of the number, most significant first.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -496,6 +504,9 @@ class BissEncoder(Variant):
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+
+        Raises:
+            TypeError, ValueError: ``frames`` are not in this form.
         """
         return decode_many(frames, SingleCycleData, variant=self)
 
@@ -510,7 +521,8 @@ class BissEncoder(Variant):
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
-            TypeError: A column is missing or unknown.
+            TypeError: A column is missing or unknown, or its type does not fit the field.
+            ValueError: The columns have different lengths.
         """
         return encode_many(columns, SingleCycleData, variant=self)
 
@@ -566,6 +578,10 @@ class Rs485Encoder(Variant, SerialEncoder):
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+
+        Raises:
+            TypeError, ValueError: ``frames`` are not in this form.
+            TypeError: The encoder does not send frames of this ``kind``.
         """
         check_kind(kind, Reply)
         return decode_many(frames, kind, variant=self)
@@ -582,7 +598,9 @@ class Rs485Encoder(Variant, SerialEncoder):
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
-            TypeError: A column is missing or unknown.
+            TypeError: A column is missing or unknown, or its type does not fit the field.
+            ValueError: The columns have different lengths.
+            TypeError: The encoder does not send frames of this ``kind``.
         """
         check_kind(kind, Reply)
         return encode_many(columns, kind, variant=self)
@@ -664,6 +682,9 @@ def crc_biss_6(number: int, bits: int) -> int:
 
     Returns:
         The CRC.
+
+    Raises:
+        RangeError: ``number`` is negative or has more than ``bits`` bits.
     """
     return crc_of_bits(number, bits, width=6, poly=0x03, init=0x0, refout=False, xorout=0x3F)
 
@@ -683,6 +704,9 @@ def crc_biss_4(number: int, bits: int) -> int:
 
     Returns:
         The CRC.
+
+    Raises:
+        RangeError: ``number`` is negative or has more than ``bits`` bits.
     """
     return crc_of_bits(number, bits, width=4, poly=0x03, init=0x0, refout=False, xorout=0x0F)
 
@@ -824,7 +848,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         """Decode the frame.
 
         Args:
-            word: A number whose most significant bit was sent first, or a string of 0 and 1.
+            word: A number whose most significant bit was sent first, a string of 0 and 1, or the bytes of the number,
+                most significant first.
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
@@ -833,6 +858,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
         Raises:
             LengthError: There are too many or too few bits.
+            RangeError: The number is negative, or the string has other characters.
             FamilyError: The encoder belongs to another family.
             InterfaceError: The encoder has another interface.
         """
@@ -952,7 +978,8 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         """Decode the frame.
 
         Args:
-            word: A number whose most significant bit was sent first, or a string of 0 and 1.
+            word: A number whose most significant bit was sent first, a string of 0 and 1, or the bytes of the number,
+                most significant first.
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
@@ -963,6 +990,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             LengthError: There are too many or too few bits.
             CrcError: The CRC does not match.
             ConstantError: A constant or a parity bit has the wrong value.
+            RangeError: The number is negative, or the string has other characters.
             FamilyError: The encoder belongs to another family.
             InterfaceError: The encoder has another interface.
         """
@@ -2465,7 +2493,7 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
         The matching order codes.
 
     Raises:
-        ValueError: There is no such register, or it has another length.
+        ValueError: There is no such register, it has another length, or a byte is not 0 to 255.
     """
     from .facts.sma21 import REGISTERS
 

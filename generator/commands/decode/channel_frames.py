@@ -11,7 +11,7 @@ from ...reference import codec
 from ...reference.channels import ChannelFindings, channel_findings, decode_channels
 from ...reference.findings import Findings
 from ...say import report as say_report
-from ...say.plain_text import WIDTH
+from ...say.plain_text import WIDTH, counted
 from ...say.text import VERDICT_CLAUSES
 from ...why.hypotheses import TypedFrame
 from .field_table import wrapped
@@ -41,6 +41,22 @@ class ChannelResult:
         return bool(self.problems) or any(decoded.problems for decoded in self.channels)
 
     @property
+    def all_problems(self) -> Iterator[codec.Problem]:
+        """The problem with the length, or those of the channels, each with the name of its channel in the message."""
+        yield from self.problems
+        for decoded in self.channels:
+            assert decoded.layout is not None
+            for problem in decoded.problems:
+                yield replace(problem, message=f"{decoded.layout.name}: {problem.message}")
+
+    @property
+    def all_findings(self) -> Findings:
+        """The reports and differences of all channels, with the verdict of the whole frame."""
+        reports = tuple(report for channel in self.findings.channels for report in channel.reports)
+        differences = tuple(difference for channel in self.findings.channels for difference in channel.differences)
+        return Findings(reports=reports, verdict=self.findings.verdict, differences=differences)
+
+    @property
     def findings_with_verdict(self) -> Iterator[Findings]:
         """The findings in each channel, with the verdict of the whole frame where the channel has one."""
         for channel in self.findings.channels:
@@ -58,18 +74,19 @@ class ChannelDecoder:
     def read(self, frame_text: str) -> TypedFrame | None:
         """Return the frame in a text, or None if it is a single channel.
 
-        It is a single channel if it has no more bits than the longest channel. The digits of a number may lack leading
-        zeros, so they form a single channel only if their number fits a channel, in bits or in bytes.
+        It is one if it has all digits of a channel, in hex digits or in bytes. Fewer digits may be those of a whole
+        frame without its leading zeros. Exact bits are one if they are no more than the longest channel has.
 
         Raises:
             FrameTextError: The text cannot be read as a number.
         """
         typed_frame = frame_number(self.frame, undecorated(frame_text), exact=True)
         channel_bits = [channel.bits for channel in self.frame.channels]
-        fits_in_channel = typed_frame.bits <= max(channel_bits)
+        longest = max(channel_bits)
         written_bits = {unit * -(-bits // unit) for bits in channel_bits for unit in (4, 8)}
-        has_all_digits = typed_frame.exact or typed_frame.written in written_bits
-        return None if fits_in_channel and has_all_digits else typed_frame
+        has_all_digits = typed_frame.written in written_bits and typed_frame.number >> longest == 0
+        has_bits_of_channel = typed_frame.exact and typed_frame.bits <= longest
+        return None if has_all_digits or has_bits_of_channel else typed_frame
 
     def decode(self, typed_frame: TypedFrame) -> ChannelResult:
         """Return the frame decoded. Its bits are the bits of all channels, in the order sent."""
@@ -117,8 +134,11 @@ def channel_decoder(device: Device, variant: Variant) -> ChannelDecoder | None:
 
 def report_of_length(frame: PlacedChannels, bits: int) -> str:
     """Return the message about a frame of another length."""
-    names = ", ".join(channel.name for channel in frame.channels)
-    return say_report.length(names, f"{frame.bits} bits", f"{bits}")
+    channels = " and ".join(f"{channel.name} ({channel.bits} bits)" for channel in frame.channels)
+    bits_off = abs(frame.bits - bits)
+    verb = "is" if bits_off == 1 else "are"
+    difference = f"{counted(bits_off, 'bit')} {verb} {'missing' if bits < frame.bits else 'too many'}"
+    return say_report.length_of_channels(channels, f"{frame.bits} bits", f"{bits}", difference)
 
 
 def described_channels(device: Device, variant: Variant, frame: PlacedChannels, result: ChannelResult) -> Iterator[str]:

@@ -213,7 +213,7 @@ class Decoding:
 
         Raises:
             FrameTextError: The text cannot be read as a frame.
-            RegisterError: The register does not exist, or has another length.
+            RegisterError: There is no such register, or it has another length.
             UndecidedError: The layout of the frame depends on a question that the user has not answered.
         """
         device = self._request.device

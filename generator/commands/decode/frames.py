@@ -185,7 +185,7 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
     if _NUMBER.fullmatch(without_gaps):
         number = int(without_gaps, 16)
         hex_digits = len(without_gaps) - len("0x")
-        return TypedFrame(number, number.bit_length(), exact=False, written=4 * hex_digits)
+        return TypedFrame(number, number.bit_length(), exact=False, written=4 * hex_digits, is_bytes=are_bytes)
     meanings = list(possible_meanings(without_gaps, placed.bits)) if len(pieces) == 1 else []
     if meanings == [say_report.if_bits(without_gaps)]:
         bits = len(without_gaps)
@@ -193,7 +193,7 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
     # Hex digits with one meaning already have a prefix, unless it is misspelt.
     if len(meanings) == 1 and without_gaps.isdecimal():
         number = int(without_gaps)
-        return TypedFrame(number, number.bit_length(), exact=False, written=number.bit_length())
+        return TypedFrame(number, number.bit_length(), exact=False)
     remedy = say_report.write_number(str(placed.bits))
     if len(pieces) == 1:
         meanings = meanings or list(meanings_of_long_number(without_gaps))

@@ -55,13 +55,12 @@ def decoded_data(
 
 
 def channel_data(device: Device, variant: Variant, sender: str, result: ChannelResult, line: Line) -> dict[str, Any]:
-    """Return a frame with several data channels as plain data. The members of one frame are empty, except the verdict.
+    """Return a frame with several data channels as plain data, with the errors and reports of all channels.
 
-    Each channel has the members of its frame. ``agree`` is null if nothing is compared.
+    Each channel also has those of its frame, and its fields. ``agree`` is null if nothing is compared.
     """
-    whole_frame = codec.Decoded(layout=None, number=0, fields=(), crc=None, problems=result.problems)
-    findings_of_frame = Findings(verdict=result.findings.verdict)
-    data = decoded_data(device, variant, sender, whole_frame, findings_of_frame, line=line)
+    whole_frame = codec.Decoded(layout=None, number=0, fields=(), crc=None, problems=tuple(result.all_problems))
+    data = decoded_data(device, variant, sender, whole_frame, result.all_findings, line=line)
     channels = zip(result.channels, result.findings.channels, result.whys, strict=True)
     data["channels"] = [
         decoded_data(device, variant, sender, decoded, channel_findings, diagnosis=why, line=line)

@@ -326,7 +326,9 @@ def _why_lines(diagnosis: Diagnosis, placed_layout: PlacedLayout | None) -> list
     if is_line_stuck:
         explanation = sentence(capitalized(diagnosis.explanations[0].text))
         return ["", wrapped(explanation, WIDTH, prefix="  ", first="")]
-    return [*_disturbed_lines(diagnosis.disturbed, placed_layout), *_mistake_lines(diagnosis)]
+    missing = sentence(capitalized(diagnosis.missing)) if diagnosis.missing else ""
+    missing_lines = ["", wrapped(missing, WIDTH, prefix="  ", first="")] if missing else []
+    return [*missing_lines, *_disturbed_lines(diagnosis.disturbed, placed_layout), *_mistake_lines(diagnosis)]
 
 
 def _disturbed_lines(disturbed: Sequence[int], placed_layout: PlacedLayout | None) -> list[str]:
@@ -334,9 +336,10 @@ def _disturbed_lines(disturbed: Sequence[int], placed_layout: PlacedLayout | Non
     if not disturbed or placed_layout is None:
         return []
     bits = _bit_name(disturbed[0], placed_layout) if len(disturbed) == 1 else f"one of {len(disturbed)} bits"
+    proof = "the CRC matches" if placed_layout.crc_field else "the frame is valid"
     explanation = (
-        "If only some frames fail, one bit may have been disturbed on the line: the CRC matches with "
-        f"{bits} inverted. In that case, no change is needed. If all frames fail, read on."
+        f"If only some frames fail, one bit may have been disturbed on the line: {proof} with {bits} inverted. "
+        "In that case, no change is needed. If all frames fail, read on."
     )
     return ["", wrapped(explanation, WIDTH, prefix="  ", first="")]
 
@@ -345,9 +348,8 @@ def _bit_name(bit: int, placed_layout: PlacedLayout) -> str:
     """Return ``bit 9`` for a frame of bits, or ``bit 1 of byte 2`` with the first byte as 0. Bit 0 is the last sent."""
     if not placed_layout.layout.in_bytes:
         return f"bit {bit}"
-    last_byte = placed_layout.bits // 8 - 1
-    bytes_from_end = bit // 8  # Bits are counted from the end of the frame, and bytes from its beginning.
-    return f"bit {bit % 8} of byte {last_byte - bytes_from_end}"
+    byte = placed_layout.bits // 8 - 1 - bit // 8  # Bits are counted from the end, and bytes from the beginning.
+    return f"bit {bit % 8} of byte {byte}"
 
 
 def _mistake_lines(diagnosis: Diagnosis) -> list[str]:
@@ -356,7 +358,7 @@ def _mistake_lines(diagnosis: Diagnosis) -> list[str]:
     percent = f"{whole_percent}" if whole_percent else "less than 1"
     mistakes = counted(diagnosis.tried, "common mistake")
     chance = f"{mistakes} tried; {percent} of 100 random frames would match at least one"
-    lines = [""]
+    lines = []
     if diagnosis.explanations:
         lines.append(wrapped(_introduction_sentence(diagnosis, chance), WIDTH, prefix="  ", first=""))
     elif diagnosis.tried:
@@ -366,20 +368,18 @@ def _mistake_lines(diagnosis: Diagnosis) -> list[str]:
         for detail in (_chance_and_values(explanation), _parts_of_recording(explanation)):
             if detail:
                 lines.append(wrapped(detail, WIDTH, prefix=" " * 6, first=" " * 6))
-    return [*lines, *_hint_lines(diagnosis)]
+    lines += _hint_lines(diagnosis)
+    return ["", *lines] if lines else []
 
 
 def _hint_lines(diagnosis: Diagnosis) -> list[str]:
-    """Return what a recording lacks, whether another frame would help, and what the CRC cannot detect."""
+    """Return whether another frame would help, and what the CRC cannot detect."""
     lines = []
-    if diagnosis.missing:
-        lines.append(wrapped(sentence(capitalized(diagnosis.missing)), WIDTH, prefix="  ", first=""))
     if diagnosis.explanations and diagnosis.explanations[0].hides_shift:
         lines.append(wrapped(sentence(say_report.HIDDEN_SHIFT), WIDTH, prefix="  ", first=""))
     if diagnosis.equal_readings:
-        lines.append(
-            wrapped(sentence(say_report.equal_readings(f"{diagnosis.equal_readings}")), WIDTH, prefix="  ", first="")
-        )
+        equal_readings = say_report.equal_readings(f"{diagnosis.equal_readings}")
+        lines.append(wrapped(sentence(equal_readings), WIDTH, prefix="  ", first=""))
     if diagnosis.needs_another_frame:
         lines.append(wrapped(ANOTHER_FRAME, WIDTH, prefix="  ", first=""))
     if diagnosis.cannot_see:

@@ -72,7 +72,8 @@ def write_or_compare(
     outputs.
 
     Raises:
-        Stop: The disk fails, a file differs, or ``guard`` refuses the changes.
+        Stop: The disk fails, a compared file differs, ``gate`` or ``guard`` refuses the changes, or an idbiss file is
+            not valid.
     """
 
     def refuse_removals(changes_by_target: Mapping[str, Sequence[Change]]) -> None:

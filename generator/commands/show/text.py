@@ -38,7 +38,7 @@ from ...say.errata import answer as say_answer
 from ...say.errata import needed_answers, question
 from ...say.evidence import grade, origin
 from ...say.names_and_places import bits, field_at, hexadecimal
-from ...say.order_code import open_values, spelling
+from ...say.order_code import not_on_label, open_values, spelling
 from ...say.plain_text import WIDTH, decimal, two_columns, wrapped
 from ...say.text import PLAIN_STYLE, Style, counted, language
 from ..decode.text import label_differences
@@ -50,7 +50,9 @@ def device_text(device: Device) -> str:
     lines = [wrapped(f"{device.title} ({device.manufacturer.title})", WIDTH)]
     lines += [*_manual_lines(device), *_order_code_lines(device)]
     parameters = [(parameter.name, _about_parameter(device, parameter)) for parameter in device.parameters]
-    lines += ["", "Parameters", *two_columns(parameters, indent=2), *alternative_lines(device)]
+    if parameters:
+        lines += ["", "Parameters", *two_columns(parameters, indent=2)]
+    lines += alternative_lines(device)
     measurements = [("", device.measurement)]
     measurements += [(interface.title, interface.measurement) for interface in device.interfaces]
     # Without an order code, there are no parameters, and expressions are shown as text.
@@ -106,6 +108,8 @@ def _order_code_lines(device: Device) -> Iterator[str]:
     """Yield the pattern of the order codes, the values of each part, the rule for others, and other spellings."""
     yield ""
     yield f"Order codes: {device.order_code.pattern}"
+    for statement in not_on_label(device):
+        yield wrapped(PLAIN_STYLE.sentence(statement), WIDTH, prefix="    ", first="  ")
     for part in device.order_code.parts:
         yield wrapped(part.meaning, WIDTH, prefix="    ", first=f"  {part.name}: ")
         yield from two_columns(((option.text, option.meaning) for option in part.values), indent=4)

@@ -20,10 +20,13 @@ _HEX = re.compile(r"\b(?:0x([0-9A-Fa-f]+)|([0-9][0-9A-F]*)h)\b")
 #: Words before a number that is a place and not a value.
 _PLACE = re.compile(r"\b(?:register|address|at)\b", re.IGNORECASE)
 _BIT = r"\d{1,3}(?::\d{1,3})?"
+#: The place of a field: its highest and its lowest bit, or its only one.
+_FIELD_BITS = re.compile(r"([0-9]{1,4})(?::([0-9]{1,4}))?")
 #: Bits that a sentence calls unused without a condition.
 _UNUSED = re.compile(
     rf"(?:^|[.;] )bits? ({_BIT}(?:(?:,| and|, and) {_BIT})*) (?:is|are) (?:not used|unused)(?=[.;]|$)", re.IGNORECASE
 )
+#: An access in words. The group is ``read`` or ``write``.
 _ONLY = re.compile(r"\b(?:is|are) (read|write)[ -]only\b")
 _NUMBERS = ("two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
 _REQUESTS = re.compile(rf"\b({'|'.join(_NUMBERS)}|[1-9]\d?) requests\b", re.IGNORECASE)
@@ -94,7 +97,7 @@ def _compare_with_contents(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
 
 
 def _misspells(printed_name: str, correct_name: str) -> bool:
-    """Return True if two names differ in one word, which has a typo of the other name's word.
+    """Return True if two names differ in one word, which is a typo of that of the correct name.
 
     A word that is short in the correct name, or differs only in a plural s, is not counted as misspelt.
     """
@@ -213,7 +216,10 @@ def _printed_polynomials(note: str, width: int) -> dict[str, int]:
 
 
 def check_unused_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a register has no field at bits that its note calls unused, unless its number is fixed."""
+    """Check that a register has no field at bits that its note calls unused.
+
+    A constant, unused bits and a field whose ``equals`` is 0 have no content, so they may be there.
+    """
     for field_list in field_lists(spec):
         unused_in_note = set(_unused_bits_in(field_list.owner.note))
         if field_list.kind is not Has.REGISTER or not unused_in_note:
@@ -231,10 +237,11 @@ def check_unused_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 
 
 def _bits_at(at: int | str | None) -> range:
-    """Return the bits of a place such as ``7:6`` or ``5``, or no bits if it is not a place."""
-    high_text, _, low_text = str(at).partition(":")
-    if not high_text.isdigit():
+    """Return the bits of a place such as ``7:6`` or ``5``, or none if it is not a place, which another rule reports."""
+    place = _FIELD_BITS.fullmatch(str(at))
+    if place is None:
         return range(0)
+    high_text, low_text = place.groups()
     high = int(high_text)
     low = int(low_text) if low_text else high
     return range(low, high + 1)
@@ -269,7 +276,8 @@ def check_repeated_access(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 def _check_access_in_erratum(spec: WrittenSpec, erratum: WrittenErratum, report: DocumentReport) -> None:
     """Check that the registers affected by an erratum have its access, if it says ``read only`` or ``write only``.
 
-    An erratum about bits or fields, or with both accesses, is not compared.
+    The key ``used`` of an erratum is the text about what applies instead. An erratum about bits or fields, or with both
+    accesses, is not compared.
     """
     registers = by_name(spec.registers)
     is_about_bits = re.search(r"\b(?:bit|field)", erratum.used, re.IGNORECASE) is not None

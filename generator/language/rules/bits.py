@@ -87,7 +87,7 @@ def check_flag_sums(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
     """Check that the flags that another flag combines exist in some list of fields."""
     flags: list[str] = []
     for field_list in field_lists(as_read):
-        flags += [field.name for field in field_list.fields if field.has("active") and field.name]
+        flags += [field.name for field in field_list.fields if field.is_flag and field.name]
     for field_list in field_lists(spec):
         for field in field_list.fields:
             other_flags = [name for name in dict.fromkeys(flags) if name != field.name]
@@ -165,7 +165,7 @@ def _is_fixed(fields: FieldList, field_name: str) -> bool:
 
 
 def _width_of_field(field: WrittenField) -> int | str | None:
-    """Return the number of bits of a field, given by its width or as the place of one bit."""
+    """Return the number of bits of a field, given by its width or as the place of one bit, or None if neither is."""
     # ``at`` is the number of one bit, or a text such as 7:6.
     is_at_one_bit = isinstance(field.at, int)
     return 1 if is_at_one_bit else field.bits

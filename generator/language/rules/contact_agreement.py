@@ -69,13 +69,16 @@ def check_kinds_of_contacts(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
 
 
 def check_numbered_cables(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a cable has a wire with a name that is not a number, unless a note says that they are numbered."""
+    """Check that not all wires of a cable have numbers, unless a note says so. Its shield or case is not a wire.
+
+    A cable without a shield or case is left to another rule.
+    """
     if is_second(report.document.file):  # It has no notes.
         return
     for connector in spec.connectors:
         wires = [wire.contact for wire in connector.part.contacts if not _is_case(wire.contact)]
         is_numbered = bool(wires) and all(wire.isdecimal() for wire in wires)
-        has_case = len(wires) < len(connector.part.contacts)  # Without one, another rule reports it.
+        has_case = len(wires) < len(connector.part.contacts)
         if connector.part.kind == "cable" and is_numbered and has_case and "number" not in connector.part.note:
             message = "the wires have numbers, as the contacts of a connector; write 'kind: connector'"
             report.add("contact-kind", (*connector.path, "kind"), message)
@@ -250,6 +253,6 @@ def _stated_pairs(
 
 
 def _last_line(text: str, indexes: Mapping[str, int]) -> str:
-    """Return the line whose name ends a text before "is", or begins one behind "than", or an empty string."""
+    """Return the line that a text names, perhaps after "but" or "and", or an empty string."""
     plain_text = re.sub(r"\s+(?=[+-])", "", text.strip()).casefold()
     return next((name for name in indexes if plain_text in (name, f"but {name}", f"and {name}")), "")

@@ -140,7 +140,7 @@ def _gives_number(meaning: str, number: int) -> bool:
 
 
 def check_summands(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that at most one flag of a list combines each flag, and that it omits no single flag of a group."""
+    """Check that at most one flag of a list combines each flag, and that no single flag of a group is omitted there."""
     groups = by_name(spec.field_groups)
     for field_list in field_lists(spec):
         combining_flags: dict[str, str] = {}  # For each combined flag, the first one that combines it.
@@ -220,7 +220,7 @@ def check_explained_flags(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 
 
 def check_read_only_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a writable register with flags of alarms or with the position has something to write.
+    """Check that a writable register with only flags of alarms, or with the position, has something to write.
 
     That is a named value, a step that writes it, a key that matters only for writing, or a text with "writ" in it.
     """

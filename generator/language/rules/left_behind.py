@@ -129,7 +129,7 @@ def _parse_number(text: str) -> int:
 
 
 def _bytes_of(register: WrittenRegister) -> str:
-    """Return the default of a register as hexadecimal digits in byte order, such as ``"3412"`` for 0x1234.
+    """Return the default of a register as hexadecimal digits in byte order: ``"3412"`` for 0x1234, low byte first.
 
     The result is empty if there is no default, if there are several bytes without a byte order, or if the default does
     not fit.
@@ -160,7 +160,7 @@ def check_order_codes_in_texts(spec: WrittenSpec, as_read: WrittenSpec, report: 
         pieces = pieces[1:]
     code_in_text = re.compile(rf"(?<![\w-])({'|'.join(starts)})([\w.…/*-]+)")
     for path, text in leaves_of(spec.data, report):
-        if not isinstance(text, str) or not _is_text(path):
+        if not isinstance(text, str) or not _is_text_about_own_codes(path):
             continue
         for start, text_after_start in code_in_text.findall(text):
             unknown_label = _unknown_label(text_after_start.rstrip(".,"), pieces)
@@ -201,21 +201,20 @@ def _common_start(texts: Sequence[str]) -> str:
     return "".join(letters[0] for letters in equal_letters)
 
 
-#: Texts about the encoder, without the titles and reasons of errata, and parts about other documents and editions.
+#: Keys of texts about the encoder. Titles and reasons of errata may quote another order code.
 _TEXTS = (PROSE | {"used"}) - {"title", "why", "changes", "source", "alignment_source", "output_code_source"}
-_ELSEWHERE = frozenset(("documents", "manual", "order_code", "editions", "evidence"))
+#: Sections whose texts may name other order codes.
+_SECTIONS_WITH_OTHER_CODES = frozenset(("documents", "manual", "order_code", "editions", "evidence"))
 
 
-def _is_text(path: Path) -> bool:
-    """Return True if the value at a path is a text that must use the order codes of the spec.
-
-    In tables, these are the cells and the prose. Documents, editions and evidence may name other order codes.
-    """
+def _is_text_about_own_codes(path: Path) -> bool:
+    """Return True if the value at a path is a text whose order codes must be those of the spec."""
     section, key = path[0], path[-1]
-    if section == "tables":
-        return "rows" in path or key in _TEXTS
+    if section in _SECTIONS_WITH_OTHER_CODES:
+        return False
+    is_cell_of_table = section == "tables" and "rows" in path
     is_value_of_characteristic = (section, key) == ("characteristics", "value")
-    return section not in _ELSEWHERE and (is_value_of_characteristic or key in _TEXTS)
+    return is_cell_of_table or is_value_of_characteristic or key in _TEXTS
 
 
 def _split_pattern(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[str] | None]]:

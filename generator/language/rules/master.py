@@ -225,7 +225,7 @@ def _check_clocks(clocks: WrittenAnyClock, report: DocumentReport) -> None:
 
 
 def _check_place(place: WrittenPlace, master: WrittenMaster, report: DocumentReport) -> None:
-    """Check that a place is given on known devices, and has no ``where``, which says that no place is known."""
+    """Check that a place is given, or only ``where``, which says that none is known, and that its devices are known."""
     path = place.path
     place_keys = [key for key in _PLACES if place.has(key)]
     if not place_keys:

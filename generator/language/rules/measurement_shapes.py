@@ -19,7 +19,7 @@ def check_measurement_shape(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
     Each needs the size of a count. ``highest`` needs ``turns`` or ``modulus``.
     """
     movement = spec.movement
-    if not spec.has("movement"):
+    if not movement:
         return
     keys_of_movement, foreign_keys = (_ANGLE, _LENGTH) if movement == "rotary" else (_LENGTH, _ANGLE)
     unit_key = keys_of_movement[0]  # 'counts_per_turn' or 'step_um', the size of a count.

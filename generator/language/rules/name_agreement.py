@@ -67,7 +67,7 @@ def _named_texts(spec: WrittenSpec) -> Iterator[tuple[str, Path, str]]:
 
 
 def check_misspelt_fields(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no field has the name of another field with a typo, such as ``posiion`` for ``position``.
+    """Check that no field has the name of another one with a letter more or less, as ``posiion`` for ``position``.
 
     The rarer of the two names is reported, at its first field.
     """

@@ -66,7 +66,8 @@ def check_constant_bits(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
 def check_counts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the counts or revolutions in the meaning of an order code value are those that it sets.
 
-    They are computed by the formulas of the measurement, if the value sets all their parameters.
+    They are computed by the formulas of the measurement, if the value sets all their parameters. Of several
+    measurements, the last one with a formula counts.
     """
     formulas = dict(_yield_formulas(spec))
     definitions = _collect_definitions(spec)

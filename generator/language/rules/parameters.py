@@ -8,7 +8,7 @@ from typing import NamedTuple
 from ...model.expressions import Expression, ExpressionError, Factor
 from ..problems import DocumentReport, Path, listed, quoted
 from ..written_codes import WrittenAlternative, WrittenParameter, WrittenRegister
-from ..written_interfaces import WrittenSpi
+from ..written_interfaces import WrittenBiss, WrittenSpi
 from ..written_layouts import WrittenField
 from ..written_parts import WrittenSpec
 from .name_resolver import NameResolver
@@ -90,8 +90,9 @@ def expressions(spec: WrittenSpec) -> _Expressions:
         yield from _expressions_under(measurement, _MEASURED)
     for field_list in layouts(spec):
         yield from _of_position_range(field_list)
+        yield from _of_gray_code(field_list, ("excess",))
     for _, interface in interfaces(spec):
-        yield from _of_words(interface)
+        yield from _of_interface(interface)
 
 
 class ParameterUse(NamedTuple):
@@ -120,7 +121,7 @@ def parameter_uses(spec: WrittenSpec, as_read: WrittenSpec | None = None) -> Ite
         measurement = interface.measurement if interface.has("measurement") else spec.measurement
         if measurement is not None:
             yield from _used_by(name, _expressions_under(measurement, _MEASURED))
-        yield from _used_by(name, _of_words(interface))
+        yield from _used_by(name, _of_interface(interface))
 
 
 def _used_by(interface: str, expressions: _Expressions) -> Iterator[ParameterUse]:
@@ -135,8 +136,13 @@ def _of_owner(fields: FieldList) -> _Expressions:
         for limited in (fields.owner, *fields.owner.meanings):
             yield from _expressions_under(limited, ("min", "max"))
     yield from _of_position_range(fields)
+    yield from _of_gray_code(fields, ("when", "excess"))
+
+
+def _of_gray_code(fields: FieldList, keys: Iterable[str]) -> _Expressions:
+    """Yield the expressions under these keys of the Gray code of a layout. The one under ``when`` is a parameter."""
     if fields.layout is not None and fields.layout.gray is not None:
-        yield from _expressions_under(fields.layout.gray, ("when", "excess"))
+        yield from _expressions_under(fields.layout.gray, keys)
 
 
 def _of_position_range(fields: FieldList) -> _Expressions:
@@ -153,11 +159,13 @@ def _expressions_under(owner: PlacedPart, keys: Iterable[str]) -> _Expressions:
             yield (*owner.path, key), text
 
 
-def _of_words(interface: WrittenInterface) -> _Expressions:
-    """Yield the lengths of words over SPI, of the interface and of its exchanges. Other interfaces have none."""
+def _of_interface(interface: WrittenInterface) -> _Expressions:
+    """Yield the lengths of words over SPI, and the number of bits that data channels over BiSS compare."""
     if isinstance(interface, WrittenSpi):
         for owner in (interface, *interface.exchanges):
             yield from _expressions_under(owner, ("word_bits",))
+    if isinstance(interface, WrittenBiss) and interface.channels is not None:
+        yield from _expressions_under(interface.channels, ("compared_bits",))
 
 
 def _of_field(field: WrittenField, path: Path) -> _Expressions:
@@ -213,7 +221,10 @@ def check_long_sums(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
 
 
 def _count_of_terms(parameter_name: str, parameters: Mapping[str, WrittenParameter], counts: dict[str, int]) -> int:
-    """Return the number of terms of a parameter with all definitions inserted, which ``counts`` keeps by name."""
+    """Return the number of terms of a parameter with all definitions inserted, which ``counts`` keeps by name.
+
+    Each factor of a product counts like a term, and a parameter without a definition as one.
+    """
     if parameter_name in counts:
         return counts[parameter_name]
     counts[parameter_name] = 1  # This ends a cycle, which another rule reports.

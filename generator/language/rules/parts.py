@@ -296,8 +296,7 @@ def constant_width(field: WrittenField) -> int | None:
     if bit_range is not None:
         width = int(bit_range[1]) - int(bit_range[2]) + 1
         return width if width > 0 else None
-    is_one_bit = field.has("active") or isinstance(field.at, int)
-    return 1 if is_one_bit else None
+    return 1 if field.is_flag or isinstance(field.at, int) else None
 
 
 def bits_of(register: WrittenRegister, groups: Groups) -> list[str]:

@@ -181,7 +181,7 @@ def _check_conditions(
             report.add("undefined-reference", condition_path, problem)
     if len(combination.when) == 1 and len(report) == problems_before:
         (field_name,) = combination.when
-        is_flag = fields_by_name[field_name].has("active")
+        is_flag = fields_by_name[field_name].is_flag
         verdict_place = f"the flag {quoted(field_name)}" if is_flag else f"the value of {quoted(field_name)}"
         problem = (
             f"{quoted(combination.name)} has only one condition; write 'makes_position' at {verdict_place} instead"
@@ -193,7 +193,7 @@ def _check_conditions(
 def _obstacle_to_combination(fields: FieldList, field_name: str, field: WrittenField) -> str:
     """Return the reason that a combination cannot contain a field, and the fix. Empty if it can."""
     name = quoted(field_name)
-    if not field.has("active") and not value_names(field):
+    if not field.is_flag and not value_names(field):
         return f"{name} is neither a flag nor a field with 'values'; give names to its values with 'values'"
     if field.has("only"):
         return f"the manual explains {name} only for some order codes; a combination applies to all of them"
@@ -210,7 +210,7 @@ def _words_of(field: WrittenField) -> list[str]:
     These are ``active`` and ``inactive`` for a flag, and the names of values for another field. If ``others`` gives a
     meaning to the unlisted numbers, a narrow field also has ``reserved_5`` and the like for each of them.
     """
-    if field.has("active"):
+    if field.is_flag:
         return list(_FLAG_WORDS)
     value_words = value_names(field)
     width = constant_width(field)
@@ -247,8 +247,7 @@ def _own_verdicts(
     """
     for name, value_name in combination.when.items():
         field = fields_by_name[name]
-        is_flag = field.has("active")
-        if not is_flag:
+        if not field.is_flag:
             value = field.values.get(value_name)
             yield f"{quoted(name)} alone", value.makes_position if value is not None else ""
         elif value_name == "active":

@@ -1,16 +1,20 @@
-"""Rules for items of a list that occur twice, and for neighbours with the same text."""
+"""Rules for what a spec has twice: items of a list, texts of neighbours, and facts about an encoder as a whole."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
+from ...model import Biss
 from ..document import Path
 from ..problems import DocumentReport, quoted
 from ..written_codes import WrittenRegister
+from ..written_interfaces import WrittenRs485
 from ..written_layouts import WrittenField
 from ..written_parts import WrittenSpec
-from .parts import field_lists, interface_of
+from .parts import by_name, field_lists, has_erratum_at, interface_of
+from .walk import leaves_of
 
 #: Lists that are sets, at any place.
 _SETS = frozenset(
@@ -21,6 +25,15 @@ _SETS = frozenset(
 )
 #: Maps of lists that are sets.
 _MAPS_OF_SETS = frozenset(("only_with", "open_only_with"))
+#: Name of a device description file: idbiss and the manufacturer ID in hexadecimal.
+_DESCRIPTION_FILE = re.compile(r"idbiss([0-9A-Fa-f]+)\.xml")
+_ALIGNMENTS = {"left": "msb_left", "right": "lsb_right"}
+#: A bit and the side to which it is aligned, as in ``MSB left-aligned`` and ``LSB aligned to the right``.
+_ALIGNED = re.compile(r"\b[ML]SB (?:(?=\w+[ -]aligned)|aligned to the )(left|right)\b", re.IGNORECASE)
+_NUMBERS = {"one": 1, "two": 2, "nine": 9, "ten": 10, "eleven": 11, "twelve": 12}
+_STOP_BITS = re.compile(r"\b(one|two|[12]) stop bits?\b", re.IGNORECASE)
+_CHARACTER = re.compile(r"\b(nine|ten|eleven|twelve|9|1[0-2]) bits\b", re.IGNORECASE)
+_PARITY = re.compile(r"\b(no|even|odd) parity\b", re.IGNORECASE)
 
 
 def check_repeated_items(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -118,3 +131,161 @@ def _report_repeated(text_key: str, texts: Iterable[_NamedText], report: Documen
         if first_name != name:
             message = f"{quoted(first_name)} already has this text as its {quoted(text_key)}; one of the two is wrong"
             report.add("repeated-text", path, message)
+
+
+def check_description_file(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the name of the description file of BiSS contains the manufacturer ID of the register.
+
+    This ID is two ASCII characters, and in the name their four hexadecimal digits.
+    """
+    biss = spec.interfaces.biss
+    file_name = _DESCRIPTION_FILE.fullmatch(biss.description_file) if biss is not None else None
+    register = by_name(spec.registers).get("manufacturer_id")
+    if biss is None or file_name is None or register is None or interface_of(register) != Biss.name:
+        return
+    id_texts = [field.equals for field in register.fields if isinstance(field.equals, str) and field.equals.isascii()]
+    manufacturer_id = "".join(id_texts).encode("ascii").hex()  # 4c41 for LA.
+    id_of_file = file_name[1]
+    if len(manufacturer_id) == 4 and manufacturer_id != id_of_file.casefold():
+        message = (
+            f"the file is for the manufacturer ID {id_of_file.upper()}h, but the register 'manufacturer_id' has"
+            f" {manufacturer_id.upper()}h; correct one of the two"
+        )
+        report.add("description-file", biss.place_of("description_file"), message)
+
+
+def check_alignment(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the SSI word has the alignment that the contents and the order code name, if these name only one."""
+    ssi = spec.interfaces.ssi
+    texts = [section.title for section in spec.manual.contents.values()]
+    for part in spec.order_code.parts:
+        texts += [value.meaning for value in part.values.values()]
+    named_alignments: set[str] = set()
+    for text in texts:
+        named_alignments.update(_ALIGNMENTS[side.casefold()] for side in _ALIGNED.findall(text))
+    if ssi is None or len(named_alignments) != 1 or has_erratum_at(report.document, "interfaces", "ssi", "alignment"):
+        return
+    named_alignment = named_alignments.pop()
+    if ssi.alignment and ssi.alignment != named_alignment:
+        message = (
+            f"the table of contents or the order code names {quoted(named_alignment)}; correct one of the two. If"
+            " both are right, add an erratum that affects interfaces.ssi.alignment"
+        )
+        report.add("alignment-mismatch", ssi.place_of("alignment"), message)
+
+
+def check_serial_port(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the note of an RS-485 interface has the stop bits, parity and bits per character of its port."""
+    rs485 = spec.interfaces.rs485
+    if rs485 is None or not rs485.port.is_given:
+        return
+    port = rs485.port.part
+    parity_bits = 0 if port.parity == "none" else 1
+    # For each key, the pattern of words about it and the right one of them.
+    words_by_key = {
+        "stop_bits": (_STOP_BITS, str(port.stop_bits)),
+        "parity": (_PARITY, port.parity.replace("none", "no")),
+    }
+    # Only if the note counts the start bit, its number of bits is that of the whole character.
+    if "start bit" in rs485.note:
+        bits_of_character = 1 + port.data_bits + parity_bits + port.stop_bits
+        words_by_key["data_bits"] = (_CHARACTER, str(bits_of_character))
+    _compare_with_port(rs485.note, words_by_key, rs485, report)
+
+
+def _compare_with_port(
+    port_text: str,
+    numbers: Mapping[str, tuple[re.Pattern[str], str]],
+    rs485: WrittenRs485,
+    report: DocumentReport,
+) -> None:
+    """Report the first words of the note of an interface that contradict a setting of its port.
+
+    ``numbers`` has for each key the pattern of its words and the number or word that is right: ``"1"`` or ``"even"``.
+    """
+    for key, (pattern, expected) in numbers.items():
+        for word in pattern.findall(port_text):
+            plain_word = word.casefold()
+            number_or_word = str(_NUMBERS.get(plain_word, plain_word))  # "2" for "Two", "even" for "even".
+            if number_or_word != expected:
+                line, _ = report.document.position((*rs485.port.path, key))
+                message = (
+                    f"the text says {quoted(word)}, but {quoted(key)} of 'port' on line {line} requires {expected}"
+                )
+                report.add("port-mismatch", rs485.place_of("note"), f"{message}; correct one of the two")
+                return
+
+
+def check_bounds(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the lowest and the highest number of a quantity are different."""
+    for characteristic in spec.characteristics:
+        for index, value in enumerate(characteristic.part.values):
+            if value.min is not None and value.min == value.max:
+                message = f"'min' and 'max' are both {value.min:g}; correct one of them, or write 'typical'"
+                report.add("quantity-text", (*characteristic.path, "values", index, "min"), message)
+
+
+def check_numbers_of_conditions(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the numbers in ``where``, the condition of a quantity, are in the text of the characteristic."""
+    for characteristic in spec.characteristics:
+        printed_numbers = set(_NUMBER.findall(characteristic.part.value))
+        for index, value in enumerate(characteristic.part.values):
+            missing_numbers = [number for number in _NUMBER.findall(value.where) if number not in printed_numbers]
+            if missing_numbers:
+                message = f"'where' has {missing_numbers[0]}, which the text does not have; correct one of the two"
+                report.add("quantity-text", (*characteristic.path, "values", index, "where"), message)
+
+
+_NUMBER = re.compile(r"(?<![\w.,])\d+(?:\.\d+)?(?![\w,]*\d)")
+_HEX_CELL = re.compile(r"(?:0x)?([0-9A-F]+)h?")
+
+
+def check_address_tables(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a table with first and last addresses has ranges in ascending order, with equally many digits.
+
+    Rows in which one of the two is not a hexadecimal number are skipped.
+    """
+    for table in spec.tables:
+        address_columns: list[int] = []
+        for index, heading in enumerate(table.part.columns):
+            if heading.casefold() in ("first address", "last address"):
+                address_columns.append(index)
+        if len(address_columns) != 2:
+            continue
+        for row_index, row in enumerate(table.part.rows):
+            cells = [row[column_index] for column_index in address_columns if column_index < len(row)]
+            hex_digits = [match[1] for match in map(_HEX_CELL.fullmatch, cells) if match is not None]
+            if len(hex_digits) != 2:
+                continue
+            first_digits, last_digits = hex_digits
+            has_equal_length = len(first_digits) == len(last_digits)
+            is_range = has_equal_length and int(first_digits, 16) <= int(last_digits, 16)
+            if not is_range:
+                path = (*table.path, "rows", row_index, address_columns[0])
+                message = f"{cells[0]} to {cells[1]} is not a range of addresses; correct one of the two"
+                report.add("table-shape", path, message)
+
+
+_WORD = re.compile(r"\b[A-Za-z]+\d\w*")
+#: Shortest start of an order code of which a word with the same letters in another order is a mistake.
+_SHORTEST_START = 5
+
+
+def check_swapped_letters(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no text has the characters of the start of an order code in another order, such as ABC12 for ABC21.
+
+    The start is the text before the first part. Short starts are not compared.
+    """
+    text_before_parts, _, _ = spec.order_code.pattern.partition("{")
+    start = text_before_parts.strip("-/ ")
+    if len(start) < _SHORTEST_START:
+        return
+    for path, text in leaves_of(spec.data, report):
+        if not isinstance(text, str) or path[-1] == "printed" or path[0] in ("documents", "evidence"):
+            continue
+        misspelt = [word for word in _WORD.findall(text) if word != start and sorted(word) == sorted(start)]
+        if misspelt:
+            message = (
+                f"{quoted(misspelt[0])} has the characters of {quoted(start)}, which begins order codes; correct it"
+            )
+            report.add("misspelt-name", path, message)

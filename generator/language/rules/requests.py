@@ -111,7 +111,10 @@ def check_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
 
 
 def _check_frames_of_rs485(interface: WrittenRs485, report: DocumentReport) -> None:
-    """Check that at most one exchange asks for the position, and has a reply, and that each frame is in an exchange."""
+    """Check that at most one exchange asks for the position, and has a reply, and that each frame is in an exchange.
+
+    A frame must be carried as bytes, and no data ID selects it.
+    """
     position_exchanges = [exchange for exchange in interface.exchanges if exchange.purpose == "position"]
     for exchange in position_exchanges:
         if not exchange.reply:

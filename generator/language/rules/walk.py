@@ -45,14 +45,14 @@ def leaves_of(spec: Data, report: DocumentReport) -> Sequence[tuple[Path, object
 
 
 def leaves(root: object) -> list[tuple[Path, object]]:
-    """Return every text, number and boolean with its path."""
+    """Return every value that is neither a map nor a list, with its path."""
     located_values: list[tuple[Path, object]] = []
     _add_leaves(root, (), located_values)
     return located_values
 
 
 def _add_leaves(node: object, path: Path, located_values: list[tuple[Path, object]]) -> None:
-    """Add every text, number and boolean below a place, with its path."""
+    """Add every value below a place that is neither a map nor a list, with its path."""
     if isinstance(node, dict):
         for key, child in node.items():
             _add_leaves(child, (*path, key), located_values)

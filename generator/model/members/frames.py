@@ -6,8 +6,7 @@ from typing import get_args
 
 from ..kinds import Digits, Kind, Scale
 from ..measurement import LayoutRange
-from .described import described_part
-from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, Member, Part
+from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, Member, Part, described_part
 
 FRAMES = (
     Part(

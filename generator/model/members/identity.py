@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from ..documents import Edition, Evidence, Revision
-from .described import described_part
-from .member import MEANING, NAME, NOTE, Member, Part
+from .member import MEANING, NAME, NOTE, Member, Part, described_part
 
 IDENTITY = (
     Part(

@@ -11,8 +11,7 @@ from ..interfaces import (
     Network,
     Port,
 )
-from .described import described_part
-from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, Member, Part
+from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, Member, Part, described_part
 
 INTERFACES = (
     described_part(Clock),

@@ -1,9 +1,13 @@
-"""Members of the parts of the model, and the notation for their types in the data."""
+"""Members of the parts of the model, as classes describe them, and the notation for their types in the data."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
+
+from ..key_types import data_notation, name_of_part
+from ..part import DescribedKey, description_of, keys_of
 
 #: Notations of numbers, by the ends of the names of members.
 _UNITS = ("mv", "us", "ms", "hz", "ns")
@@ -30,7 +34,8 @@ class Member:
             * ``[name]``: a list. ``{integer}``: a map. ``{kind:interface}``: a map of parts by their member ``kind``.
             * ``text?``: the same type, or null. ``boolean=false``: the same with a default. ``=1``: always this number.
         about: Description for users of the data.
-        rule: Rule of ``diff`` for a change. Empty for a member that is compared elsewhere or derived.
+        rule: Rule of ``diff`` for a change. Empty for a member that is compared elsewhere or derived from other
+            members.
         label: Name in sentences, if it differs from ``name``.
         read: Class of facts of a second reading to which a stated value belongs. Empty for a member without such facts,
             or whose facts have several parts.
@@ -122,3 +127,33 @@ MEANING = Member("meaning", "text", "Meaning or purpose.", "words")
 NOTE = Member("note", "text", "Additional information for the reader.", "words")
 PRINTED_NAME = Member("printed_name", "text", "Name in the manual.", "words")
 NAMES = Member("names", "names", "Names in manuals in other languages, each under its language code.", "words")
+
+
+def described_part(part_class: Any, *additional: Member, after: str = "", name: str = "") -> Part:
+    """Return the part that a class describes.
+
+    ``additional`` members, which only the data have, follow the member ``after``. ``name`` is the name of the part, if
+    it differs from that of the class.
+    """
+    description = description_of(part_class)
+    members = []
+    for described in keys_of(part_class):
+        if described.name == "source":
+            continue
+        members.append(_build_member(described))
+        if described.name == after:
+            members += additional
+    return Part(
+        name or name_of_part(part_class.__name__),
+        description.data or description.about,
+        *members,
+        of=part_class.__name__,
+        identity=description.identity,
+        is_sourced=description.is_sourced,
+    )
+
+
+def _build_member(described: DescribedKey) -> Member:
+    key = described.key
+    about = key.data or f"{key.about} {key.reading}".rstrip()
+    return Member(described.name, data_notation(described), about, **key.member)

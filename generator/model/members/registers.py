@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from ..facts import Alarm
 from ..fields import Crc
-from .described import described_part
-from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, Member, Part
+from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, Member, Part, described_part
 
 REGISTERS = (
     Part(

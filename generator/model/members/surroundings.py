@@ -6,8 +6,7 @@ from ..documents import EditionTest, LostFigure
 from ..examples import Write
 from ..facts import Characteristic, Connector, Contact, Input, Led, LedState, Quantity, Table, Timing
 from ..measurement import Measurement
-from .described import described_part
-from .member import NAME, NAMES, NOTE, PRINTED_NAME, Member, Part
+from .member import NAME, NAMES, NOTE, PRINTED_NAME, Member, Part, described_part
 
 SURROUNDINGS = (
     described_part(

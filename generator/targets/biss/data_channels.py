@@ -38,7 +38,10 @@ def ascii_only(text: object) -> str:
 
 
 def comment_text(text: object) -> Markup:
-    """Return ``text`` for a comment, without double hyphens, which would end it."""
+    """Return ``text`` for a comment. XML allows neither double hyphens in it nor a hyphen at its end.
+
+    A space separates double hyphens, and follows a hyphen at the end.
+    """
     comment_line = ascii_only(text)
     # Of three hyphens, one pass leaves two next to each other.
     while "--" in comment_line:
@@ -104,7 +107,7 @@ class Node:
 def channels_by_length(
     device: Device, layout: Layout, ids: tuple[IdBits, ...], lengths: Sequence[DataLength]
 ) -> tuple[Node, ...]:
-    """Return the element with the data length, or an empty tuple unless all order codes have the same length.
+    """Return the element with the data length as a tuple, which is empty unless all ``lengths`` are equal in data bits.
 
     ``ids`` are the bits that identify the encoder. ``lengths`` can have several entries with the same number of bits.
     """
@@ -243,7 +246,10 @@ def _active_level(status: Field) -> str:
 
 
 def _lengths_by_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
-    """Return a line for each profile ID and a note, or no lines if the profile ID does not distinguish the models."""
+    """Return a line for each profile ID and a note, or no lines if the profile ID does not determine the data length.
+
+    It determines the length if there are several profile IDs, and the models with each of them have the same length.
+    """
     lines = []
     for profile_id, data_bits in _length_by_profile(device, lengths).items():
         order_codes = ", ".join(profile_ids(device)[profile_id])
@@ -296,7 +302,10 @@ def _other_channels(device: Device, layout: Layout) -> list[str]:
 
 
 def _sent_fields(layout: Layout) -> str:
-    """Return the fields in the order of transmission, such as ``position, error (active low), CRC``."""
+    """Return the fields in the order of transmission, such as ``position, error (active low), CRC``.
+
+    Without status bits, it ends in ``CRC, no status bits``.
+    """
     texts_in_order = []
     for field in layout.fields:
         if field in layout.status_fields:

@@ -29,9 +29,9 @@ class _OneFile(etree.Resolver):
         self.answered = False
 
     def resolve(self, *request: Any, **_: Any) -> Any:
-        """Return the DTD for the first request, which comes from our DOCTYPE.
+        """Return the DTD for the first request, that of our DOCTYPE, and an empty text for any other.
 
-        Note the address of any other request, and return nothing.
+        The address of the first of the others is noted in ``refused``.
 
         A request consists of address, public ID and context. The published type stubs do not declare the context.
         """
@@ -65,7 +65,8 @@ def read_dtd(path: Path) -> bytes:
 def faults(document: str, name: str, dtd: bytes, dtd_name: str) -> list[str]:
     """Return the validation errors of ``document`` against ``dtd``, each as ``file:line: message``.
 
-    Entities are not expanded into the document.
+    Entities are not expanded into the document, which is ASCII text. The line is missing if the parser stops without
+    an error at a place.
 
     Raises:
         DtdError: The DTD itself is invalid or refers to other files.

@@ -45,12 +45,13 @@ class Identifier(TypedDict):
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return ``biss/idbissXXXX.xml`` for manufacturers with a BiSS ID, ``biss/<maker>-<device>.xml``, and the schema.
 
-    There is no idbiss file without an encoder that a master can identify.
+    There is no idbiss file without an encoder that a master can identify. A README and the licence are added. Without
+    devices, there are no files.
 
     Also return ``biss/<maker>-<device>/idbiss-<order code>.xml`` for each order code that a master can identify.
 
-    With the option ``order-codes``, also return ``biss/<maker>-<device>/<order code>.xml``, with numbers instead of
-    expressions.
+    With the option ``order-codes=each``, also return ``biss/<maker>-<device>/<order code>.xml``, with numbers instead
+    of expressions.
     """
     files: dict[str, str] = {}
     identifiers = []
@@ -99,7 +100,7 @@ def _order_code_xml(device: Device, variant: Variant) -> str:
 def _identified_nodes(devices: Sequence[Device]) -> tuple[list[Node], str]:
     """Return the elements of the encoders that a master can identify, and a sentence about encoders without an ID.
 
-    The sentence is empty if all have an ID.
+    The sentence is empty if all have one. Families without single cycle data are left out of both.
     """
     # A master cannot distinguish a special model or another edition from its family.
     families = [device for device in devices if device.find_interface(Biss) is not None and not device.base]
@@ -119,9 +120,10 @@ def _identified_nodes(devices: Sequence[Device]) -> tuple[list[Node], str]:
 
 
 def _single_encoder_files(biss_id: int, device: Device, library: Library) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield a file for each order code, or for each answer where the manual leaves the length open.
+    """Yield the path of a file for each order code, and a function for its text.
 
-    There are none if a master cannot identify the family, or if it has no single cycle data.
+    If the manual leaves the places or widths of fields open, an order code has a file for each combination of answers.
+    There are no files if a master cannot identify the family, or if it has no single cycle data.
     """
     ids = device_bits(device)
     layout = single_cycle_data(device)
@@ -181,7 +183,11 @@ def _about_answer(question: Alternative, answer: Answer) -> str:
 def _render_identifier(
     maker: Manufacturer, biss_id: int, about: Sequence[str], nodes: Sequence[Node], library: Library, left_out: str = ""
 ) -> str:
-    """Return the file that describes these encoders from one manufacturer. ``about`` begins its first comment."""
+    """Return the file that describes these encoders from one manufacturer.
+
+    Its first comment is the warning, and ``about`` begins the second one. ``left_out`` is a comment about encoders that
+    are not listed, or empty.
+    """
     root = Node((manufacturer_bits(biss_id),), label=maker.title, notes=(_MANUFACTURER_NOTE,), devices=tuple(nodes))
     values: Identifier = {
         "notes": [
@@ -230,7 +236,8 @@ _ONE_ENCODER_NOTE = (
 def _device_element(device: Device, ids: tuple[IdBits, ...], one_encoder: bool = False) -> Node | None:
     """Return the element of a family, or of one encoder, or None without single cycle data.
 
-    ``ids`` are the bits that identify it. Inside it is the element with the data length, unless registers change that.
+    ``ids`` are the bits that identify it. Inside it is the element with the data length, unless order codes differ in
+    the length. A family whose registers change the length has no such element either.
     """
     layout = single_cycle_data(device)
     if layout is None:

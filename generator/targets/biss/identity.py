@@ -104,8 +104,11 @@ def _holds_identity(register: Register) -> bool:
 
 
 def _register_bits(register: Register) -> Iterator[IdBits]:
-    """Yield the fixed bits of a register, at their places in the 64-bit identity."""
-    # The registers after this register contain the lower bits of the identity.
+    """Yield the fixed bits of a register, at their places in the 64-bit identity.
+
+    A field whose place or width depends on the order code is left out.
+    """
+    # The registers after this one have the lower bits of the identity.
     bits_below = 8 * (LAST - register.last_address)
     for field in register.layout.fields:
         number = _fixed_value(register.layout, field)
@@ -155,7 +158,7 @@ def single_cycle_data(device: Device) -> Layout | None:
 
 
 def only_crc(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> Crc | None:
-    """Return the CRC of the single cycle data, or None if order codes differ."""
+    """Return the CRC of the single cycle data, or None if order codes differ in it, or if none of them has one."""
     if layout.always_has_crc:
         return device.crcs_of(layout)[0]
     crcs = {length.crc for length in lengths}
@@ -213,7 +216,7 @@ def _is_stated(layout: Layout, field: Field) -> bool:
 
 
 def _stated_value(layout: Layout, field: Field, variant: Variant) -> int:
-    """Return the value that the spec gives for a field and this order code, or 0."""
+    """Return the value that the spec gives for a field and this order code, or 0 if it gives none."""
     if isinstance(field.equals, Expression):
         return field.equals.value(variant.parameters)
     if isinstance(field.equals, int):

@@ -61,6 +61,7 @@ from ...why.texts import START_BITS, TEXTS
 from .. import NO_OPTIONS, Library, Options, Target
 from ..palette import palette_css
 from ..registry import licence_in, our_runtime
+from .example_link import LinkedFrame, linked_frame
 from .layouts import (
     Data,
     SharedParts,
@@ -228,10 +229,10 @@ def _interface_data(device: Device, interface: Interface, shared: SharedParts) -
     ``exact`` contains the senders whose frames differ in length: a number of bytes then stands for a frame of this
     length, not for a longer frame without its leading zeros. ``told`` contains the selectors that distinguish frames.
     """
-    reportings_by_name = {reporting.codec.layout.name: reporting for reporting in reportings(device)}
+    reporting_by_frame = reportings(device)
     frames: list[Data] = []
     for layout in interface.layouts:
-        frames.append(frame_data(device, interface.name, layout, reportings_by_name.get(layout.name)))
+        frames.append(frame_data(device, interface.name, layout, reporting_by_frame.get(layout.name)))
     registers = [register_data(device, register) for register in device.registers_over(interface.name)]
     return without_empty(
         name=interface.name,
@@ -284,6 +285,7 @@ def _dispatch_data(interface: Interface, dispatch: Dispatch) -> Data:
 #: Error messages, with placeholders for numbers and names: ``{0} is {1}``.
 _MESSAGES = {
     "length": report.length("{0}", "{1}", "{2}"),
+    "length_of_channels": report.length_of_channels("{0}", "{1}", "{2}", "{3}"),
     "crc": report.crc("{0}", "{1}"),
     "constant": report.constant("{0}", "{1}", "{2}"),
     "parity": report.parity("{0}", "{1}", "{2}", "{3}"),
@@ -345,7 +347,7 @@ _MESSAGES = {
 class Page(TypedDict):
     title: Annotated[str, "the manufacturers on one line"]
     codes: Annotated[int, "number of order codes"]
-    example: Annotated[str, "an order code"]
+    example: Annotated[LinkedFrame, "an order code, and a valid frame if there is one"]
     table: Annotated[Data, "data of the script: messages, mistakes with a frame, and the families"]
     runtime: Annotated[Mapping[str, str], "the parts of the script that are the same for all encoders, by name"]
     palette: Annotated[str, "style sheet with the colours as custom properties"]
@@ -357,7 +359,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     page: Page = {
         "title": listed(plain(manufacturer.title) for manufacturer, _ in library.by_manufacturer()),
         "codes": len(set(codes)),
-        "example": codes[0] if codes else "",
+        "example": linked_frame(library.devices),
         "table": script_table(library),
         "runtime": {path.stem: _code_without_comment(path) for path in our_runtime("browser").glob("*.js")},
         "palette": palette_css().rstrip("\n"),

@@ -57,7 +57,7 @@ _ESCAPES = {ord(mark): f"\\u{ord(mark):04x}" for mark in "<>&\u2028\u2029"}
 
 
 def without_empty(**members: Any) -> Data:
-    """Return those members that are not 0, empty or False. A name such as ``is_`` loses its underscore."""
+    """Return those members that are not None, 0, empty or False. A name such as ``is_`` loses its underscore."""
     return {name.rstrip("_"): value for name, value in members.items() if value not in (None, 0, "", (), [], {})}
 
 
@@ -90,9 +90,10 @@ def optional_expression_data(value: Expression | None) -> Any:
 
 
 def plain_data(value: Any) -> Any:
-    """Return any part of the plan's description as plain data, a dataclass by the names of its members.
+    """Return any part of the plan's description as plain data that JSON can express.
 
-    Members that equal their default, or are 0, empty or False, are left out. So are those that ``==`` ignores.
+    A dataclass becomes a dictionary by the names of its members. Members that have their default, or are None, 0, empty
+    or False, are left out. So are those that ``==`` ignores. A tuple becomes a list, and so does a scale.
     """
     match value:
         case Expression():
@@ -174,7 +175,7 @@ def frame_data(device: Device, interface: str, layout: Layout, reporting: Report
     reports = []
     for described_cause, cause in zip(description.report_causes, causes, strict=True):
         reports.append(_report_data(device, described_cause, cause))
-    # Use the order of the frame, without flags first. Values with a verdict come last.
+    # The reports have the order of the fields in the frame. Those about several fields with a verdict come last.
     flags = (*layout.fields, *(sign.flag for sign in layout.signs))
     flag_names = [flag.name for flag in flags]
     return _layout_data(device, codec, description) | without_empty(
@@ -192,7 +193,7 @@ def frame_data(device: Device, interface: str, layout: Layout, reporting: Report
 def register_data(device: Device, register: Register) -> Data:
     """Return a register with its alarms (``tells``), limits and default.
 
-    ``strange`` are digits whose values show that another edition of the manual applies.
+    ``strange`` are digits whose values show that an older edition of the manual applies.
     """
     meanings: tuple[RegisterMeaning | None, ...] = register.meanings or (None,)
     default = register.default_bytes()
@@ -265,7 +266,10 @@ def _layout_data(device: Device, codec: Codec, description: Description) -> Data
 
 
 def _parameters_in_registers(device: Device, layout: Layout, codec: Codec) -> list[str]:
-    """Return those parameters that registers hold and that the layout needs, for places, widths or its Gray code."""
+    """Return the names of those parameters that registers hold and that the layout needs.
+
+    It needs them for its length, for the places and widths of fields, or for its Gray code.
+    """
     names_in_layout = set(layout.bits.parameters)
     for field in layout.fields:
         names_in_layout.update(field.low.parameters, field.width.parameters)
@@ -278,8 +282,11 @@ def _parameters_in_registers(device: Device, layout: Layout, codec: Codec) -> li
 
 
 def _field_data(codec: Codec, description: Description) -> Iterator[Data]:
-    """Yield the data of each field: its bits, the texts about it, and how it is encoded if users do not provide it."""
-    terms = {term.field.name: term.value for term in codec.terms}
+    """Yield the data of each field: its bits, the texts about it, and its encoding if it has a value of its own.
+
+    A constant, a parity and a CRC have a value of their own. Users provide the values of other fields.
+    """
+    own_values = {term.field.name: term.value for term in codec.terms}
     for column, field in zip(description.columns, codec.layout.fields, strict=True):
         when_active, when_inactive = states(field)
         only = codes_with_explanation(field)
@@ -295,7 +302,7 @@ def _field_data(codec: Codec, description: Description) -> Iterator[Data]:
             equals=_documented_value(field),
             colour=box_colour(field),
         )
-        yield plain_data(column) | texts | _encoding_data(terms.get(field.name))
+        yield plain_data(column) | texts | _encoding_data(own_values.get(field.name))
 
 
 def _value_data(value: Value) -> list[Any]:

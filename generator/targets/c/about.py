@@ -158,7 +158,10 @@ def about_layout(device: Device, interface: Interface, struct: Struct) -> list[P
 
 
 def about_member(struct: Struct, member: Field) -> str:
-    """Return the facts of a field that its enumeration does not show, or its title if there are none."""
+    """Return the facts of a field that its enumeration does not show, or its title if there are none.
+
+    For a string, a remark on the missing terminator follows.
+    """
     choice = struct.enumeration(member)
     shown_statements = choice.statements if choice is not None else ()
     statements = say_field.field(struct.device, member)
@@ -276,9 +279,11 @@ def about_run(device: Device, run: Run, read_state: str) -> Iterator[Paragraph]:
 
 
 def note_of_step(device: Device, operation: Operation) -> str:
-    """Return the purpose of a step, if the spec has one. Its row already contains the address, the bytes and the times.
+    """Return the purpose of a step. Its row already has the address, the bytes and the times.
 
-    Without a meaning, it is the place in the register, the value written, or the time.
+    For a wait and a write, it is the meaning of the step in the spec, or else the time, or the place and the value
+    written. A read and a poll have the title of their field or register before the meaning, and a request its data ID.
+    A request without either has an empty note.
     """
     meaning = operation.step.meaning
     match operation:

@@ -69,6 +69,7 @@ class Reader:
     scope: Scope
     #: Number of bits in the type of the word that a decoder takes.
     word_size: int = 64
+    #: Whether the bits are those of the word as sent, rather than those after the conversion of Gray code.
     as_sent: bool = False
 
     @property
@@ -286,7 +287,9 @@ class Unused:
 
     @property
     def refusal_condition(self) -> Expr | None:
-        """The condition that the member has a bit other than the unused bits, or None if its type has no such bit.
+        """The condition that the member has a bit other than the unused ones, or None if that is not possible.
+
+        It is not possible if the unused bits fill the type of the member, or if there are none.
 
         If the width of fields depends on the order code, this is ``(in->unused & mask) != in->unused``.
         """

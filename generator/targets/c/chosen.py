@@ -47,7 +47,7 @@ class NoFrame(Exception):
 def chosen_variant(device: Device, interface: Interface) -> Variant:
     """Return the order code of an interface with the most examples that are used as printed, without an erratum."""
     examples = (example for example in device.examples if _is_over_interface(device, interface, example))
-    # An example without an order code holds for every code.
+    # An example without an order code holds for every one, and counts for none.
     number_of_examples = Counter(getattr(example, "order_code", "") for example in examples if not example.erratum)
     variants = device.variants_over(interface.name) or device.variants
 
@@ -114,7 +114,8 @@ class Chosen:
     def procedure(self) -> tuple[Procedure, ProcedureExample | None] | None:
         """Worked procedure with the most writes and its example, or the first that clears an alarm by a request.
 
-        For a request, None replaces the example. The result is None if there is neither.
+        The latter has None in place of an example. The result is None if there is neither. A worked procedure that
+        polls does not count.
         """
         examples = (example for example in self.examples if isinstance(example, ProcedureExample))
         procedures_and_examples: list[tuple[Procedure, ProcedureExample]] = []
@@ -143,7 +144,10 @@ class Chosen:
     def _choose_frame(self) -> Frame:
         """Return a worked frame, or a made-up frame if there is none.
 
-        A frame used as printed is preferred, and a frame from the manual is preferred to a frame from another source.
+        A frame used as printed is preferred, and then a frame from the manual to one from another source.
+
+        Raises:
+            NoFrame: There is neither.
         """
         worked_frames = [example for example in self.examples if isinstance(example, FrameExample)]
         if not worked_frames:

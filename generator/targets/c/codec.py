@@ -90,7 +90,10 @@ class StructCodec:
 
     @property
     def receiver(self) -> str:
-        """The function of the runtime that extracts the frame from a buffer, empty if a port receives its bytes."""
+        """The function of the runtime that extracts the frame from a buffer.
+
+        It is empty for a register, for a frame that the master sends, and if a port receives the bytes of the frame.
+        """
         if self.struct.register is not None or not self.decodes:
             return ""
         match self.struct.context.interface:

@@ -41,9 +41,10 @@ def _separate_comment_marks(text: str) -> str:
 
 
 def comment(paragraphs: Sequence[Paragraph] | str, indent: int = 0) -> str:
-    """Format paragraphs as a comment, on one line if it fits. Empty paragraphs are omitted.
+    """Format paragraphs as a comment, on one line if it fits. In a sequence, empty paragraphs are omitted.
 
-    ``indent`` is the number of spaces before each line. If the lead is long, its text is on the lines below.
+    ``indent`` is the number of spaces before each line. A long lead has its text on the lines below. An empty line
+    separates the first lead with ``@``, of a parameter, from the text above it.
     """
     if isinstance(paragraphs, str):
         leads_and_texts = [("", paragraphs)]
@@ -235,8 +236,8 @@ def _broken_lines(line: str, *, continues_previous: bool) -> Iterator[str]:
 def _broken_code(c_code: str, margin: str, further_margin: str) -> Sequence[str]:
     """Break code after a question mark or an assignment if that is enough, else between conditions or anywhere.
 
-    ``further_margin`` begins all lines but the first. A question mark inside two or more brackets does not count, and
-    if parts are joined by ``|``, none counts.
+    ``further_margin`` begins all lines but the first. A question mark inside two or more brackets does not count. If
+    parts are joined by ``|``, neither a question mark nor an assignment counts.
     """
     # It has the length of the code, so that places in it are places in the code.
     without_strings = _STRING.sub(lambda string: "x" * len(string[0]), c_code)

@@ -72,8 +72,10 @@ class CrcCode:
 
 
 def crc_code(context: Context, function: CrcFunction, codecs: Sequence[StructCodec]) -> CrcCode:
-    """Return the function of a CRC, with a table if a codec uses it. A codec with a CRC for words does not call it."""
-    # Codecs with a CRC for words use only the table.
+    """Return the function of a CRC. It has a table only if its form needs one and a codec uses it.
+
+    A codec with a CRC for words does not call the function, and uses only the table.
+    """
     users = [codec for codec in codecs if _uses_function(codec, function)]
     return CrcCode(
         name=context.crc_name(function.crc, function.carrier.value),

@@ -1,7 +1,7 @@
 """CRC functions in C, as templates/c/crcs.h.jinja prints them: in folding steps, or with a table look-up per byte.
 
-Such processors are slow at shifting wider numbers. The step after which the number fits in 32 bits therefore takes the
-bits above and below its place from the halves of the wide number.
+Processors of 32 bits are slow at shifting wider numbers. The step after which the number fits in 32 bits therefore
+takes the bits above and below its place from the halves of the wide number.
 """
 
 from __future__ import annotations
@@ -50,15 +50,20 @@ FoldOperation = FoldWide | FoldHalves | Fold | Narrow
 
 
 def fold_operations(steps: Sequence[FoldStep], bits: int, source: str) -> Iterator[FoldOperation]:
-    """Yield the steps over ``source``, a number of this many bits. They leave the remainder in ``v``.
+    """Yield the operations that reduce a number to its CRC remainder, which they leave in the C variable ``v``.
 
-    A step takes the bits from ``shift`` up, moves them lower and XORs them. It is done in 64 bits (``wide``) if more
-    than 32 bits are left after it, or are moved. The first other step gives ``v`` of 32 bits, with which all later
-    steps work.
+    Each step removes the high bits of the number and XORs them into the low ones, which makes the number shorter. An
+    operation is in 64 bits, in the variable ``wide``, while more than 32 bits are moved or are left after it. All
+    operations from the first shorter one on are in 32 bits, in the variable ``v``.
+
+    Args:
+        steps: Steps for the polynomial. See ``FoldStep``.
+        bits: Width of the number.
+        source: C expression of the number.
     """
-    # ``source`` and ``bits`` describe the number before each step.
+    # From here on, ``source`` and ``bits`` are the variable and the width of the number before each step.
     for step in steps:
-        # The bits below ``shift`` stay. Bits from there up are XORed in twice, once moved up by ``back``.
+        # A step moves the bits from ``shift`` up to two places: to bit 0, and to bit ``back``.
         moved_bits = bits - step.shift
         bits_left = max(step.shift, moved_bits + step.back)
         if source == "v":
@@ -138,7 +143,7 @@ class WordCrc:
 
     @property
     def last_steps(self) -> tuple[FoldStep, ...]:
-        """The steps that reduce a byte to a CRC of fewer bits."""
+        """The steps that reduce a byte to a CRC of fewer bits, none for a CRC of at least 8 bits."""
         return fold_plan(self.crc.width, self.crc.poly, 8) if self.crc.width < 8 else ()
 
     @property

@@ -97,7 +97,8 @@ def declarations_in(header: str) -> list[Declaration]:
 def _parse_declarations(lines: Sequence[str]) -> Iterator[Declaration]:
     """Yield the declarations in these lines, each with the comment directly above it.
 
-    A comment followed by a blank line or another comment is a separate item without code.
+    A comment with a blank line or another comment below it is an item of its own, without code. A comment in the last
+    line is left out.
     """
     comment = ""
     index = 0

@@ -107,8 +107,8 @@ class Decoder:
     def fields_with_local(self) -> tuple[Field, ...]:
         """The fields whose bits the decoder keeps in a local.
 
-        Those without one are constants, CRCs, texts, flags that are read from their byte, unused fields that are only
-        reported, and parity bits that are checked in the word.
+        Those without one are constants, CRCs, texts, unused fields that are only reported, and parity bits that are
+        checked in the word. Flags that no join and no parity uses are tested in place, in their byte or in the word.
         """
         names_without_local = self._plain_flags | self._only_reported | self.plan.constants.keys()
         names_without_local |= self._word_parities.keys()
@@ -183,7 +183,7 @@ class Decoder:
         ``(bytes[0] & 0x9FU) != 0x1AU``.
         """
         assert parity.known_parity is not None
-        # With a known parity, one value selects the frame, and the parity covers only the selector.
+        # A known parity covers a single field with a single value: here the selector, with the value of this frame.
         (selected_value,) = self.plan.layout.selects
         (selector_bits,) = parity.of_bits
         pieces = [(piece, selected_value) for piece in selector_bits.pieces]
@@ -194,7 +194,8 @@ class Decoder:
         (byte,) = bytes_of_pieces
         mask = 0
         expected_value = 0
-        # The constants in it have been checked. With them, a byte without other bits needs no mask.
+        # The constants of the byte were checked before. Comparing them again can complete the mask to 0xFF, so that
+        # the byte needs no mask. There is at most one constant for each byte.
         for constant in _constant_bytes(self.plan.checks):
             if constant.byte == byte:
                 mask = constant.mask
@@ -215,9 +216,10 @@ class Decoder:
         return join_operands("||", (other_value, other_parity))
 
     def _mask_in_word(self, parity: ParityIs) -> int:
-        """Return the mask of a parity bit and all bits that it covers, 0 if they are not always in the lower 32 bits.
+        """Return the mask of a parity bit and all bits that it covers, or 0 if it cannot be checked by such a mask.
 
-        A selector with a known parity is compared instead.
+        The frame must be a word without Gray code, in which these bits are the same for all order codes, registers and
+        answers, and are in the lower 32 bits. A selector with a known parity is compared instead.
         """
         if not self.plan.by_word or self.plan.gray is not None or parity.known_parity is not None:
             return 0
@@ -355,7 +357,7 @@ class Decoder:
     def _is_active(self, part: Part, bit: Expr, *, low_is_active: bool) -> Expr:
         """Return the condition that a flag is active. A flag that does not exist for the order code is inactive.
 
-        An active-low flag is compared with its width, which is 1, or 0 if there is no flag.
+        An active-low flag of which only some order codes have the bit is compared with its width, which is 1 or 0.
         """
         if low_is_active and not part.field.width.is_constant:
             return Operation("!=", (bit, self.struct.scope.expression_of(part.field.width)))

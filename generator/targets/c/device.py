@@ -140,6 +140,11 @@ class DeviceView:
         return _with_path_in_errors(build, "procedures", procedure.name)
 
     @property
+    def order_code_kind(self) -> str:
+        """Name of its order codes in a sentence, which says whether they are on a label."""
+        return "made-up order code" if self.device.order_code.not_on_label else "order code from the label"
+
+    @property
     def header(self) -> str:
         """Include path of the header for reading positions."""
         return f"{self.maker.name}/{self.stem}.h"
@@ -217,7 +222,10 @@ class DeviceView:
 
     @property
     def position_member(self) -> str:
-        """The field or join with the position, in the only frame of the interface. Empty if there is none."""
+        """The field or join with the position, in the only frame of the interface.
+
+        It is empty if there are several frames, or if the only one has no position or no verdict.
+        """
         codecs = self.interface.codecs
         return codecs[0].position_member if len(codecs) == 1 else ""
 
@@ -266,7 +274,11 @@ class DeviceView:
 
     @property
     def received_codec(self) -> StructCodec:
-        """The frame whose lengths the header contains, if it is the only frame."""
+        """The first frame whose lengths the header has.
+
+        Raises:
+            LookupError: There is no such frame.
+        """
         codecs = (codec for codec in self.interface.codecs if codec.struct.layout.name in self.lengths.layouts)
         return first_of(codecs, f"frame received over {self.context.interface.title}")
 
@@ -304,7 +316,7 @@ class DeviceView:
         return None
 
     def _is_read_twice(self, codec: StructCodec, member: str) -> bool:
-        """Return True if no CRC protects the position, and it is not negative, so that two words can agree."""
+        """Return True if no CRC protects a position over SSI, and it is never negative, so that two words can agree."""
         meanings = (part.meaning for part in codec.plan.parts if part.field.name == member)
         is_signed = any(isinstance(meaning, TwosComplement) for meaning in meanings)
         is_unprotected = (

@@ -158,7 +158,7 @@ class Encoder:
             even_parity = self._parity_of_members(parity)
         bit = Operation("^", (even_parity, Number(1))) if parity.odd else even_parity
         width = term.field.width
-        if self.plan.parity_covers_gray or width.is_constant:
+        if width.is_constant:
             return bit
         # The width is 1 or 0 by order code, which makes it the mask of the bit.
         return Operation("&", (bit, self.struct.scope.expression_of(width)))

@@ -358,7 +358,7 @@ class FrameReports:
 
 
 class Reports:
-    """All reports of a family. ``mask`` is the type with a bit for each."""
+    """All reports of a family, or a TargetError if there are more than 64. ``mask`` is the type with a bit for each."""
 
     def __init__(
         self, device: Device, prefix: str, choices: Mapping[tuple[str, str], Enumeration], scope: Scope
@@ -385,7 +385,7 @@ class Reports:
             digits=(len(self.all) + 3) // 4,
             path=(),
         )
-        self._by_frame = {reporting.codec.layout.name: reporting for reporting in reportings(device)}
+        self._by_frame = reportings(device)
 
     def declared(self) -> Iterator[Declared]:
         """Yield the names that it declares at file scope."""

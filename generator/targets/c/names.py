@@ -119,7 +119,8 @@ def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
 def clashes(headers: Iterable[tuple[Device, Names]]) -> Iterator[tuple[Device, Clash]]:
     """Yield every clash within these headers, and between families, with the device in whose spec it is.
 
-    An inner name clashes with a name that an earlier header or its own declares at file scope.
+    An inner name clashes with a name that an earlier header or its own declares at file scope. The name of a
+    manufacturer clashes if it is one of ``TAKEN``.
     """
     declared_paths: dict[str, Path] = {}
     for device, names in headers:
@@ -173,7 +174,11 @@ def mask(width: int) -> str:
 
 
 def size_of(bits: int) -> int:
-    """Return the width of the smallest unsigned type for ``bits`` bits."""
+    """Return the width of the smallest integer type for ``bits`` bits: 8, 16, 32 or 64.
+
+    Raises:
+        TargetError: There are more than 64 bits.
+    """
     for size in (8, 16, 32, 64):
         if bits <= size:
             return size

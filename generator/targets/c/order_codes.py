@@ -88,7 +88,8 @@ def written_out(expression: str) -> tuple[str, ...]:
 def _repeat_unit(match: re.Match[str], *, is_last: bool) -> tuple[str, ...]:
     """Return one unit with its repetitions, the longest first, or nothing if its kind has no mark.
 
-    ``[0-9]{1,2}`` becomes ``##`` and ``#``, or the single pattern ``#~`` at the end of an expression.
+    More than ``_MOST_PATTERNS`` repetitions give nothing, too.
+    ``[0-9]{1,2}`` gives ``##`` and ``#``, or the single pattern ``#~`` at the end of an expression.
     """
     mark = _mark_of_characters(match["unit"])
     if match["maybe"]:
@@ -124,6 +125,9 @@ def open_codes(device: Device) -> tuple[OpenCode, ...]:
 
     A pattern with an open part also matches listed values. If their combination is not an order code, a refused
     pattern comes before it.
+
+    Raises:
+        TargetError: The spellings have more than ``_MOST_COMBINATIONS`` combinations of listed values and patterns.
     """
     order_code = device.order_code
     spellings = [_Spelling(order_code.pattern, [_list_choices(part) for part in order_code.parts], is_listed=True)]

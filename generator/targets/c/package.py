@@ -26,7 +26,7 @@ TEMPLATE = "ASSUMPTIONS.md.jinja"
 
 @dataclass(frozen=True)
 class Frames:
-    """Frames of one length with the same CRC, and the errors that the CRC misses in them."""
+    """Frames of one length whose CRCs have the same polynomial, and the errors that the CRC misses in them."""
 
     crc: Crc
     names: tuple[str, ...]
@@ -64,7 +64,10 @@ def assumptions_files(
 
 
 def _yield_frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
-    """Yield the frames with the same CRC and the same length, with the errors that this CRC does not detect."""
+    """Yield the frames whose CRCs have the same polynomial and which have the same length, with the undetected errors.
+
+    They are in order of the width of the CRC, of its polynomial and of the length.
+    """
     crcs_by_width_poly_and_bits: dict[tuple[int, int, int], dict[str, Crc]] = {}
     for device in devices:
         for interface, layout in device.layouts():
@@ -98,7 +101,7 @@ def _crcs_and_lengths(device: Device, interface: str, layout: Layout) -> Iterato
 def _frames_without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
     """Yield the frames with a position whose verdict is always unknown: no flag or unused bit affects it."""
     for device in devices:
-        for reporting in reportings(device):
+        for reporting in reportings(device).values():
             judgement = reporting.judgement
             if judgement is not None and judgement.otherwise is Verdict.UNKNOWN and not judgement.worst_first:
                 yield _frame_name(device, reporting.interface.title, reporting.codec.layout)
@@ -364,7 +367,7 @@ class Guide:
 
     @property
     def result(self) -> object:
-        """The value of this number in the frame of the example, or None if it is not known."""
+        """The value of this number in the example, or None if the example does not give it, or has a frame in bytes."""
         return self.example.frame.values.get(self.number) if not self.example.data else None
 
 
@@ -401,6 +404,6 @@ def _version_numbers(version: str) -> tuple[int, ...]:
 
 
 def without_special_characters(text: str) -> str:
-    """Remove from ``text`` all characters that are special to CMake, Kconfig or pkg-config, and repeated spaces."""
+    """Return ``text`` with single spaces in place of all characters special to CMake, Kconfig or pkg-config."""
     plain_text = re.sub(r"[^A-Za-z0-9 .,:/+&-]+", " ", ascii_text(text))
     return " ".join(plain_text.split())

@@ -306,7 +306,10 @@ class ProcedureCode:
     ) -> Iterator[Row | FilledRows]:
         """Yield the steps on the bytes of a register. Only the first has a note.
 
-        If a struct is filled for the register, one item stands for all its bytes.
+        If a struct is filled for the register, one item stands for all its bytes, unless it reads back only some bits.
+
+        Raises:
+            TargetError: The bytes depend on the order code, or would be polled one after the other.
         """
         filled_register = self._filled_by(step)
         if filled_register is not None:
@@ -361,7 +364,10 @@ class ProcedureCode:
         return None
 
     def _byte_value(self, step: Writes | Reads | Polls | Verifies, piece: Piece) -> Expr:
-        """Return the value that a step writes to a byte, waits for, or reads back. The other bits of the byte are 0."""
+        """Return the value that a step writes to a byte, waits for, or reads back, or 0 for a step that only reads.
+
+        It has the bits of ``piece`` at their place in the byte. The other bits of the byte are 0.
+        """
         if isinstance(step, Reads) or not piece.mask:
             return _ZERO
         write_or_poll = step.write if isinstance(step, Verifies) else step

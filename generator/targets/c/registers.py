@@ -353,9 +353,10 @@ class RegisterCode:
         return Bounds(tuple(macros), tuple(functions))
 
     def _limit_function(self, name: str, about: str, limit: Expression, *, is_signed: bool) -> Function:
-        """Return the function for a limit that depends on the order code: of 64 bits with a sign, or as for numbers.
+        """Return the function for a limit that depends on the order code.
 
-        The largest limit of all order codes, with the parameters that they have at run time, gives the type.
+        With ``is_signed`` it returns an ``int64_t``. Otherwise the largest limit of all order codes, with all
+        parameters that they can have at run time, gives the type: ``uint32_t`` or ``uint64_t``.
         """
         if is_signed:
             value = self.scope.signed(limit)

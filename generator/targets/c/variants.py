@@ -299,7 +299,7 @@ class LengthCode:
 
     @property
     def receive(self) -> str:
-        """The macro that receives with the lengths of an order code, empty if there are several frames."""
+        """The macro that receives with the lengths of an order code, empty unless there is exactly one frame."""
         return f"{self._prefix}RECEIVE" if len(self.layouts) == 1 else ""
 
     @property

@@ -210,7 +210,10 @@ def _request_rows(device: Device, interface: Interface, errata_at: Callable[...,
 
 
 def _exchange_row(exchange: Exchanged) -> Row:
-    """Return a row: links to the request and its reply, and the purpose of the request."""
+    """Return a row: links to the request and its reply, and the purpose of the request.
+
+    Without a purpose, it is the first sentence of the note on the request. The size of words that have one follows.
+    """
     layouts = [layout for layout in (exchange.request, exchange.reply) if layout is not None]
     frame_links = [link(code(layout.name), f"#layout-{layout.name}") for layout in layouts]
     first_sentence_of_note = exchange.request.note.partition(". ")[0].removesuffix(".")
@@ -247,7 +250,7 @@ def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: C
 def _names_after_control_field(request: Layout) -> list[str]:
     """Return the names of the parts of a request after its control field, each group of fields once.
 
-    The control field is the group of the first field.
+    The control field is the group of the first field. If this field is in no group, all fields are listed.
     """
     control_group = request.fields[0].group
     unique_names: dict[str, None] = {}

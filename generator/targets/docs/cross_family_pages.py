@@ -52,7 +52,7 @@ class AlarmsPage(TypedDict):
 
 
 def identification_page_values(devices: Sequence[Device]) -> WhichPage:
-    """Return the values of the page that distinguishes encoders of different families."""
+    """Return the values of two pages: the one that identifies an encoder, and the one that compares the families."""
     return {
         "label_rows": [_label_row(device) for device in devices],
         "told_rows": _rows_of_all(devices, _identity_rows),

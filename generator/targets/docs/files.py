@@ -75,7 +75,11 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
 
 def _files_of_family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the path of each picture and page of a family, and a function for its text."""
+    """Yield the path of each picture and page of a family, and a function for its text.
+
+    Raises:
+        TargetError: A shipped spec of a master is not valid.
+    """
     try:
         masters = shipped_masters()
     except ValueError as error:
@@ -174,7 +178,7 @@ def _pictures_of_family(family_codes: order_code_page.OrderCodes) -> Iterator[tu
 
 
 def _without_surplus_spaces(page_text: str) -> str:
-    """Remove trailing spaces and repeated empty lines, and end the file with a single line end."""
+    """Remove trailing spaces, empty lines at the start and repeated ones, and end the file with a single line end."""
     kept_lines: list[str] = []
     for text_line in page_text.splitlines():
         # An empty line is kept only after a line with text.

@@ -94,7 +94,8 @@ class ErrataLinks:
     def __call__(self, *paths: str, exactly: Collection[str] = ()) -> str:
         """Return links to the errata about these paths in the spec or about anything inside them, in one line.
 
-        Several links are folded under their number.
+        Several links are folded under their number. Errata about wording are left out. Differences in other editions
+        are only noted for ``list_of_errata``.
         """
         manual_errata, differences = _errata_by_origin(self._device, *paths, exactly=exactly)
         self._differences |= {difference.name: difference for difference in differences}

@@ -308,7 +308,10 @@ def runs_of(placed_layout: PlacedLayout) -> list[_BitRun]:
 
 
 def _runs_with_groups_merged(placed_layout: PlacedLayout) -> list[_BitRun]:
-    """Return the runs, highest first, with a group of fields, or a field with its padding, as one run."""
+    """Return the runs, highest first, with a group of fields, or a field with its padding, as one run.
+
+    Bits that belong to no field are left out.
+    """
     field_names = {placed_field.name for placed_field in placed_layout.fields}
     group_names = {placed_field.field.group for placed_field in placed_layout.fields} - {""}
     fields_by_group_or_field: dict[str, list[PlacedField]] = {}

@@ -184,10 +184,10 @@ def _first_bit(fields: Iterable[Field], parameters: Mapping[str, int]) -> int:
 
 
 def group_shapes(device: Device, name: str) -> list[tuple[tuple[Answer, ...], GroupFields]]:
-    """Return the fields of a group, once for each choice that moves them, from the first layout with it.
+    """Return the fields of a group in the first layout with it, for all answers to the questions that move them.
 
-    Each result is the answers and the fields with their highest and lowest bit, counted from the lowest bit of the
-    group.
+    Each result is a combination of answers, and the fields with their highest and lowest bit, counted from the lowest
+    bit of the group. Without such questions, there is one result with no answers.
     """
     layouts = (layout for _, layout in device.layouts() if _has_group(layout, name))
     layout = first_of(layouts, f"frame with the field group '{name}'")

@@ -229,7 +229,7 @@ def _master_section(master: Master, sheets: GroupSettings) -> dict[str, Any]:
 
 
 def _setting_names(group_sheets: GroupSettings) -> list[str]:
-    """Return the names of all settings, in the order in which they are written."""
+    """Return the names of all settings, in the order of the description of the master."""
     return list(dict.fromkeys(escape(setting.name) for _, sheet in group_sheets for setting in sheet.settings))
 
 

@@ -49,7 +49,10 @@ from .wiring_tables import no_leds, no_supply
 
 
 def range_of_widths(family_device: Device, parameter: Parameter) -> str:
-    """Return the range of a width over the order codes of a family: ``17 to 39``. Empty if all have the same width."""
+    """Return the range of a width over the order codes of a family: ``17 to 39``.
+
+    It is empty if all have the same width, and for a parameter with another unit than bits.
+    """
     if parameter.unit != "bits":
         return ""
     variants = [variant for variant in family_device.variants if parameter.name in variant.parameters]

@@ -25,6 +25,7 @@ from ...model import (
 from ...order_codes.labels import fill_pattern
 from ...order_codes.parameters import parameters_of, run_time_names, with_answers
 from ...plan.values import Active, TwosComplement, meaning_of
+from ...plan.verdicts import judgement_in_family
 from ...say.layout import crc_inverted, crc_reflected
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
 from ...say.names_and_places import heading
@@ -33,7 +34,7 @@ from ...say.plain_text import counted, number
 from ...say.register import covered_by_parity_bit, measurement, own_ranges, position_range
 from ...say.report import deciding_bits
 from .page_links import style_in_folder
-from .verdict_table import changed_verdicts_of, judgement_in_family, place_of_field, verdict_line
+from .verdict_table import changed_verdicts_of, place_of_field, verdict_line
 
 
 def part_rows(device: Device) -> Iterator[tuple[str, ...]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, TypedDict
 
 from ...model import Alarm, Alternative, Device, Field, Interface, Layout, Sign, Verdict, first_of
@@ -46,21 +46,21 @@ def usable_values(devices: Sequence[Device]) -> UsablePage:
 
 def page_values(device: Device) -> VerdictPage:
     """Return the values of the page with the verdicts of a family."""
-    reporting_frames = list(reportings(device))
+    reporting_by_frame = reportings(device)
     return {
         "device": device,
         "usable_page": PAGE,
-        "decides_rows": list(_deciding_rows(device, reporting_frames)),
-        "frame_rows": list(_frame_rows(device, reporting_frames)),
+        "decides_rows": list(_deciding_rows(device, reporting_by_frame.values())),
+        "frame_rows": list(_frame_rows(device, reporting_by_frame)),
         "report_rows": list(_report_rows(device)),
     }
 
 
-def _deciding_rows(device: Device, reporting_frames: Sequence[Reporting]) -> Iterator[Row]:
+def _deciding_rows(device: Device, reporting_frames: Iterable[Reporting]) -> Iterator[Row]:
     """Yield rows of interface, frames, deciding field, its active value, verdict, source, errata.
 
-    Frames of an interface with the same rows share these rows. Only the first of these rows names the interface and the
-    frames.
+    Frames of an interface with the same rows share them. Only the first of these rows names the interface and the
+    frames. If no frame has a position, a single row says so.
     """
     layouts_by_rows: dict[tuple[str, tuple[Row, ...]], list[Layout]] = {}
     for reporting in reporting_frames:
@@ -162,11 +162,7 @@ def _answer_text(device: Device, question: Alternative, parameter_condition: Onl
 
     The link leads to the page of the first interface with a frame whose verdict depends on it.
     """
-    answer_codes = []
-    for answer in question.answers:
-        is_set = answer.sets[parameter_condition.parameter] != 0
-        if is_set == parameter_condition.holds:
-            answer_codes.append(code(answer.name))
+    answer_codes = [code(answer.name) for answer in question.answers if parameter_condition.contains(answer.sets)]
     answer_names = " or ".join(answer_codes)
     frames = device.layouts()
     interfaces = (interface for interface, layout in frames if question in device.verdict_alternatives(layout))
@@ -191,16 +187,17 @@ def _condition_on_lower_flags(field: Field, layout: Layout) -> str:
     return f", with {MARKDOWN.phrase(statement(*list_parts(lower_flags)))} inactive"
 
 
-def _frame_rows(device: Device, reporting_frames: Sequence[Reporting]) -> Iterator[Row]:
+def _frame_rows(device: Device, reporting_by_frame: Mapping[str, Reporting]) -> Iterator[Row]:
     """Yield rows of interface, frames, possible reports, which are ``nothing`` if there are none.
 
     Frames of an interface with the same reports share a row.
     """
-    reports_by_frame = {reporting.codec.layout.name: reporting.causes for reporting in reporting_frames}
     layouts_by_reports: dict[tuple[str, tuple[str, ...]], list[Layout]] = {}
     for interface, layout in device.layouts():
         if layout.sender == "encoder":
-            report_names = tuple(reported.report.name for reported in reports_by_frame.get(layout.name, ()))
+            reporting = reporting_by_frame.get(layout.name)
+            causes = reporting.causes if reporting is not None else ()
+            report_names = tuple(cause.report.name for cause in causes)
             layouts_by_reports.setdefault((interface.title, report_names), []).append(layout)
     for (interface_title, report_names), layouts in layouts_by_reports.items():
         yield interface_title, _layout_links(device, layouts), ", ".join(map(code, report_names)) or "nothing"

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from ...model import Device, Field, Layout, PlacedField, PlacedLayout, Variant, Verdict
 from ...plan.values import Active, meaning_of
-from ...plan.verdicts import Judgement, Match, VerdictCause, reportings
+from ...plan.verdicts import Judgement, Match, VerdictCause, judgement_in_family
 from ...say.layout import is_reserved
 from ...say.markdown import MARKDOWN, code, escape, join_filled, link
 from ...say.names_and_places import bits, frame_bytes, heading
@@ -24,14 +24,6 @@ EFFECTS = {
 #: Largest number of flags that "or" joins.
 _MOST_ALTERNATIVES = 3
 _HEAD = ("Bit", "Flag", "Active at", "Position", "What to do")
-
-
-def judgement_in_family(family_device: Device, layout: Layout) -> Judgement | None:
-    """Return how the verdict on a frame follows from its bits, or None for a frame without a position."""
-    judgements = (
-        reporting.judgement for reporting in reportings(family_device) if reporting.codec.layout.name == layout.name
-    )
-    return next(judgements, None)
 
 
 def verdict_table(family_device: Device, device: Device, layout: Layout, variant: Variant) -> tuple[Row, list[Row]]:
@@ -178,12 +170,7 @@ def applicable_causes(judgement: Judgement, variant: Variant) -> dict[Verdict, l
 
 def _holds_for_variant(cause: VerdictCause, variant: Variant) -> bool:
     """Return whether all conditions of a cause hold for an order code and the answers chosen for it."""
-    for only in cause.conditions:
-        # The condition is that the parameter is not 0 or, without ``holds``, that it is 0.
-        is_set = variant.parameters.get(only.parameter, 0) != 0
-        if is_set != only.holds:
-            return False
-    return True
+    return all(only.contains(variant.parameters) for only in cause.conditions)
 
 
 def join_as_any_of(names: Sequence[str]) -> str:

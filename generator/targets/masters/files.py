@@ -63,7 +63,7 @@ def file_text(
 
     Args:
         device: The family.
-        codes: The order codes. Names in the file are based on the first code.
+        order_codes: The order codes. Names in the file are based on the first one.
         sheet: The settings.
         rule: Entry of ``files`` in the description of the master.
         master_device: Device of the master.
@@ -155,8 +155,12 @@ def comment(paragraphs: Sequence[str], prefix: str) -> str:
 
 
 def note(text: object) -> str:
-    """Return text that cannot end a one-line comment in XML or C."""
-    return plain(text).replace("--", "- -").replace("*/", "* /")
+    """Return text that cannot end a one-line comment in XML or C, without double hyphens, which XML does not allow."""
+    comment_line = plain(text).replace("*/", "* /")
+    # Of three hyphens, one pass leaves two next to each other.
+    while "--" in comment_line:
+        comment_line = comment_line.replace("--", "- -")
+    return comment_line
 
 
 def fill_pattern(pattern: str, file_content: Content) -> str:
@@ -173,7 +177,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return ``masters/<master>/<format>/<device>-<family>`` in bulk, or a file for each order code.
 
     A bulk file contains the files of all order codes of a family as comments, so that no tool loads the wrong one by
-    accident.
+    accident. A bulk file in XML has them as elements. The folder also has a README and the licence.
     """
     files: dict[str, str] = {}
     for device in library.devices:

@@ -79,7 +79,10 @@ class Decoder:
         return ""
 
     def assign(self, field: Field, expression: Expr) -> str:
-        """Return the statement that reads a field. Empty if the field already has a variable."""
+        """Return the statement that reads a field into its variable, which has the bits from then on.
+
+        It is empty if an earlier statement has done so.
+        """
         if field.name in self.assigned:
             return ""
         self.assigned.add(field.name)
@@ -113,8 +116,8 @@ class Decoder:
     def crc_covers(self) -> Expr | None:
         """Number of bits before the CRC of a word, for its tables.
 
-        None for a frame of bytes, if order codes differ in the CRC, or if an answer decides the number. With the start
-        value 0, zeros before the word do not change the CRC, so the tables for the longest word serve all words.
+        None without a CRC, for a frame of bytes, if order codes differ in the CRC, or if an answer decides the number.
+        With the start value 0, zeros before the word do not change the CRC, so the longest word has tables for all.
         """
         frame_crc = self.codec.only_crc
         if frame_crc is None or self.codec.in_bytes:

@@ -135,7 +135,7 @@ def _split_bracket_items(line: str) -> tuple[str, list[str], str]:
 def _split_literal(quoted_text: str, indent: int) -> str:
     """Return a long quoted text as several literals in parentheses, split after spaces.
 
-    ``indent`` is the number of spaces before the text. A text of a single word stays as it is.
+    ``indent`` is the number of spaces before the text. A text of a single word that is too long stays as it is.
     """
     margin = f"{' ' * indent}    "
     pieces = [""]

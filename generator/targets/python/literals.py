@@ -277,7 +277,7 @@ def literal_call(function: str, *positional: Literal, **optional: Literal) -> Ca
 
 
 def record(function: str, needed: Mapping[str, Literal], **optional: Literal) -> Call:
-    """Return a call with only named arguments."""
+    """Return a call with only named arguments: all that are needed, and the optional ones that are not empty."""
     return Call(function, (*needed.items(), *_named_arguments(optional)))
 
 

@@ -14,6 +14,7 @@ from ...say.names_and_places import words
 from ...say.plain_text import plain
 from . import docstrings, facts
 from .bits import from_pieces
+from .channel_examples import ChannelExample, channel_example
 from .codec import Coder
 from .docstrings import Block, Lines, docstring
 from .frame_kinds import FrameKind
@@ -251,6 +252,12 @@ class Module:
             if coder.layout.name in request_names and needs_no_values:
                 return replace(frame, kind=coder.name, module=self.name)
         return None
+
+    @property
+    def channel_examples(self) -> list[ChannelExample]:
+        """Example of a frame with several data channels over each interface that has one."""
+        examples = [channel_example(self.context, section.interface, section.coders) for section in self.sections]
+        return [example for example in examples if example is not None]
 
     @property
     def identifying_classes(self) -> list[str]:

@@ -106,7 +106,8 @@ class _LocalNames:
 def comment_on_constant(codec: Codec, expression: Expression) -> str:
     """Return a comment on the constant of a sum of widths, such as ``8 = crc (6) + warning (1) + error (1)``.
 
-    It lists the fields of fixed width at the low end of the word. Empty if they do not add up to the constant.
+    It lists the fields of fixed width at the low end of the word. A single field is alone, as in ``crc (6)``. It is
+    empty if they do not add up to the constant.
     """
     constant = expression.constant
     if constant <= 0:

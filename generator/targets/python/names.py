@@ -353,7 +353,7 @@ class Context:
     @cached_property
     def reportings(self) -> dict[str, Reporting]:
         """Reports and verdicts of frames, by the name of the frame."""
-        return {reporting.codec.layout.name: reporting for reporting in reportings(self.device)}
+        return reportings(self.device)
 
     def enum(self, field: Field) -> str:
         return self._enums[_named_values(field)]

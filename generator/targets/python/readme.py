@@ -166,7 +166,7 @@ class Readme:
         """
         layout = coder.layout
         placed_layout = layout.place(variant.parameters)
-        numbers = _numbers_by_name(coder, sample)
+        numbers = numbers_by_name(coder, sample)
         return ReadmeExample(
             code=variant.code,
             text=_frame_literal(placed_layout, sample.frame),
@@ -199,7 +199,7 @@ class Readme:
             flag_attribute=coder.names.attribute(spoiling_flag.name),
         )
         crc_field = placed_layout.crc_field
-        numbers = _numbers_by_name(coder, sample)
+        numbers = numbers_by_name(coder, sample)
         if crc_field is None or coder.layout.in_bytes or coder.position_attribute not in numbers:
             return example
         position = str(numbers[coder.position_attribute])
@@ -369,9 +369,10 @@ class Readme:
 
     @property
     def identified(self) -> list[ReadmeExample]:
-        """Worked examples of identifying registers, as items of a dict: ``"model": bytes.fromhex("1B")``.
+        """Call that identifies an order code from the worked examples of its registers, as a list of at most one.
 
-        They are the registers of the order code in the first such example. Empty if it is not listed.
+        The order code is that of the first example of an identifying register. Its examples become the items of a dict:
+        ``"model": bytes.fromhex("1B")``. The list is empty if the spec does not list the order code.
         """
         identity_registers = {register.name for register, _ in self.device.identity}
         register_examples: dict[str, RegisterExample] = {}
@@ -405,7 +406,7 @@ def _damaged_crc(crc_field: PlacedField, number: int) -> str:
     return f"expected CRC {expected:#04x}, got {received:#04x}"
 
 
-def _numbers_by_name(coder: Coder, sample: Sample) -> dict[str, object]:
+def numbers_by_name(coder: Coder, sample: Sample) -> dict[str, object]:
     """Return the numbers in a frame by the names of their fields, without the selector."""
     return {name: value for name, value in sample.values.items() if _is_number_of(coder, name)}
 

@@ -101,8 +101,8 @@ def record_of(class_name: str, model_part: object, **overrides: Literal) -> Call
 
     Args:
         class_name: Name of the record.
-        model_part: The part of the model, whose members have the same names.
-        overrides: Values that replace values of the part.
+        model_part: The part of the model, which has members of the same names.
+        overrides: Values that replace those of the part.
     """
     arguments: list[tuple[str, Literal]] = []
     for member in _in_printed_order(class_name):

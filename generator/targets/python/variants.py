@@ -22,9 +22,8 @@ from ...plan.values import (
 )
 from ...say.order_code import initial
 from . import docstrings
-from .channels import ChannelCode, channel_code
 from .codec import Coder
-from .frame_kinds import FrameKind
+from .frame_kinds import ChannelCode, FrameKind, channel_code
 from .literals import Atom, Call, Code, Expr, Literal, Operation, join_operands, number, of_number, record
 from .names import (
     FUNCTIONS,

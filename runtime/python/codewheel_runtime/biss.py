@@ -123,10 +123,10 @@ def crc(value: int, bits: int) -> int:
 
     Args:
         value: Control data, the highest bit sent first.
-        bits: Number of bits.
+        bits: Number of bits. Any higher bits of ``value`` are ignored.
 
     Returns:
-        The CRC, 4 bits.
+        The CRC, 4 bits, inverted as it is sent.
     """
     value = index(value)
     register = 0
@@ -202,7 +202,7 @@ def decode_byte(bits: int) -> int:
         The byte.
 
     Raises:
-        LengthError: There are more than 12 bits.
+        LengthError: There are more than 12 bits, or the number is negative.
         CrcError: The CRC does not match.
     """
     bits = whole_number("bits", bits)
@@ -297,9 +297,9 @@ class Request:
         return (0,) * ZEROS + start_bit + word_bits
 
     def _check_echo(self, answers: int) -> Outcome:
-        """Return the outcome of 18 answers, from IDL0 in bit 17 to W in bit 0. RUNNING if the slave participates."""
-        # With all answers 1, CDS never changes. IDL0 is the first answer, followed by the answers of the other IDs: a 1
-        # shows that a slave has taken the ID.
+        """Return the outcome of 18 answers, from IDL0 in bit 17 to W in bit 0. RUNNING if the slave accepts."""
+        # With all answers 1, CDS never changes. IDL0 is the first answer, followed by those of the other IDs: a 1 shows
+        # that a slave has taken the ID.
         has_taken_id = bit_at(answers, _ECHO_BITS - 1 - self.slave_id)
         if answers == _ALL_ONES or not has_taken_id:
             return Outcome.NO_ANSWER
@@ -412,7 +412,7 @@ class Master:
 
     Attributes:
         outcome: State or result of the access.
-        slaves: Number of slaves that have taken an ID, 9 for more than 8, known after the header.
+        slaves: Number of slaves that have taken an ID, 9 for more than 8. It is known after the header.
         done: Number of bytes that were read or written.
         data: Bytes that were read.
     """
@@ -448,8 +448,8 @@ class Master:
                 20 ms.
 
         Raises:
-            RangeError: The ID or the address is out of range, or the registers extend beyond 3Fh or 7Fh. Nothing is
-                sent.
+            RangeError: The ID or the address is out of range, ``count`` is not 1 or more, or the registers extend
+                beyond 3Fh or 7Fh. An access in progress then continues.
         """
         # A value of None reads a register. One more than allowed is enough for the error, so the list stays short.
         values: list[int | None] = [None] * min(whole_number("count", count), REGISTERS + 1)
@@ -466,20 +466,21 @@ class Master:
                 20 ms.
 
         Raises:
-            RangeError: The ID or the address is out of range, or the registers extend beyond 3Fh or 7Fh. Nothing is
-                sent.
+            RangeError: The ID or the address is out of range, ``data`` is empty, or the registers extend beyond 3Fh or
+                7Fh. An access in progress then continues.
         """
         self._begin_frame(slave_id, address, list(as_bytes(data)), busy_limit)
 
     def _begin_frame(self, slave_id: int, address: int, values: list[int | None], busy_limit: int) -> None:
-        """Start a control frame, and forget the state of the previous one.
+        """Start a control frame, and forget the state of the previous one, except how many zeros were sent.
 
-        ``values`` contains the byte to write for each register from ``address`` on, or None to read it.
+        ``values`` has the byte to write for each register from ``address`` on, or None to read it. Raises RangeError as
+        ``read`` and ``write`` do, before anything is changed.
         """
         slave_id = whole_number("slave_id", slave_id)
         address = whole_number("address", address)
         first_value = values[0] if values else None
-        head = Request(slave_id, address, first_value).encode()
+        first_word = Request(slave_id, address, first_value).encode()
         # The access ends at 3Fh or 7Fh.
         count_limit = REGISTERS - address % REGISTERS
         if not 0 < len(values) <= count_limit:
@@ -493,7 +494,7 @@ class Master:
         self._requests = tuple(Request(slave_id, address + index, value) for index, value in enumerate(values))
         self._busy_limit = busy_limit
         # The highest 17 of 32 bits: CTS to W.
-        self._bits_to_send = head >> 15
+        self._bits_to_send = first_word >> 15
 
     def abort(self) -> None:
         """Abort the access by sending zeros. An aborted write can store another value, as described above."""
@@ -510,7 +511,7 @@ class Master:
         Returns:
             The CDM bit of this frame. MA carries its inverse during the time-out.
         """
-        # A pin may be read as a bool, or as a number too narrow for the answers.
+        # A pin may be read as a bool or as a NumPy byte, into which the collected bits would not fit.
         cds = int(cds & 1)
         if self._phase is _Phase.HEADER:
             cdm = self._follow_header(cds)
@@ -519,7 +520,7 @@ class Master:
         elif self._phase is _Phase.BYTE:
             cdm = self._follow_byte(cds)
         else:
-            # Outside a control frame, zeros are sent. After enough of them, S = 1 starts the access.
+            # Outside a control frame, the master sends zeros. After 14 of them, the start bit S = 1 begins an access.
             cdm = int(self.outcome is Outcome.RUNNING and self._zeros >= ZEROS)
             if cdm:
                 self._phase = _Phase.HEADER
@@ -533,9 +534,9 @@ class Master:
         return 0
 
     def _follow_header(self, cds: int) -> int:
-        """Return the CDM bits of steps 2 and 3: CTS, ID, ADR, their CRC, R and W. The bit after them is S.
+        """Return the next CDM bit of steps 2 and 3: CTS, ID, ADR, their CRC, R and W. The bit after them is S.
 
-        If the slave refuses or does not answer, this bit is 0 and ends the access.
+        If the answers do not accept the access, this bit is 0 and ends it.
         """
         self._answer_bits = append_bit(self._answer_bits, cds)
         self._bit_count += 1
@@ -561,8 +562,8 @@ class Master:
     def _follow_start(self, cds: int) -> int:
         """Return the CDM bit of step 4: S = 1, which asks the slave to look up a register, until the slave answers 1.
 
-        Then return DATA7, the first bit of the byte. An answer of 0 means that the slave is busy. After ``_busy_limit``
-        of them, the access ends.
+        Then return DATA7, the first bit of the byte. An answer of 0 means that the slave is busy. After more than
+        ``_busy_limit`` of them, the access ends.
         """
         if not cds:
             if self._busy_count >= self._busy_limit:
@@ -576,7 +577,7 @@ class Master:
         return bit_at(self._bits_to_send, BYTE_BITS - 1)
 
     def _follow_byte(self, cds: int) -> int:
-        """Return the CDM bits of steps 5 to 7: the rest of a byte (DATA) and its CRC, P, and S if a register follows.
+        """Return the next CDM bit of steps 5 to 7: DATA6..0, their CRC, P, and S if a register follows.
 
         In a read, DATA and CRC are zeros, and the answers to them are the byte. P is always 0.
         """
@@ -666,7 +667,7 @@ class RegisterBus:
             data: Bytes to write to ascending addresses.
 
         Raises:
-            AccessError: At least one register could not be written.
+            AccessError: The access failed. Some or all of the registers may have been written.
             RangeError: The ID or the address is out of range, or the registers extend beyond 3Fh or 7Fh.
         """
         self._master.write(address, data, slave_id=self.slave_id, busy_limit=self.busy_limit)
@@ -686,16 +687,16 @@ class Slave:
     """BiSS C slave, for simulators and test benches.
 
     Call :meth:`next` once in every BiSS frame, then check ``wants``. To answer S in time, the slave requests a byte
-    before it is certain that the master reads it: after W, and after P if several registers are read. Registers with
-    side effects on reading must allow for that.
+    before it is certain that the master reads it: after W, and after each P the byte of the following register, even if
+    the master does not continue. Registers with side effects on reading must allow for that.
 
     Attributes:
-        readable: Addresses that a master may read. Other addresses are refused.
-        writable: Addresses that a master may write. Other addresses are refused.
+        readable: Addresses that a master may read. Others are refused.
+        writable: Addresses that a master may write. Others are refused.
         wants: Request of the slave.
         address: Address of the register in the request.
         value: Value to store.
-        slave_id: ID in the last control frame, or None.
+        slave_id: ID in the last control frame, or None if this slave has taken none.
     """
 
     def __init__(self, readable: Iterable[int] = range(128), writable: Iterable[int] = range(128)) -> None:
@@ -786,7 +787,7 @@ class Slave:
             self.address = self._register_address
 
     def _leave_frame(self) -> None:
-        """Leave the control frame, because the rest of it is not for this slave.
+        """Leave the control frame, and ignore the rest of it.
 
         The program need not fulfil a request for a byte any more, but a value that was received is still stored.
         """
@@ -831,7 +832,7 @@ class Slave:
     def _take_address(self) -> None:
         """Take the address of the register from the header. Leave the frame if it is not for this slave.
 
-        The request is for another slave if it is a command (CTS = 0), has another ID, or has a CRC error.
+        It is not for this slave if it is a command (CTS = 0), has another ID, or has a CRC error.
         """
         head = ControlHead.decode_with_crc(self._received)
         is_for_this_slave = head is not None and head.is_register_access and head.slave_id == self.slave_id
@@ -861,7 +862,8 @@ class Slave:
     def _follow_start(self, cdm: int, upstream: int) -> int:
         """Return the answer of step 4 to S, the start bit of a register: 0 while the slave is busy, otherwise 1.
 
-        The slave is busy until the program has fulfilled its request (``wants``).
+        The slave is busy until the program has fulfilled its request (``wants``). If the master sends 0 instead of S,
+        leave the frame and return the bit that arrives at SLI.
         """
         if not cdm:
             self._leave_frame()
@@ -890,7 +892,10 @@ class Slave:
         return cdm
 
     def _answer_p_bit(self, cdm: int) -> int:
-        """Return the answer to P, the bit after a byte: 0 if the next register can be accessed, 1 to refuse it."""
+        """Return the answer to P, the bit after a byte: 0 if the next register can be accessed, 1 to refuse it.
+
+        A P of 1, which masters do not send, is answered with 1 too.
+        """
         # A control frame cannot go beyond 3Fh or 7Fh.
         is_last = self._register_address % REGISTERS == REGISTERS - 1
         if not is_last:

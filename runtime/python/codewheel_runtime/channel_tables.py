@@ -47,14 +47,17 @@ class ChannelTable:
         self.verdict: Any = self._worst_verdict()
 
     def _worst_verdict(self) -> Any:
-        """Return the verdict of each frame. The verdict with the lowest index is the worst."""
+        """Return the verdict of each frame: the worst one of its channels, which has the lowest index.
+
+        A frame with an error, or whose positions do not agree, is not usable.
+        """
         worst = np.full(len(self.fault), _USABLE, np.uint8)
         for index, table in enumerate(self.channels):
             if "verdict" not in table:
                 continue
             verdict = table.verdict
             if index != self._layout.position:
-                # A channel without the position can only make the verdict worse.
+                # A channel without the position has nothing to say about it if its verdict is unknown.
                 verdict = np.where(verdict == _UNKNOWN, np.uint8(_USABLE), verdict)
             worst = np.minimum(worst, verdict)
         if self.agree is not None:
@@ -144,7 +147,7 @@ def _extract_bits(rows: Any, low_bit: int, width: int) -> Any:
 def _compare_fields(layout: Any, channels: tuple[Table, ...]) -> Any:
     """Return True for each frame whose compared fields agree, whether it is valid or not.
 
-    Of fields with different widths, only the highest bits are compared, up to the width of the narrowest field.
+    Of each field, only the ``compared_bits`` highest bits are compared, because the fields can have different widths.
     """
     compared_values: list[Any] = []
     for field in layout.compared:

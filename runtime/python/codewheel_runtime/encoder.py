@@ -261,7 +261,10 @@ class Encoder:
         return self._range_in(kind._frame_name(self))
 
     def _range_in(self, frame: str, /) -> PositionRange:
-        """Return the range of the positions in a frame of this name."""
+        """Return the range of the positions in a frame of this name.
+
+        This method is for families whose manual does not give the range. It raises ValueError. ``Wrapping`` returns it.
+        """
         raise ValueError(f"the manual does not say where the position of {self.code} wraps around")
 
     def _position_ranges(self) -> Mapping[str, PositionRange]:
@@ -425,7 +428,7 @@ def check_encoder(
 
 def raise_frame_error(error: Exception, frame: object, encoder: Encoder) -> NoReturn:
     """Raise an error with the frame and the encoder. This is the handler of ``decode``."""
-    raise _find_encoder(error, frame, encoder)
+    raise _with_encoder(error, frame, encoder)
 
 
 def _return_frame_error(error: Exception, frame: object, encoder: Encoder) -> Exception:
@@ -434,7 +437,7 @@ def _return_frame_error(error: Exception, frame: object, encoder: Encoder) -> Ex
     Raises:
         TypeError: The error is not a frame error, because the frame does not have the right type.
     """
-    error = _find_encoder(error, frame, encoder)
+    error = _with_encoder(error, frame, encoder)
     if isinstance(error, FrameError):
         return error
     raise error
@@ -443,11 +446,8 @@ def _return_frame_error(error: Exception, frame: object, encoder: Encoder) -> Ex
 return_frame_error: ErrorHandler = cast(ErrorHandler, _return_frame_error)
 
 
-def _find_encoder(error: Exception, frame: object, encoder: Encoder) -> Exception:
-    """Return a frame error after the frame and the encoder are added to it.
-
-    Other errors become a TypeError with the code.
-    """
+def _with_encoder(error: Exception, frame: object, encoder: Encoder) -> Exception:
+    """Return a frame error after the frame and the encoder are added to it. Others become a TypeError with the code."""
     if isinstance(error, FrameError):
         error.add(frame, encoder)
         return error

@@ -287,8 +287,8 @@ class Clock(NamedTuple):
         min_hz: Lowest clock. None if it is not known.
         max_hz: Highest clock. None if it is not known.
         source: Source of the facts.
-        used_hz: Clocks that programs or masters use, in ascending order. These clocks are not limits.
-        only: Order codes with this clock, unless all have it.
+        used_hz: Clocks that programs or masters use, in ascending order. They are not limits.
+        only: Order codes that have this clock, if not all do.
     """
 
     min_hz: int | None
@@ -364,7 +364,8 @@ class Timeout(NamedTuple):
             clock_hz: Clock frequency in hertz.
 
         Returns:
-            The time-out in nanoseconds, or None if the manual does not give it for this frequency.
+            The time-out in nanoseconds, or None if the manual does not give it for this frequency. A fixed time-out is
+            the typical one, or else the maximum.
         """
         if self.half_clock_periods is not None:
             return self.half_clock_periods * 500_000_000 / clock_hz
@@ -484,7 +485,8 @@ class SsiFacts(NamedTuple):
             cable_m: Length of the cable in metres.
 
         Returns:
-            The limit in hertz. The clock must be below it. None if the cable is too long for the table.
+            The limit in hertz. The clock must be below it. None if the cable is too long for the table, or if there is
+            no table.
         """
         rows = (row for row in self.cable_lengths if not row.only)
         return next((row.below_hz for row in rows if cable_m < row.shorter_than_m), None)
@@ -536,7 +538,7 @@ class Exchange(NamedTuple):
         request: Frame that the master sends.
         reply: Frame with which the encoder answers, or empty if it does not answer.
         purpose: ``position``, ``read``, ``write`` or ``other``.
-        word_bits: Number of bits of both words over SPI, or None if the length of the interface applies.
+        word_bits: Number of bits of both words over SPI, or None if it is that of the interface.
         source: Source of the exchange.
     """
 

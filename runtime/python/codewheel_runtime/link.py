@@ -109,8 +109,7 @@ class Link:
         """Return the position in counts.
 
         Args:
-            request: Request for the position, with the encoder's address. Default: the request with the factory
-                defaults.
+            request: Request for the position, with the encoder's address. Default: that with the factory defaults.
 
         Raises:
             NotUsableError: The encoder reports that its position is not usable.
@@ -122,8 +121,7 @@ class Link:
         """Return a frame with the position. Check its ``verdict`` before you use the position.
 
         Args:
-            request: Request for the position, with the encoder's address. Default: the request with the factory
-                defaults.
+            request: Request for the position, with the encoder's address. Default: that with the factory defaults.
 
         Raises:
             LinkError: There is no valid reply. The subclass indicates the reason.
@@ -166,7 +164,10 @@ class Link:
             self.transport.write(request)
 
     def receive(self, length: int, /) -> bytes:
-        """Return ``length`` bytes, or fewer after a time-out."""
+        """Return the bytes that arrive, until there are at least ``length`` of them, or fewer after a time-out.
+
+        There are more if further bytes arrived together with the last one.
+        """
         data = b""
         deadline = monotonic() + self.session.timeout_s
         # After the time-out, ``read`` returns the bytes that have arrived, without a wait. If that is nothing, the loop
@@ -356,7 +357,7 @@ class Ports:
 
         Args:
             port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
-            label: Order code on the label, or an encoder whose class has RS-485.
+            label: Order code on the label, or an encoder whose class shows that it has RS-485.
             timeout_s: Time in seconds in which a reply must be complete.
             retries: Number of further attempts after a failure.
             settle_s: Time in seconds for which the line must be quiet after a reply. The default depends on the baud

@@ -33,15 +33,15 @@ class LinkError(RuntimeError):
 
 
 class PortError(LinkError):
-    """The port does not exist, cannot be opened, or was closed."""
+    """The port does not exist, cannot be opened, was closed or failed, or pyserial is not installed."""
 
 
 class NoReplyError(LinkError):
-    """Nothing arrived in time, or only the echo of the request."""
+    """Nothing arrived in time, or only the echo of the request or the reply to another request."""
 
 
 class DisturbedError(LinkError):
-    """Bytes arrived, but they are not a valid reply, or they are two different replies."""
+    """Bytes arrived, but no valid reply, two different replies, or a reply with another value than its request."""
 
 
 class WrongEncoderError(LinkError):
@@ -49,7 +49,7 @@ class WrongEncoderError(LinkError):
 
 
 class SecondDeviceError(LinkError):
-    """Several requests in a row got two different replies, so a second device seems to answer."""
+    """Several extra replies with other values arrived, so a second device seems to answer."""
 
 
 class BusyError(LinkError):

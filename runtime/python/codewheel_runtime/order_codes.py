@@ -26,7 +26,7 @@ class OrderCodeError(ValueError):
 
     Attributes:
         label: The label.
-        part: Name of the wrong part, if there is exactly one.
+        part: Name of the wrong part. The first of several that cannot be combined, or empty if it is not known.
         reason: What is wrong.
         nearest: Order codes most similar to the label.
     """
@@ -130,7 +130,7 @@ class OrderCode(NamedTuple):
         pattern: The order code, with the names of the parts in braces.
         parts: The parts.
         special: Meaning of the ``/Sxxx`` suffix.
-        not_on_label: For made-up order codes: what the label shows instead, and the meaning of the code.
+        not_on_label: For made-up order codes: what the label shows instead, and what the code stands for.
         note: Note on the order code.
         source: Section and page of the manual.
         also_written: Alternative spellings.
@@ -156,6 +156,7 @@ class OrderCode(NamedTuple):
 
         Raises:
             OrderCodeError: The label is not an order code of the family.
+            TypeError: ``label`` is not a string.
         """
         text = check_label(label)
         # A part of the code itself may look like /Sxxx, so only text after the code is treated as this suffix.
@@ -178,12 +179,12 @@ class OrderCode(NamedTuple):
 
         Args:
             text: The label.
-            match: Match of the expression for the code, with the tail and the suffix.
+            match: Match of the expression for the code, which has the tail and the suffix.
             texts: Text of each part, by its name.
             codes: Listed order codes with their parts.
 
         Raises:
-            OrderCodeError: No listed code combines these values.
+            OrderCodeError: No listed code has these values together.
         """
         # None for a value that the manual does not list.
         listed_values = {part.name: _find_listed(part, texts[part.name]) for part in self.parts}
@@ -228,8 +229,9 @@ class OrderCode(NamedTuple):
     ) -> OrderCodeError:
         """Return the error for valid parts that cannot be combined.
 
-        It names each part of which another listed value would make a listed code. ``text`` is the label, and
-        ``part_texts`` contains the text of each part. ``listed_values`` contains its listed value, or None.
+        It names each part of which another listed value would make a listed code, or none if there is no such part.
+        ``text`` is the label, and ``part_texts`` has the text of each part. ``listed_values`` has its listed value, or
+        None.
         """
         names: list[str] = []
         for part in self.parts:
@@ -243,7 +245,7 @@ class OrderCode(NamedTuple):
     def _make_expression(self, any_for: str = "") -> str:
         """Return a regular expression for the whole code, with a named group for each part.
 
-        The part with the name ``any_for`` may have any text, including none.
+        The part with the name ``any_for`` may have any letters and digits, also none.
         """
         expressions = {part.name: _match_values(part) for part in self.parts}
         if any_for:
@@ -264,8 +266,8 @@ class OrderCode(NamedTuple):
     def _unknown_code_error(self, text: str, family: str, codes: Mapping[str, tuple[str, ...]]) -> OrderCodeError:
         """Return the error for a text that is not an order code.
 
-        It names the wrong part: with any text for this part, the label would be an order code. If there is no such
-        part, the message names no part.
+        It names the wrong part: with any letters and digits allowed in this part, the label would be an order code. If
+        there is no such part, the message names none.
         """
         nearest_codes = find_nearest(codes, text)
         candidates: list[_WrongPart] = []
@@ -314,7 +316,7 @@ def check_label(label: str) -> str:
 
 
 def find_nearest(codes: Iterable[str], text: str) -> tuple[str, ...]:
-    """Return the three codes most similar to ``text``, or to the part of it before a tail.
+    """Return the codes most similar to ``text`` without its tail, at most three, the most similar first.
 
     ``X-24-TAIL`` is compared with the code ``X-25`` as ``X-24``, because the code has two pieces.
     """

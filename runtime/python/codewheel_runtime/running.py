@@ -125,7 +125,8 @@ class _Procedure:
     def carry_out(self, steps: Sequence[Step], progress: Callable[[int, int, Step], object] | None) -> None:
         """Carry out steps. If one fails, the registers are closed and restored as far as possible.
 
-        ``progress`` is called before each step with its index, the number of steps, and the step.
+        ``progress`` is called before each step with its index, the number of steps, and the step. Raises StepError for
+        a failure. An interruption is raised as it is.
         """
         from logging import getLogger
 
@@ -138,7 +139,7 @@ class _Procedure:
                     progress(index, count, step)
                 self.do(step)
             except BaseException as error:
-                # An interruption, such as Ctrl-C, also restores registers, but is raised as it is.
+                # This includes interruptions, such as Ctrl-C.
                 left_open = self.restore(steps[index:])
                 open_text = left_open or "nothing"
                 logger.warning("step %d of %d failed: %r; left open: %s", index + 1, count, error, open_text)
@@ -183,7 +184,10 @@ class _Procedure:
             self._stored_bytes.update(enumerate(data, address))
 
     def _verify(self, step: Verify) -> None:
-        """Raise VerifyError if a bit of the step's mask differs between a register and the bytes that were written."""
+        """Raise VerifyError if a bit of the step's mask differs between a register and the bytes that were written.
+
+        Raises ValueError if not all bytes of the register were written.
+        """
         written = self._stored_registers.get(step.address)
         if written is None:
             addresses = range(step.address, step.address + step.length)
@@ -284,7 +288,7 @@ def run(
     does not return the values that it stored.
 
     On a line, unread bytes are discarded before each request, and the reply to each request is checked before the
-    next request is sent.
+    next request is sent, if the length of the reply is known.
 
     Not yet tested on hardware.
 

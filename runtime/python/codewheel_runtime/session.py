@@ -118,12 +118,12 @@ class Statistics:
     """Counters of a session.
 
     Attributes:
-        requests: Requests that were sent, including repeated requests and other kinds.
+        requests: Requests that were sent, with those that were repeated and those of other kinds.
         replies: Requests that got a valid reply.
         failures: Requests that did not.
         late_replies: Replies that arrived after their request had failed.
         extra_replies: Replies that no request asked for, such as second copies.
-        conflicts: Requests that got two different replies. These requests are among the failures.
+        conflicts: Requests that got two different replies. They are among the failures.
     """
 
     requests: int = 0
@@ -139,8 +139,8 @@ class Session:
 
     Args:
         encoder: The encoder, with RS-485.
-        timeout_s: Time in seconds in which a reply must be complete. The manuals state no reply time. The default
-            allows for the latency of USB adapters.
+        timeout_s: Time in seconds in which a reply must be complete. The manuals give no reply time. The default allows
+            for the latency of USB adapters.
         retries: Number of further attempts after a failure.
         settle_s: Time in seconds for which the line must be quiet after a reply. The default is 0.25 ms plus the time
             that the request and the reply take at the baud rate, or the usual time of the last replies if that is
@@ -202,7 +202,12 @@ class Session:
         self._position = next((kind for kind in captures if kind.has_position), None)
 
     def position(self, request: Any = None) -> Work[int]:
-        """Request the position in counts, with ``request`` or with factory defaults."""
+        """Request the position in counts, with ``request`` or with factory defaults.
+
+        Raises:
+            NotUsableError: The encoder reports that its position is not usable.
+            LinkError: See ``exchange``.
+        """
         frame = yield from self.read(request)
         value = frame.usable_position
         if value is None:
@@ -214,7 +219,11 @@ class Session:
         return value
 
     def read(self, request: Any = None) -> Work[PositionFrame]:
-        """Request a frame with the position, with ``request`` or with factory defaults."""
+        """Request a frame with the position, with ``request`` or with factory defaults.
+
+        Raises:
+            LinkError: See ``exchange``. Or the request has no defaults, or no reply contains the position.
+        """
         position_request = self._make_position_request() if request is None else request
         frame = yield from self.exchange(position_request)
         return cast(PositionFrame, frame)
@@ -241,8 +250,8 @@ class Session:
 
         Raises:
             BusyError: The memory stayed busy.
-            DisturbedError: The reply has a value that differs from the request, such as another address.
-            LinkError: There is no valid reply.
+            DisturbedError: The reply has another value than the request, such as another address.
+            LinkError: There is no valid reply, or no such request.
         """
         pending = self._make_pending(request)
         kind = pending.kind
@@ -276,7 +285,11 @@ class Session:
         return ""
 
     def run(self, steps: Sequence[Step]) -> Work[None]:
-        """Carry out the steps of a procedure. If a request in a series fails, the series starts again."""
+        """Carry out the steps of a procedure. If a request in a series fails, the series starts again.
+
+        Raises:
+            StepError: A step failed, or is neither a request nor a wait.
+        """
         for index, step in enumerate(steps):
             try:
                 if isinstance(step, Wait):
@@ -289,7 +302,10 @@ class Session:
                 raise StepError(step, index, tuple(steps[:index]), (), str(error)) from error
 
     def pause(self, seconds: float) -> Work[None]:
-        """Wait, and discard all bytes that arrive. The last ones are searched for extra replies."""
+        """Wait, and discard all bytes that arrive. The last ones are searched for extra replies.
+
+        Raises SecondDeviceError if a second device seems to answer.
+        """
         deadline = self.clock() + seconds
         discarded = b""
         while (remaining_s := deadline - self.clock()) > 0:
@@ -298,13 +314,17 @@ class Session:
         self._discard(discarded)
 
     def drain(self) -> Work[None]:
-        """Discard all bytes that have arrived, until the line is quiet."""
+        """Discard all bytes that have arrived, until the line is quiet.
+
+        Raises SecondDeviceError if a second device seems to answer.
+        """
         yield from self._discard_waiting()
 
     def _send_series(self, step: Send) -> Work[None]:
         """Send a request several times in succession, and start again from the first one after a failure.
 
-        The encoder acts after ``step.times`` equal requests, which it counts.
+        The encoder acts after ``step.times`` equal requests, which it counts. After more than ``retries`` failures, the
+        last error is raised.
         """
         pending = self._make_pending(step.request)
         attempts_left = self.retries
@@ -323,7 +343,10 @@ class Session:
                 sent_count = 0
 
     def _send_with_retries(self, pending: PendingRequest) -> Work[bytes]:
-        """Send a request, again after each failure, and return the reply."""
+        """Send a request, again after each of at most ``retries`` failures, and return the reply.
+
+        Raises the error of the last attempt, and SecondDeviceError at once.
+        """
         attempts_left = self.retries
         while True:
             try:
@@ -456,7 +479,12 @@ class Session:
         return max(reply_s, third_quartile)
 
     def _take_reply(self, found_reply: FoundReply, received: bytes, pending: PendingRequest) -> bytes:
-        """Return the reply among the ``received`` bytes, and count other replies. Raises an error if they differ."""
+        """Return the reply among the ``received`` bytes, and count other replies.
+
+        Raises:
+            DisturbedError: Other replies to such a request differ from it.
+            SecondDeviceError: A second device seems to answer.
+        """
         if found_reply.same_kind or found_reply.other_kinds:
             self._count_replies_beside(found_reply, received)
         else:
@@ -484,7 +512,10 @@ class Session:
         return [reply for reply in replies if reply not in self._recent_replies]
 
     def _count_foreign(self, replies: Sequence[bytes], received: bytes, limit: int) -> None:
-        """Count extra replies with other values. Raises SecondDeviceError if they are ``limit`` in total."""
+        """Count extra replies with other values.
+
+        Raises SecondDeviceError if there are ``limit`` of them in total, unless ``settle_s`` is 0.
+        """
         self._foreign_replies += len(replies)
         # Without a time to settle, one copy can cause several of them.
         if replies and self._foreign_replies >= limit and self.settle_s != 0:
@@ -511,7 +542,8 @@ class Session:
     def _discard(self, data: bytes) -> None:
         """Count the replies in bytes that arrived without a request. Raises an error if a second device answers.
 
-        Two requests in a row that got exactly one reply show that there is no second reply, so its count starts again.
+        Two requests in a row that got exactly one reply show that there is no such device, so the count of its replies
+        starts again.
         """
         last_request = self._last_request
         replies = split_replies(data, last_request, self.kinds) if last_request is not None else []
@@ -581,8 +613,8 @@ class Session:
     ) -> LinkError:
         """Return the error for bytes without a valid reply of an encoder without data IDs.
 
-        The reply is incomplete, has another value than the request, or is invalid. ``request_text`` names the request,
-        and ``bytes_text`` contains the received bytes.
+        Its text says that the reply is incomplete, has another value than the request, or is invalid. ``request_text``
+        names the request, and ``bytes_text`` contains the received bytes.
         """
         if len(received) < pending.kind.length:
             text = f"incomplete reply to {request_text}: {len(received)} of {pending.kind.length} bytes, {bytes_text}"
@@ -676,8 +708,8 @@ def _check_seconds(name: str, seconds: float) -> None:
     """Raise an error unless a time is a finite number that is not negative.
 
     Raises:
-        TypeError: The time is not a number.
-        ValueError: The time is negative, infinite or NaN.
+        TypeError: It is not a number.
+        ValueError: It is negative, infinite or NaN.
     """
     if isinstance(seconds, bool) or not isinstance(seconds, (int, float)):
         raise TypeError(f"{name} must be a number of seconds, got {shorten(seconds)}")

@@ -61,7 +61,7 @@ class Pipeline:
         encoder: The encoder.
         replies: Class of the reply to each class of requests.
         late: True if the encoder answers in the word after the request.
-        read: Class of the request that reads a register, if there is such a request.
+        read: Class of the request that reads a register, if there is one.
         write: Classes of the requests that write a register, one for each word.
         registers: Address and number of bytes of each class of registers.
     """
@@ -86,7 +86,7 @@ class Pipeline:
         self._registers = registers
         #: Request whose word is on the bus: its received word has not been taken. None between ``take`` and ``ask``.
         self._sent: _Sent | None = None
-        #: Request before the previous one, to which a late reply belongs.
+        #: Request before ``_sent``, to which a late reply belongs.
         self._before: _Sent | None = None
         #: Number of bits of the last word.
         self._bits = 0
@@ -116,20 +116,20 @@ class Pipeline:
             register: Class of the register.
 
         Raises:
-            TypeError: The encoder does not have the register over SPI.
+            TypeError: The encoder has no such register over SPI, or no request that reads one.
             RuntimeError: The word that was received with the previous request has not been taken.
         """
         address, _ = self._find_place(register)
         return self._start_request(self._make_read_request(address), register)
 
     def write(self, value: Value) -> Iterator[int]:
-        """Yield the words that write a register. Exchange and take each request before the next.
+        """Yield the words that write a register. Exchange and take each word before the next.
 
         Args:
             value: The value, an object of the register's class.
 
         Raises:
-            TypeError: The encoder does not have the register over SPI.
+            TypeError: The encoder has no such register over SPI, or no request that writes one.
             RangeError: The value does not fit.
             RuntimeError: The word that was received with the previous request has not been taken.
         """
@@ -138,11 +138,11 @@ class Pipeline:
             yield self._start_request(request, type(value))
 
     def bus(self, exchange: Callable[[int], int]) -> RegisterBus:
-        """Return a bus for ``run``, which carries out procedures.
+        """Return the bus argument of ``run``, the function that carries out a procedure of the manual.
 
         Args:
-            exchange: Function that sends a word on your bus and returns the word that was received meanwhile. The word
-                has ``bits`` bits.
+            exchange: Function that sends a word of ``bits`` bits over SPI, and returns the word that was received
+                meanwhile.
         """
         return RegisterBus(self, exchange)
 
@@ -155,8 +155,8 @@ class Pipeline:
             bits: Number of bits received, if known. The number itself does not show missing bits.
 
         Returns:
-            The answer, or None if no request was sent before this word, or if the word does not have the length of a
-            late reply.
+            The answer. With late replies, it belongs to the request before the last one, and is None if there was none
+            or if its word had another length.
 
         Raises:
             FrameError: The word is damaged. The pipeline stays in step: take the next word as usual.
@@ -185,7 +185,7 @@ class Pipeline:
         self._sent = self._before = None
 
     def _make_read_request(self, address: int) -> Request:
-        """Return the request that reads the register at an address."""
+        """Return the request that reads the register at an address. Raises TypeError if the encoder has none."""
         if self._read is None:
             raise TypeError(f"{self._encoder.code} has no request that reads a register")
         request: Request = self._read(address=address)
@@ -194,7 +194,7 @@ class Pipeline:
     def _make_write_requests(self, address: int, data: bytes) -> Iterator[Request]:
         """Yield the requests that write bytes to the register at an address, one of each class in ``write``.
 
-        A request has a field ``address``, a field ``data``, or both.
+        A request has a field ``address``, a field ``data``, or both. Raises TypeError if the encoder has none.
         """
         values = {"address": address, "data": int.from_bytes(data, "big")}
         if not self._write:

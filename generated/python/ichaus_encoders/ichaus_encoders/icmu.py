@@ -190,7 +190,8 @@ class BissEncoder(Variant):
         """Decode a frame that the encoder sent.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes
+                of the number, most significant first.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -209,7 +210,8 @@ class BissEncoder(Variant):
         Type checkers then require that the error is handled.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes
+                of the number, most significant first.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -233,6 +235,9 @@ class BissEncoder(Variant):
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+
+        Raises:
+            TypeError, ValueError: ``frames`` are not in this form.
         """
         return decode_many(frames, SingleCycleData, variant=self)
 
@@ -247,7 +252,8 @@ class BissEncoder(Variant):
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
-            TypeError: A column is missing or unknown.
+            TypeError: A column is missing or unknown, or its type does not fit the field.
+            ValueError: The columns have different lengths.
         """
         return encode_many(columns, SingleCycleData, variant=self)
 
@@ -268,7 +274,7 @@ def lookup(label: str) -> Variant:
     of other editions are accepted. The edition is in ``Variant.written_as_in``.
 
     Args:
-        label: Order code on the label. Case and spaces do not matter.
+        label: Made-up order code. Case and spaces do not matter.
 
     Returns:
         The encoder. Type checkers infer its class for each listed order code.
@@ -293,6 +299,9 @@ def crc_biss_6(number: int, bits: int) -> int:
 
     Returns:
         The CRC.
+
+    Raises:
+        RangeError: ``number`` is negative or has more than ``bits`` bits.
     """
     return crc_of_bits(number, bits, width=6, poly=0x03, init=0x0, refout=False, xorout=0x3F)
 
@@ -405,7 +414,8 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         """Decode the frame.
 
         Args:
-            word: A number whose most significant bit was sent first, or a string of 0 and 1.
+            word: A number whose most significant bit was sent first, a string of 0 and 1, or the bytes of the number,
+                most significant first.
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
@@ -416,6 +426,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             LengthError: There are too many or too few bits.
             CrcError: The CRC does not match.
             ConstantError: A constant or a parity bit has the wrong value.
+            RangeError: The number is negative, or the string has other characters.
             FamilyError: The encoder belongs to another family.
             InterfaceError: The encoder has another interface.
         """

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from operator import index
-from typing import Final, NamedTuple, SupportsIndex, cast
+from typing import Any, Final, NamedTuple, SupportsIndex, cast
 
 from .errors import FrameError, Sender
 from .reports import Interface
@@ -21,16 +21,15 @@ class _Change(NamedTuple):
 def why(encoder: Sender, frame: object) -> tuple[str, ...]:
     """Return the changes that make an invalid frame valid, as text, the most likely first.
 
-    An example is ``"with all bits inverted: check for swapped wires of the data line"``. If the line is dead, this is
-    the only answer. A short CRC is sometimes correct by chance. A CRC of 6 bits is correct in 1 of 64 cases, and in
-    most cases inverting a single bit makes it correct. Check several frames, and look for the mistake that explains all
-    of them.
+    An example is ``"with all bits inverted: check for swapped wires of the data line"``. If the line is dead, or if the
+    frame has all data channels, a sentence about that is the only answer. A short CRC is sometimes correct by chance. A
+    CRC of 6 bits is correct in 1 of 64 cases, and in most cases there is a bit whose inversion makes it correct. Check
+    several frames, and look for the mistake that explains all of them.
     """
+    if explanation := _explain_whole_frame(encoder, frame):
+        return (explanation,)
     # Without a CRC or another check, every frame is valid, so nothing can be concluded.
-    can_be_invalid = _can_be_invalid(encoder)
-    if dead_line := _explain_dead_line(encoder, frame, can_be_invalid):
-        return (dead_line,)
-    if not can_be_invalid:
+    if not _can_be_invalid(encoder):
         return ()
     decode = encoder.decode
     changes = _try_changes(encoder, frame)
@@ -39,11 +38,9 @@ def why(encoder: Sender, frame: object) -> tuple[str, ...]:
 
 def hint(encoder: Sender, frame: object) -> str:
     """Return the result of ``why`` as one sentence, or an empty string."""
+    if explanation := _explain_whole_frame(encoder, frame):
+        return explanation[0].upper() + explanation[1:]
     changes = why(encoder, frame)
-    if changes and _explain_dead_line(encoder, frame, _can_be_invalid(encoder)):
-        # The description of a dead line is a sentence already. Only its first letter changes.
-        (dead_line,) = changes
-        return dead_line[0].upper() + dead_line[1:]
     return f"The frame would be valid {'; or '.join(changes)}" if changes else ""
 
 
@@ -54,6 +51,11 @@ _USUAL_CRC_BITS: Final = (6, 4, 16)
 #: Most bits and bytes at the beginning or the end of a frame that are tried.
 _MOST_EXTRA_BITS: Final = 3
 _MOST_EXTRA_BYTES: Final = 3
+
+
+def _explain_whole_frame(encoder: Sender, frame: object) -> str:
+    """Return a sentence that explains a frame without any change to it, or an empty string."""
+    return _explain_dead_line(encoder, frame, _can_be_invalid(encoder)) or _explain_all_channels(encoder, frame)
 
 
 def _explain_dead_line(encoder: Sender, frame: object, has_crc: bool) -> str:
@@ -78,6 +80,23 @@ def _explain_dead_line(encoder: Sender, frame: object, has_crc: bool) -> str:
     likely_cause = "a broken wire" if level else "a short circuit"
     other_wires = "wires A and B" if encoder.interface is Interface.RS485 else "the clock"
     return f"every bit is {level}: the line never changes. Check for {likely_cause}, the supply and {other_wires}"
+
+
+def _explain_all_channels(encoder: Sender, frame: object) -> str:
+    """Return a sentence about a frame with all data channels, or an empty string. ``decode`` takes a single channel.
+
+    The frame has the bits of all channels or, if leading zeros are missing, correct CRCs of all channels.
+    """
+    channel_layout: Callable[[], Any] | None = getattr(encoder, "channels", None)
+    frame_bits = _count_frame_bits(encoder)
+    received = _convert_to_number(frame, frame_bits)
+    if channel_layout is None or received is None:
+        return ""
+    layout = channel_layout()
+    _, bits = received
+    if bits <= frame_bits or (bits != layout.bits and not _is_valid(layout.decode, frame)):
+        return ""
+    return "the frame has several data channels, and this decodes a single one: use channels().decode"
 
 
 def _convert_to_number(frame: object, frame_bits: int) -> tuple[int, int] | None:
@@ -123,7 +142,7 @@ def _is_valid(decode: Callable[[object], object], frame: object) -> bool:
 
 
 def _try_changes(encoder: Sender, frame: object) -> Iterator[_Change]:
-    """Yield the changes that undo each common mistake."""
+    """Yield the changes that undo each common mistake. There are none for a text of 0 and 1."""
     if isinstance(frame, (bytes, bytearray, memoryview)):
         yield from _try_changed_bytes(encoder, bytes(cast(bytes, frame)))
         return

@@ -43,11 +43,14 @@ class ChannelFrame:
 
     @property
     def verdict(self) -> Verdict:
-        """Worst verdict of all channels. It is also *not usable* if the positions of the channels do not agree."""
+        """Worst verdict of all channels. It is also *not usable* if the positions of the channels do not agree.
+
+        The verdict *unknown* counts only in the channel with the position.
+        """
         verdicts = [Verdict.NOT_USABLE] if self.agree is False else []
         for index, channel in enumerate(self.channels):
             verdict = getattr(channel, "verdict", None)
-            # A channel without the position can only make the verdict worse.
+            # A channel without the position has nothing to say about it if its verdict is unknown.
             if verdict is not None and (index == self._layout.position or verdict is not Verdict.UNKNOWN):
                 verdicts.append(verdict)
         worst_first = list(Verdict)
@@ -147,15 +150,16 @@ class ChannelLayout:
         """Decode a frame with all channels.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
-            bits: Number of bits received, if known. The number itself does not show missing bits.
+            frame: Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes
+                of the number, most significant first.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
             The frame. Check its ``verdict`` before you use the position.
 
         Raises:
             FrameError: The frame or one of its channels is damaged. ``channel`` is the class of the channel.
-            TypeError: ``frame`` is not a number or a string of 0 and 1.
+            TypeError: ``frame`` is of another type.
         """
         number = as_word(frame, self.bits, bits)
         if number >> self.bits:
@@ -195,7 +199,7 @@ class ChannelLayout:
         return decode_channels(self, frames)
 
     def compare(self, channels: Sequence[Any]) -> bool:
-        """Return whether the compared fields of the channels agree.
+        """Return whether the compared fields of the channels agree: each with the first, within ``tolerance``.
 
         Of each field, only the highest bits are compared, because the fields can have different widths.
         """

@@ -32,7 +32,10 @@ _TUPLE: Final[Any] = tuple
 
 
 def by_class(kind: type[_Kind]) -> type[_Kind]:
-    """Make objects of ``kind`` equal only to objects of the same class, unlike a plain NamedTuple."""
+    """Make objects of ``kind`` equal only to those of the same class, unlike a plain NamedTuple.
+
+    Like the methods of a tuple, the new ones return NotImplemented for objects that are not tuples.
+    """
 
     def equals(self: tuple[object, ...], other: object) -> object:
         """Compare the items if the classes are the same. No other tuple is equal."""
@@ -120,7 +123,7 @@ def check_kind(kind: object, kinds: object) -> None:
 
 
 def whole_number(name: str, value: SupportsIndex) -> int:
-    """Return an integer of any type as an int. A bool is rejected."""
+    """Return an integer of any type as an int. Raises TypeError for a bool and for other values."""
     if not isinstance(value, bool):
         try:
             return index(value)
@@ -132,10 +135,12 @@ def whole_number(name: str, value: SupportsIndex) -> int:
 def as_word(frame: Word, length: int, bits: int | None) -> int:
     """Return a frame of ``length`` bits as one number. ``bits`` is the number of bits received, if known.
 
+    The number itself is not checked: it can be negative, or have more than ``length`` bits.
+
     Raises:
-        LengthError: There are more or fewer bits.
+        LengthError: ``bits`` or the number of digits is not ``length``, or the bytes are not those of ``length`` bits.
         RangeError: The text contains characters other than 0 and 1.
-        TypeError: ``bits`` is not an integer.
+        TypeError: ``bits`` is not an integer, or the frame is not a ``Word``.
     """
     if bits is not None:
         bits = whole_number("bits", bits)
@@ -189,7 +194,7 @@ def as_bytes(data: Data) -> bytes:
     except TypeError:
         advice = "bytes.fromhex(text)" if isinstance(data, str) else "bytes or another buffer of bytes"
         raise TypeError(f"expected bytes, got {shorten(data)}: pass {advice}") from None
-    # The formats of signed and unsigned bytes, and of characters. The byte order can precede the number.
+    # The formats of signed and unsigned bytes, and of characters. A mark of the byte order can precede them.
     if view.ndim != 1 or view.itemsize != 1 or view.format[-1] not in "Bbc":
         shape = "items" if view.ndim == 1 else f"items in {view.ndim} dimensions"
         raise TypeError(f"expected a row of bytes, got a buffer of {shape} of the format '{view.format}': pass bytes")
@@ -216,7 +221,10 @@ NO_SUCH_FLAG: Final = "False, since this encoder has no such flag"
 
 
 def check_flag(field: str, value: object) -> bool:
-    """Return ``value`` as a bool. The numbers 0 and 1 are accepted, and so are the bools of NumPy."""
+    """Return ``value`` as a bool. The numbers 0 and 1 are accepted, and so are the bools of NumPy.
+
+    Raises RangeError for other integers, and TypeError for other values.
+    """
     if type(value) is bool:
         return value
     # The bools of NumPy are not integers.
@@ -312,7 +320,10 @@ def zero_for(field: str, value: SupportsIndex, zero_means: int, bits: int) -> in
 
 
 def from_gray(number: int, low: int, width: int, excess: int = 0) -> int:
-    """Convert the ``width`` bits of ``number`` that start at bit ``low`` from Gray code to binary, minus ``excess``."""
+    """Return ``number`` with ``width`` bits from ``low`` up converted from Gray code to binary, minus ``excess``.
+
+    The difference wraps around in ``width`` bits. The other bits of ``number`` do not change.
+    """
     mask = (1 << width) - 1
     gray = (number >> low) & mask
     # Each bit of the binary number is the XOR of all Gray bits from it up to the highest.
@@ -324,7 +335,10 @@ def from_gray(number: int, low: int, width: int, excess: int = 0) -> int:
 
 
 def to_gray(number: int, low: int, width: int, excess: int = 0) -> int:
-    """Convert the ``width`` bits of ``number`` that start at bit ``low``, plus ``excess``, from binary to Gray code."""
+    """Return ``number`` with ``width`` bits from ``low`` up, plus ``excess``, converted from binary to Gray code.
+
+    The sum wraps around in ``width`` bits. The other bits of ``number`` do not change.
+    """
     mask = (1 << width) - 1
     binary = ((number >> low) + excess) & mask
     other_bits = number & ~(mask << low)
@@ -336,8 +350,9 @@ def unwrap(
 ) -> int:
     """Return the count nearest to ``previous`` that equals ``position`` modulo ``modulus``.
 
-    After 1023, the position 2 of 1024 is the count 1026. ``lowest`` and ``highest`` are the limits of ``position``, by
-    default 0 and ``modulus - 1``.
+    After 1023, the position 2 of 1024 is the count 1026. If two counts are equally near, the lower one is returned.
+    ``lowest`` and ``highest`` are the limits of ``position``, by default 0 and ``modulus - 1``. Raises RangeError for
+    positions outside them.
     """
     highest_position = modulus - 1 if highest is None else highest
     limits = (lowest, highest_position)
@@ -386,7 +401,7 @@ def crc_of_bits(
     """Return the CRC over ``bits`` bits of ``number``, most significant first.
 
     ``poly`` is the polynomial without its highest term, and ``init`` the start value. ``refout`` reverses the bits of
-    the CRC, and ``xorout`` inverts some of them.
+    the CRC, and ``xorout`` then inverts some of them. Raises RangeError if the number has more than ``bits`` bits.
     """
     number = check_width("number", number, bits)
     highest_place = width - 1
@@ -416,7 +431,7 @@ def crc_of_bytes(data: Data, *, width: int, poly: int, init: int, refin: bool, r
 
 
 def crc_by_xor(data: Data, xorout: int = 0) -> int:
-    """Return the CRC for x^8 + 1 with start value 0: the XOR of the bytes."""
+    """Return the CRC for x^8 + 1 with start value 0: the XOR of the bytes and of ``xorout``."""
     register = 0
     for byte in as_bytes(data):
         register ^= byte
@@ -429,8 +444,8 @@ def make_crc_tables(
 ) -> tuple[Sequence[int], ...]:
     """Return one table per 16 bits of a word. The XOR of the entries for the word is 0 if its CRC is correct.
 
-    ``crc`` computes the CRC over ``covered`` bits of the word. ``gap`` bits are between them and the ``width`` bits of
-    the CRC, which are the last ones of the word.
+    ``crc`` computes the CRC over ``covered`` bits, the highest ones of the word. ``gap`` bits are between them and the
+    ``width`` bits of the CRC, which are the lowest ones. There are ``count`` tables, enough for all bits of the word.
     """
     crc_of_zero = crc(0, covered)
     # How each bit of the word changes the XOR, the lowest bit first.

@@ -98,7 +98,7 @@ class LengthError(FrameError):
 
 
 class CrcError(FrameError):
-    """The CRC of a frame does not match, because bits were changed in transmission."""
+    """The CRC of a frame does not match. Usually, bits were changed in transmission."""
 
     def __init__(self, received: int, computed: int) -> None:
         super().__init__(received, computed)
@@ -168,7 +168,7 @@ class InputError(ValueError):
 
     Attributes:
         file: Name of the file.
-        place: Offset, line, row or column.
+        place: Offset, line, row or column. Empty if the error concerns the whole file.
         message: What is wrong.
     """
 

@@ -59,9 +59,9 @@ class StreamTransport:
         await self._writer.drain()
 
     async def read(self, timeout_s: float, /) -> bytes:
-        """Return all bytes that have arrived.
+        """Return the bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``.
 
-        If no bytes have arrived, wait for the first byte for at most ``timeout_s``.
+        At the end of the stream, there are none, and this returns at once.
         """
         try:
             return await wait_for(self._reader.read(4096), max(timeout_s, 0.0005))
@@ -114,7 +114,8 @@ async def _finish_in_thread(function: Callable[[_Argument], _Result], argument: 
 class AsyncLink:
     """Link to an encoder, for asyncio. Requests of several tasks are sent one after the other.
 
-    The methods are the same as in :class:`codewheel_runtime.link.Link`.
+    ``position``, ``read``, ``exchange``, ``run`` and ``close`` are coroutines that do the same as the methods of
+    :class:`codewheel_runtime.link.Link`.
 
     Args:
         encoder: The encoder, with RS-485.
@@ -162,7 +163,7 @@ class AsyncLink:
         return await self._carry_out(self.session.exchange(request))
 
     async def run(self, steps: Sequence[Step]) -> None:
-        """Carry out a procedure, such as a reset."""
+        """Carry out a procedure, such as a reset. Raises StepError if a step fails."""
         await self._carry_out(self.session.run(steps))
 
     async def close(self) -> None:
@@ -252,7 +253,7 @@ class AsyncPorts:
 
         Args:
             port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
-            label: Order code on the label, or an encoder whose class has RS-485.
+            label: Order code on the label, or an encoder whose class shows that it has RS-485.
             timeout_s: Time in seconds in which a reply must be complete.
             retries: Number of further attempts after a failure.
             settle_s: Time in seconds for which the line must be quiet after a reply. The default depends on the baud

@@ -30,7 +30,7 @@ class Package(NamedTuple):
     def lookup(self, label: str) -> Encoder:
         """Return the encoder for a label, from any family. See ``lookup`` of the package."""
         text = check_label(label)
-        # Families of special models first. All that can have this label are tried.
+        # A special model, such as S001, is the text after the last slash of a label. Its families are tried first.
         families = [family for family, special in self.specials if text.upper().endswith(f"/{special}")]
         families += [family for family, beginnings in self.beginnings.items() if text.startswith(beginnings)]
         best: Encoder | None = None
@@ -39,7 +39,8 @@ class Package(NamedTuple):
                 encoder: Encoder = self._import_module(family).lookup(text)
             except OrderCodeError:
                 continue  # Several families can have special models of that name, or codes with that prefix.
-            # The tail of one family's code can be a part of another family's code.
+            # The tail is the text of the label after the order code. It can be part of the order code of another
+            # family, so the encoder with the shortest tail is the best.
             if best is None or len(encoder.tail) < len(best.tail):
                 best = encoder
             if not best.tail:

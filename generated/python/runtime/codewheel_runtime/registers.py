@@ -40,9 +40,9 @@ def encode_register(
 class RegisterParameter(NamedTuple):
     """Parameter that a register holds at run time, in the ``width`` bits that start at ``low``.
 
-    ``zero_means`` is the value that is stored as 0, if there is such a value. ``codes`` lists the codes with their
-    values, if the register holds codes. ``by_order_code`` is true if the register has no default, so that the order
-    code sets the parameter.
+    ``min`` and ``max`` are the lowest and the highest allowed value. ``zero_means`` is the value that is stored as 0,
+    if there is one. ``codes`` lists the codes with their values, if the register holds codes. ``by_order_code`` is true
+    if the register has no default, so that the order code sets the parameter.
     """
 
     parameter: str
@@ -162,6 +162,8 @@ def bytes_by_address(read: Mapping[int, int] | Mapping[str, Data], registers: Ma
     Raises:
         ValueError: There is no register of this name.
         LengthError: A register has another number of bytes.
+        RangeError: A byte is not 0 to 255.
+        TypeError: An address or a byte is not an integer, or a register is not bytes.
     """
     bytes_by_address: dict[int, int] = {}
     value: Any

@@ -15,8 +15,9 @@ __all__ = ["FoundReply", "PendingRequest", "ReplyKind", "compute_xor", "find_err
 class ReplyKind(NamedTuple):
     """Request, by its first byte, and its reply.
 
-    ``control`` is the first byte of the request, and ``length`` the number of bytes of the reply. ``flags`` are the
-    names of the flags in the reply. ``repeats_first`` is True if the reply also begins with ``control``.
+    ``control`` is the first byte of the request, ``id`` its data ID, or 0 if it has none, and ``length`` the number of
+    bytes of the reply. ``flags`` are the names of the flags in the reply. ``repeats_first`` is True if the reply also
+    begins with ``control``.
     """
 
     name: str
@@ -125,13 +126,16 @@ def split_replies(data: bytes, pending: PendingRequest, kinds: Mapping[int, Repl
 
 
 def find_error(reply: bytes, pending: PendingRequest) -> FrameError | None:
-    """Return the error that decoding raises if ``reply`` is a reply to ``pending``, or None if it is valid."""
+    """Return the error that decoding raises if ``reply`` is a reply to ``pending``, or None if it is valid.
+
+    If its fields cannot be decoded without an answer to an open question, only its last byte is checked.
+    """
     try:
         pending.decode(reply)
     except FrameError as error:
         return error
     except TypeError:
-        # Fields that need an answer cannot be decoded here. The last byte is the XOR of all other bytes.
+        # The last byte is the XOR of all others.
         difference = compute_xor(reply)
         return CrcError(reply[-1], reply[-1] ^ difference) if difference else None
     return None

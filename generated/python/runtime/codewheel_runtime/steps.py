@@ -30,7 +30,7 @@ class Write(NamedTuple):
 
     @property
     def data(self) -> bytes:
-        """Bytes to write. Raises RangeError if the value does not fit into the bits."""
+        """Bytes to write. Raises RangeError if the value does not fit into these bytes."""
         return check_width("value", self.value, 8 * self.length).to_bytes(self.length, "big")
 
 

@@ -24,7 +24,12 @@ class NoFrame(ValueError):
 
 
 def read_column(column: Any, shape: Shape) -> Any:
-    """Convert a column of any library with Arrow's C interface to the form that ``decode_many`` expects."""
+    """Convert a column of any library with Arrow's C interface to the form that ``decode_many`` expects.
+
+    Raises:
+        InputError: Most cells of text are not frames.
+        TypeError: The type of the column does not fit the frames.
+    """
     pa: Any = load("pyarrow")
     if not isinstance(column, (pa.Array, pa.ChunkedArray)):
         column = pa.chunked_array(column) if hasattr(column, "__arrow_c_stream__") else pa.array(column)
@@ -39,7 +44,7 @@ def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: 
     """Convert an Arrow column to the form that ``decode_many`` expects. Missing items are masked or None.
 
     Text is read in the base ``digits``, see ``read_text``. ``done`` is the number of rows of the file that were read
-    before. If it is 0, most of these cells must be frames.
+    before. If it is 0, most of these cells must be frames, if they are text.
 
     Raises:
         NoFrame: Most of the first cells of text are not frames.

@@ -78,7 +78,8 @@ class Chunk:
     def take(self, low: int, width: int, out: Any = None) -> Any:
         """Return the ``width`` bits of each frame that start at ``low``.
 
-        With ``out``, an array of 64-bit numbers, they are written there. Without it, the type can be smaller.
+        With ``out``, an array of 64-bit numbers, they are written there, and callers must not use the result, which can
+        be None. Without it, the type can be smaller.
         """
         is_in_one_byte = low % 8 + width <= 8
         if not width or is_in_one_byte:
@@ -105,7 +106,10 @@ class Chunk:
         (np.not_equal if active else np.equal)(bit, 0, out=out)
 
     def ungray(self, low: int, width: int, excess: int) -> None:
-        """Convert the ``width`` bits from ``low`` on from Gray code to binary, minus ``excess``. The others stay."""
+        """Convert the ``width`` bits from ``low`` on from Gray code to binary, minus ``excess``. The others stay.
+
+        Frames with Gray code have a single limb. ``sent`` is the chunk as it was before.
+        """
         mask = shift_left(bit_mask(width), low)
         gray = self.limbs[0] & mask
         # Bit n is the XOR of all Gray bits from n on, which doubling shifts collect.
@@ -161,7 +165,8 @@ def _get_limb_type(is_little: bool) -> str:
 def _read_short_rows(rows: Any, is_little: bool) -> Any:
     """Return rows of fewer than eight bytes as numbers.
 
-    Eight bytes are read for each row. The last rows would be read beyond the array, so these rows are copied.
+    Eight bytes are read for each row. For the last rows, some of them would be outside the array, so these rows are
+    copied.
     """
     row_count, row_bytes = rows.shape
     # After these rows, at least eight bytes follow.
@@ -277,20 +282,21 @@ def _fold_crc(number: Any, crc: CrcOf, bits: int) -> Any:
 
 
 @lru_cache(maxsize=64)
-def _make_crc_tables(differs: Callable[[int], int], bits: int) -> tuple[Any, ...]:
-    """Return one table per byte of a number, with the contribution of each value of the byte to the CRC difference.
+def _make_crc_tables(compute_difference: Callable[[int], int], bits: int) -> tuple[Any, ...]:
+    """Return one table per byte of a frame. The XOR of the entries for all bytes is the CRC difference of the frame.
 
-    ``differs`` computes the difference of a number. The entries of the first table also include the contribution of the
-    number 0.
+    ``compute_difference`` returns the CRC difference of one frame: its CRC XOR the CRC computed from its other bits.
+    Each bit contributes the same difference in every frame, so the differences of bytes can be combined with XOR. The
+    difference of the frame 0 is part of each frame, and is included in the first table.
     """
-    zero_difference = differs(0)
+    zero_difference = compute_difference(0)
     tables: list[Any] = []
     for lowest_bit in range(0, bits, 8):
         first_entry = 0 if tables else zero_difference
         table = np.array([first_entry], np.uint64)
         # Each bit doubles the table: its second half has the entries with this bit set.
         for bit in range(lowest_bit, lowest_bit + 8):
-            contribution = differs(1 << bit) ^ zero_difference if bit < bits else 0
+            contribution = compute_difference(1 << bit) ^ zero_difference if bit < bits else 0
             table = np.concatenate([table, table ^ np.uint64(contribution)])
         tables.append(table)
     return tuple(tables)

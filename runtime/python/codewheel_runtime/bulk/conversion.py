@@ -47,7 +47,7 @@ def list_texts(column: Any) -> list[str]:
 def arrow_columns(table: Columns, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
     """Return columns as Arrow arrays, ``fault`` and ``verdict`` as strings.
 
-    Values without meaning, such as a position that is not usable, are null unless ``raw``.
+    Values without meaning, such as a position that is not usable, are null unless ``raw``. NaN is always null.
     """
     pa: Any = load("pyarrow")
     arrays: dict[str, Any] = {}
@@ -65,7 +65,7 @@ def arrow_columns(table: Columns, names: Iterable[str], raw: bool = False) -> di
 
 
 def _arrow_array(pa: Any, column: Any, hidden: Any) -> Any:
-    """Return a column as an Arrow array. Values at ``hidden``, and NaN, become null."""
+    """Return a column as an Arrow array. In arrays of numbers and flags, values at ``hidden``, and NaN, become null."""
     if _is_text(column):
         return pa.array(list_texts(column), pa.string())
     is_numpy_array = hasattr(getattr(column, "dtype", None), "kind")

@@ -86,7 +86,7 @@ class Table(_TableOf[_Name, _Unit]):
     """Columns of many frames: a NumPy array for each field, and ``fault`` with the error of each frame.
 
     The arrays hold the raw bits of every frame, including invalid ones. Use ``usable_position`` for positions: it is
-    masked if there is none. ``to_arrow`` and ``to_pandas`` return null for frames without a position.
+    masked if there is none. ``to_arrow`` and ``to_pandas`` return null for frames without a usable position.
 
     Frames with a verdict also have a column ``verdict``: the index of the verdict in ``Verdict``. It is 0 if the
     position is not usable or the frame has an error.
@@ -177,7 +177,10 @@ class Table(_TableOf[_Name, _Unit]):
 
     @property
     def usable(self) -> Any:
-        """True for each valid frame whose position is usable, with or without a warning."""
+        """True for each valid frame whose verdict is not ``NOT_USABLE``. Without verdicts, for each valid frame.
+
+        This includes positions with a warning, and those with the verdict ``UNKNOWN``.
+        """
         worst = [*Verdict].index(Verdict.NOT_USABLE)
         return self.ok if self._verdict is None else (self._verdict != worst) & self.ok
 
@@ -274,7 +277,10 @@ class Table(_TableOf[_Name, _Unit]):
     def __getitem__(self, name: slice) -> Table[_Name, _Unit]: ...
 
     def __getitem__(self, name: Any) -> Any:
-        """Return a column by its name, a frame by its index, or a table of several frames by a slice."""
+        """Return a column by its name, a frame by its index, or a table of several frames by a slice.
+
+        Raises KeyError for an unknown name, IndexError for an unknown index, and TypeError for other keys.
+        """
         if isinstance(name, slice):
             verdict = None if self._verdict is None else self._verdict[name]
             columns = {column_name: column[name] for column_name, column in self._columns.items()}
@@ -320,7 +326,10 @@ class Table(_TableOf[_Name, _Unit]):
         return [cell.decode("latin-1") if isinstance(cell, bytes) else cell for cell in cells]
 
     def _find_column(self, name: str) -> Any:
-        """Return a column, which is computed on first use if it is a quantity or a part of a number."""
+        """Return a column, which is computed on first use and kept if it is a quantity or a part of a number.
+
+        Raises KeyError if there is no such column.
+        """
         if name in self._others:
             return self._others[name]
         if name == "fault":
@@ -372,15 +381,17 @@ class Table(_TableOf[_Name, _Unit]):
         return f"<{len(self._fault)} frames{encoder_text}, {error_count} with an error: {', '.join(self.names)}>"
 
     def faults(self) -> dict[ErrorKind, int]:
-        """Return the number of valid frames and the number of frames with each error."""
+        """Return the number of valid frames and the number of frames with each error, without those that are 0."""
         kinds = ((kind, int((self._fault == kind).sum())) for kind in ErrorKind)
         return {kind: count for kind, count in kinds if count}
 
     def unwrapped(self, previous: int | None = None) -> Any:
         """Return the position of each frame as a count that continues when the position wraps around.
 
-        It starts with the first usable position. A frame without a usable position gets the count of the preceding
-        frame. Between two usable frames the encoder must move by less than half of the modulus, if the position wraps.
+        The count of the first usable position is this position, or the one nearest to ``previous``. A later frame
+        without a usable position has the count of the preceding frame. An earlier one has ``previous``, or the first
+        count. If no position is usable, all counts are ``previous`` or 0. Between two usable frames the encoder must
+        move by less than half of the modulus, if the position wraps.
 
         Args:
             previous: Last count of the preceding frames, to continue from.
@@ -389,7 +400,7 @@ class Table(_TableOf[_Name, _Unit]):
             An array of counts.
 
         Raises:
-            AttributeError: The frames have no position.
+            AttributeError: The frames have no position, or belong to no encoder.
             RangeError: A position is above the highest or below the lowest that this encoder sends.
             ValueError: The manual does not say where the position of this encoder wraps around.
         """
@@ -454,7 +465,8 @@ class Table(_TableOf[_Name, _Unit]):
 
         Raises:
             AttributeError, RangeError, ValueError: See ``unwrapped`` and ``in_units``.
-            ValueError: The time between two frames is 0 or negative.
+            ValueError: ``seconds`` is a single time that is 0 or negative, or not as many times as there are frames.
+                Or there is no column ``time``.
         """
         return self._compute_speed(seconds, unit, None)
 
@@ -493,8 +505,8 @@ class Table(_TableOf[_Name, _Unit]):
         ``seconds`` is the time between two frames, an array of times, or None for the column ``time``.
 
         Raises:
-            ValueError: There is no such column, the number of times differs from the number of frames, or the time
-                between two frames is 0 or negative.
+            ValueError: There is no such column, the number of times is not that of the frames, or a single time is 0 or
+                negative.
         """
         np: Any = load("numpy")
         if seconds is None:

@@ -42,7 +42,7 @@ class Access(NamedTuple):
         time: Time of the cycle in which the control frame begins, in seconds or in samples.
         slave_id: ID of the slave, 0 to 7.
         address: Address of the register.
-        is_write: True for a write.
+        is_write: True for a write. False for a read, and for an access that ends before its kind is known.
         value: Byte that was read or written. None if it was not transmitted or has a CRC error.
         done: True if the access succeeded.
         result: Description of the result.
@@ -125,6 +125,8 @@ class Accesses:
         self._time = time
         self._is_free = False
         self._bit_count = self._sent = self._answers = self._head = 0
+        # A header that ends before R and W counts as that of a read.
+        self._is_write = False
         self._state = self._follow_header
 
     def _end_access(self) -> None:
@@ -160,10 +162,7 @@ class Accesses:
 
     def _make_access(self, value: int | None, result: str, done: bool = False) -> Access:
         """Return the access with the ID and the address that were transmitted, and this value and result."""
-        is_head_complete = self._state != self._follow_header or self._bit_count > ADDRESS_BITS
-        # While the header is followed, the head is in the bits that were sent, before their CRC.
-        head_bits = self._head if is_head_complete else self._sent >> CRC_BITS
-        head = ControlHead.decode(head_bits)
+        head = ControlHead.decode(self._head)
         return Access(
             time=self._time,
             slave_id=head.slave_id,
@@ -199,7 +198,7 @@ class Accesses:
                 yield self._make_access(None, outcome.value)
                 self._end_access()
                 return
-            # The master continues with S, or ends the control frame.
+            # The master continues with S, or ends the control frame, which then has no access.
             self._state = self._follow_start
             if not cdm:
                 self._end_access()

@@ -85,10 +85,10 @@ def _fit_lines(times: Any, has_edge: Any) -> _EdgeLines:
 def _average_distance(expected_changes: Any, longest_distance: Any, data_edges: Any) -> Any:
     """Return how much later than expected the data line changes, as the mean over the bits of each cycle.
 
-    Bits without a change at most ``longest_distance`` before or after the expected time do not count.
+    Bits without a change within ``longest_distance`` of the expected time do not count. Without any change, this is 0.
     """
     edges_and_end = np.append(data_edges, np.inf)
-    # Index of the first edge that is near enough.
+    # Index of the first edge that is not too early. It can still be too late.
     edge_indices = np.searchsorted(data_edges, (expected_changes - longest_distance).ravel())
     distances = edges_and_end[edge_indices].reshape(expected_changes.shape) - expected_changes
     is_near = distances < longest_distance

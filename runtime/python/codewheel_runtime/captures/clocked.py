@@ -66,7 +66,7 @@ class CapturedFrames(NamedTuple):
         lost: Cycles without a frame.
         done: Amount of the file that has been read.
         control: Over BiSS, the bits of register accesses.
-        kind: Over RS-485, the kind of the frames. Empty if no valid frame was found.
+        kind: Over RS-485, the kind of the frames. Empty if none is requested, and no valid frame was found.
         others: Number of frames of other kinds, by name.
     """
 
@@ -123,7 +123,7 @@ class _Cycles(NamedTuple):
         rises: Number of rising edges.
         begin: Time of the first falling edge.
         last: Time of the last edge.
-        after: Time of the first edge of the next cycle.
+        after: Time of the first edge after the cycle. Infinity if there is none.
         period: Period of the clock.
     """
 
@@ -161,7 +161,7 @@ class _Bits(NamedTuple):
     """Bits of each cycle: arrays with an element for each cycle.
 
     Attributes:
-        reasons: Reason why the cycle contains no frame, such as ``_SHORT``, or 0.
+        reasons: Reason why the cycle has no frame, such as ``_SHORT``, or 0.
         skipped: Number of rising edges before the first bit.
         delay: Delay of the data line after the rising edge that shifts out a bit.
         sent: Number of bits that were sent, for the message about a cycle that is too short.
@@ -196,7 +196,11 @@ class _CycleFinder:
         self.is_clocked, self._is_new = False, True
 
     def feed(self, part: Edges, name: str) -> CapturedFrames | None:
-        """Return the frames that the next stretch of the capture completes, or None if it completes no cycle."""
+        """Return the frames that the next stretch of the capture completes.
+
+        Return None if it completes no cycle, or while the clock has too few edges to determine its period. Raises
+        InputError if the clock has very many edges without a pause.
+        """
         self._append(part)
         count = len(self._clock)
         if not self._rest:
@@ -237,7 +241,7 @@ class _CycleFinder:
         return self._take_cycles(ends, is_last=True)
 
     def _set_rest(self) -> None:
-        """Set the time without an edge after which a cycle has ended, from the usual period of the clock."""
+        """Set the time without an edge after which a cycle has ended: the chosen pause, or 1.4 usual periods."""
         # Within a cycle, two edges are one period, regardless of the duty cycle. Longer spans contain a pause.
         spans = self._clock[2:] - self._clock[:-2]
         spans_of_periods = spans[spans <= 2 * np.median(spans)]
@@ -268,7 +272,8 @@ class _CycleFinder:
     def _find_data_end(self, clock_end: int, is_last: bool) -> int:
         """Return the number of edges of the data line that belong to the cycles before the edge ``clock_end``.
 
-        The data line may change after the clock rests, so its edges up to the next cycle belong to them.
+        The data line may change after the clock rests, so its edges up to the next cycle belong to them. While the next
+        cycle is not known, these are its edges within the pause.
         """
         if clock_end < len(self._clock):
             next_cycle = self._clock[clock_end]
@@ -332,7 +337,8 @@ class _CycleFinder:
         begin = clock[falls]
         last = clock[ends - 1]
         rises = (ends - falls) // 2
-        # The edges of a cycle are on average half a period apart. With one rising edge, the rest shows the period.
+        # The edges of a cycle are half a period apart on average. With fewer than two rising edges, the pause shows the
+        # period.
         half_periods = np.maximum(ends - 1 - falls, 1)
         period = np.where(rises > 1, 2 * (last - begin) / half_periods, self._rest / _REST)
         period = np.maximum(period, _SHORTEST_PERIOD * self._rest)
@@ -415,7 +421,10 @@ class _CycleFinder:
         )
 
     def _find_shortest_gaps(self, cycles: _Cycles) -> Any:
-        """Return the shortest time between two successive edges of each cycle, from its first falling edge on."""
+        """Return the shortest time between two successive edges of each cycle, from its first falling edge on.
+
+        If the next cycle begins with a rising edge, the time from this edge to its first falling one counts too.
+        """
         gaps = np.append(np.diff(self._clock), np.inf)
         # A gap after the last edge of a cycle is a rest.
         gaps[cycles.ends - 1] = np.inf

@@ -43,7 +43,8 @@ def open_signals(
 
     Raises:
         InputError: The file is not a capture, or does not have these channels.
-        UsageError: There are several files, but not one signal in each.
+        UsageError: The number of files is not that of the signals in binary files of Saleae, or not 1 in other formats.
+            Or both signals have the same channel.
         OSError: A file cannot be read.
     """
     with ExitStack() as stack:
@@ -193,9 +194,10 @@ def _list_sample_files(archive: zipfile.ZipFile, stem: str) -> list[zipfile.ZipI
 def _unpack_samples(
     archive: zipfile.ZipFile, entries: list[zipfile.ZipInfo], size: int, path: str
 ) -> Generator[tuple[Any, int, Any], None, None]:
-    """Yield the samples of a session as numbers, the amount read, and None, because samples have no times.
+    """Yield the samples of a session as numbers, the number of bytes read, and None, because samples have no times.
 
-    A sample has ``size`` bytes, and can begin in one file and end in the next.
+    A sample has ``size`` bytes, and can begin in one file and end in the next. An incomplete sample at the end of the
+    session is ignored.
     """
     done = 0
     remainder = b""
@@ -233,7 +235,10 @@ class _ArrayForm(NamedTuple):
 
 
 def _read_array_form(file: BinaryIO, path: str) -> _ArrayForm:
-    """Read the header of a NumPy file, and leave the file at its first sample."""
+    """Read the header of a NumPy file, and leave the file at its first sample.
+
+    Raises InputError if the file does not have whole numbers, one row per sample.
+    """
     numpy_format = np.lib.format
     try:
         version = numpy_format.read_magic(file)
@@ -269,7 +274,7 @@ def _read_array_parts(
 ) -> Generator[tuple[Any, int, Any], None, None]:
     """Yield the samples of some rows as unsigned numbers, the amount read, and None, because samples have no times.
 
-    ``places`` are the columns of the signals. Only these are read, unless ``channels`` is None.
+    ``places`` are the columns of the signals. If ``channels`` is None, there are no columns, and all bits are kept.
     """
     row_width = 1 if channels is None else channels
     row_bytes = row_width * dtype.itemsize
@@ -297,7 +302,7 @@ class _Arrays(NamedTuple):
 
 
 def _load_arrays(archive: zipfile.ZipFile, path: str) -> _Arrays:
-    """Return the arrays of an ``.npz`` file. Raises InputError if an array does not contain numbers."""
+    """Return the arrays of an ``.npz`` file. Raises InputError if one is damaged or does not have numbers."""
     channels: dict[str, Any] = {}
     times: Any = None
     rate: float | None = None
@@ -331,7 +336,10 @@ def _read_array_archive(
     sample_rate = rate or rate_in_file
     arrays = list(channels.values())
     if len(arrays) == 1 and arrays[0].dtype.kind != "f" and times is None:
-        return read_array(arrays[0], names, sample_rate)
+        try:
+            return read_array(arrays[0], names, sample_rate)
+        except TypeError as error:
+            raise InputError(path, "", str(error)) from None
     columns = arrays if times is None else [times, *arrays]
     shapes = {column.shape for column in columns}
     if len(shapes) != 1 or any(column.ndim != 1 for column in columns):
@@ -351,7 +359,10 @@ def _read_array_archive(
 
 
 def _convert_to_levels(cells: Any, threshold: float | None) -> Any:
-    """Return the levels of samples, a column for each channel. Numbers other than 0 and 1 are voltages."""
+    """Return the levels of samples, a column for each channel.
+
+    All numbers are voltages if one of them is neither 0 nor 1, or if there is a ``threshold``.
+    """
     if threshold is None and ((cells == 0) | (cells == 1)).all():
         return cells
     return Voltages(cells.min(axis=0), cells.max(axis=0), threshold).levels(cells)
@@ -409,7 +420,10 @@ class _Saleae:
         return data
 
     def _read_chunk(self) -> tuple[int, int]:
-        """Read the header of the next chunk. Return its first level and the number of its edges, which follow."""
+        """Read the header of the next chunk. Return its first level and the number of its edges, which follow.
+
+        Raises InputError if the header is damaged.
+        """
         # First level, sample rate in version 1, begin, end and number of edges.
         header_format = "<IdddQ" if self._has_rate else "<IddQ"
         header = struct.Struct(header_format)

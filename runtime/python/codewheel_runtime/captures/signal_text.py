@@ -119,8 +119,8 @@ class _RowReader:
     def find_voltages(self, file: BinaryIO, threshold: float | None) -> None:
         """Read the whole file for the range of its voltages, then go back to its beginning.
 
-        It stops at the first rows if they contain no voltages: all cells are whole numbers, or some are not finite.
-        With ``threshold``, the columns always contain voltages.
+        It stops after the first block if that has no voltages: all cells are whole numbers, or some are not finite.
+        With ``threshold``, the columns always have voltages.
         """
         # The lowest and the highest voltage of each column, block by block.
         ranges: list[Any] = []
@@ -165,7 +165,10 @@ class _RowReader:
             raise InputError(self._path, f"from line {line}", reason) from None
 
     def read(self, block: bytes, line: int) -> tuple[Any, Any]:
-        """Return the times and the levels of some rows. Without a time column, the times are None."""
+        """Return the times and the levels of some rows. The times are None if there are none, or if they are not used.
+
+        Raises InputError if a cell is wrong. ``line`` is the number of the first row, for that error.
+        """
         # A unit of 0 means that times are not used.
         has_time = bool(self._form.unit)
         if not has_time:
@@ -186,6 +189,9 @@ class _RowReader:
     def _levels(self, cells: Any, line: int) -> Any:
         """Return the levels of some rows, each as one number whose lowest bit is the first column.
 
+        A table of voltages can have empty cells, which are read as NaN. They are neither 0 nor 1, so they raise the
+        error.
+
         Raises:
             InputError: The cells are neither 0 and 1 nor voltages.
         """
@@ -196,7 +202,10 @@ class _RowReader:
         return pack_bits(cells)
 
     def _split_off_stamps(self, block: bytes, line: int) -> tuple[Any, bytes]:
-        """Return the time stamps as seconds from the first stamp, and the rows with 0 in their place."""
+        """Return the time stamps as seconds from the first one of the file, and the rows with 0 in their place.
+
+        Raises InputError if a row does not begin with a time stamp.
+        """
         delimiter = (self._form.delimiter or " ").encode()
         stamp_texts: list[str] = []
         rows_without_stamps: list[bytes] = []
@@ -209,7 +218,11 @@ class _RowReader:
                 raise InputError(self._path, f"from line {line}", "expected a time stamp in the first column")
             stamp_texts.append(stamp[0].decode().replace(" ", "T"))
             rows_without_stamps.append(b"0" + delimiter + following_cells)
-        times = np.array(stamp_texts, "datetime64[ns]")
+        try:
+            times = np.array(stamp_texts, "datetime64[ns]")
+        except ValueError as error:
+            # Not every text in the form of a time stamp is one, such as that of a 13th month.
+            raise InputError(self._path, f"from line {line}", str(error)) from None
         if self._first_stamp is None:
             self._first_stamp = times[0]
         # The differences are in nanoseconds.
@@ -331,7 +344,10 @@ class _ValueChanges:
         self._begin = self._now = _NO_TIME
 
     def edges_in(self, block: bytes, done: int) -> Edges:
-        """Return the edges in a block of whole lines. The first level of a signal is not an edge."""
+        """Return the edges in a block of whole lines. The first level of a signal is not an edge.
+
+        Changes to other levels than 0 and 1, such as ``x`` and ``z``, are ignored.
+        """
         changes = self._changes
         levels = self._levels
         first_levels = [level or 0 for level in levels]
@@ -357,7 +373,10 @@ class _ValueChanges:
         return Edges(tuple(first_levels), edge_times, float(self._begin), float(self._now), done)
 
     def _advance(self, token: bytes) -> None:
-        """Set the time to the one in ``token``, such as ``#1200``."""
+        """Set the time to the one in ``token``, such as ``#1200``.
+
+        Raises InputError if it is not a time, or earlier than the last one.
+        """
         digits = token[1:]
         if not digits.isdigit() or len(digits) > _MAX_TIME_DIGITS:
             raise InputError(self._path, "", f"the time {_shown(token)} is not a number of at most 18 digits")

@@ -9,6 +9,7 @@ import os
 import re
 import sys
 from collections.abc import Callable, Sequence
+from enum import Enum, EnumMeta
 from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final, cast, get_args, get_type_hints
@@ -232,7 +233,7 @@ def _add_capture_command(add_command: Callable[..., Any], name: str, summary: st
 
 def _monitor(package: str, chosen: argparse.Namespace) -> None:
     """Show an encoder live. This needs no other packages but pyserial."""
-    from .live import monitor
+    from .monitor import monitor
 
     monitor(package, chosen)
 
@@ -251,8 +252,13 @@ def _decode(package: str, chosen: argparse.Namespace) -> int | None:
     """Decode the frame in the arguments and print it, or decode a file. Return the exit code.
 
     Without a file of this name, an argument is a frame, if it can be one.
+
+    Raises:
+        Failed: The frame is empty, or it can be bits or hexadecimal digits.
     """
     encoder = find_encoder(package, chosen)
+    if not any(argument.strip() for argument in chosen.file):
+        raise Failed("the frame is empty", USAGE)
     if chosen.file != ["-"] and not os.path.exists(chosen.file[0]):
         frame = _parse_frame(" ".join(chosen.file), encoder)
         if frame is not None and chosen.si:
@@ -268,11 +274,14 @@ def _decode(package: str, chosen: argparse.Namespace) -> int | None:
 
 
 def _parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
-    """Return the frame that the arguments contain, or None if they are the name of a file.
+    """Return the frame that the arguments contain, or None if they do not have the form of one.
 
     Over RS-485, ``"1A 2B"`` is bytes. A frame of bits is a number in hexadecimal, such as ``1A2B`` or ``0x1A2B``, or
     text of 0 and 1 such as ``0b0110``, which also shows its length. If the encoder only sends frames that are too long
     for a number of 64 bits, whole bytes without ``0x`` are bytes.
+
+    Raises:
+        Failed: Several digits are all 0 or 1 and have no prefix, so they can be bits or hexadecimal digits.
     """
     # Separators between bytes or digits are ignored.
     packed = re.sub("[ _,:]", "", text)
@@ -281,6 +290,8 @@ def _parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
         return bytes.fromhex(packed) if re.fullmatch("([0-9a-fA-F]{2})+", packed) else None
     if re.fullmatch("0b[01]+", packed):
         return packed
+    if re.fullmatch("[01]{2,}", packed):
+        raise Failed(f"{text[:60]!r} could be bits or hexadecimal digits. Prefix it with 0b or 0x", USAGE)
     # Frames of more than 64 bits are decoded from bytes, so their shapes have a length in bytes.
     are_long_frames = all(find_any_shape(frame_class, encoder).length for frame_class in find_kinds(encoder))
     if are_long_frames and re.fullmatch("([0-9a-fA-F]{2})+", packed):
@@ -380,7 +391,21 @@ def _add_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str, 
     try:
         return decode(frame, **open_answers)
     except (TypeError, NotImplementedError) as error:
-        raise Failed(error, USAGE) from None
+        raise Failed(f"{error}{_list_answers(hints, str(error))}", USAGE) from None
+
+
+def _list_answers(hints: dict[str, Any], message: str) -> str:
+    """Return the options with the answers that the message of an error expects, or an empty string if it expects none.
+
+    An example is ``; add --choose zero_bit=as_printed or --choose zero_bit=left_out``. ``hints`` are the types of the
+    parameters of ``try_decode``.
+    """
+    for name, hint in hints.items():
+        for answer_class in get_args(hint):
+            if isinstance(answer_class, EnumMeta) and f"expected {answer_class.__name__}." in message:
+                members = cast("list[Enum]", list(answer_class))
+                return "; add " + " or ".join(f"--choose {name}={member.name.lower()}" for member in members)
+    return ""
 
 
 def _decode_file(package: str, encoder: Encoder, chosen: argparse.Namespace) -> None:

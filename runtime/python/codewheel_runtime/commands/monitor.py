@@ -1,17 +1,22 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Shows an encoder live in a terminal, and records its readings."""
+"""Command that shows an encoder over RS-485 live in a terminal, and records its readings."""
 
 from __future__ import annotations
 
+import argparse
 import shutil
 import sys
 from collections import Counter, deque
+from contextlib import nullcontext
 from time import monotonic, sleep
 from typing import Any, NamedTuple, Protocol, TextIO
 
 from ..codec import PositionRange
 from ..encoder import Encoder
-from .record import Reading, Recorder
+from ..link import LinkError, open_encoder
+from ..reports import Interface
+from .common import USAGE, Failed, find_encoder, show_progress
+from .record import Reading, Recorder, open_recorder
 
 #: Number of updates of the screen per second.
 _RATE = 10
@@ -36,6 +41,45 @@ class Readings(NamedTuple):
     failures: int
 
 
+def monitor(package: str, chosen: argparse.Namespace) -> None:
+    """Show an encoder live, and record its readings.
+
+    Raises:
+        Failed: The encoder has no RS-485, it never answered, or more readings failed than ``--max-errors`` allows.
+    """
+    encoder = find_encoder(package, chosen)
+    if encoder.interface is not Interface.RS485:
+        is_spi = encoder.interface is Interface.SPI
+        how = "export the words that it finds, and use 'decode'" if is_spi else "use 'capture'"
+        problem = f"{encoder.code} has the interface {encoder.interface.title}, and a serial port cannot send its clock"
+        raise Failed(f"{problem}: record it with a logic analyser, and {how}", USAGE)
+    # On a terminal, readings are shown. In a pipe, they are written as a table.
+    target = chosen.output if chosen.output or sys.stdout.isatty() else "-"
+    out = sys.stderr if target == "-" else sys.stdout
+    try:
+        with (
+            show_progress(package, chosen.port),
+            open_recorder(target, chosen.write, chosen.force) if target else nullcontext() as recorder,
+            # Without retries, every error is counted.
+            open_encoder(chosen.port, encoder, retries=0) as opened,
+        ):
+            readings = watch(
+                opened,
+                encoder,
+                chosen.port,
+                count=chosen.count,
+                interval_s=chosen.interval,
+                out=out,
+                recorder=recorder,
+                is_shown=target != "-",
+            )
+    except LinkError as error:
+        raise Failed(error) from None
+    if 100 * readings.failures > chosen.max_errors * readings.total:
+        failures_text = f"{readings.failures} of {readings.total} readings failed"
+        raise Failed(f"{failures_text}; --max-errors is {chosen.max_errors:g}")
+
+
 def watch(
     reader: Reader,
     encoder: Encoder,
@@ -57,7 +101,7 @@ def watch(
         encoder: The encoder.
         place: Name of the port.
         count: Number of readings. By default, until interrupted.
-        interval_s: Time in seconds from the start of a reading to the start of the next reading.
+        interval_s: Time in seconds from the start of a reading to that of the next one.
         out: File to write to. The default is standard output.
         recorder: Output for all readings.
         is_shown: Show the readings if ``out`` is a terminal.
@@ -116,7 +160,7 @@ class _Screen:
         self.frames = self.failures = 0
 
     def show_reading_of(self, reader: Reader) -> None:
-        """Show the next frame or failure. Raises the error of the reader if the encoder never answered."""
+        """Show the next frame or failure. Raises the error of the reader at the tenth failure without any frame."""
         try:
             self.add(reader.read())
         except RuntimeError as error:

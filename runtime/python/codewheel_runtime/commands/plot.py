@@ -178,14 +178,14 @@ def _draw_line(axes: Any, times: Any, values: Any, wraps: bool) -> None:
 def _thin_out(times: Any, values: Any) -> tuple[Any, Any]:
     """Return at most about 20,000 points that look the same: the lowest and highest of each stretch, and the last.
 
-    Values that are NaN are left out.
+    Values that are NaN are left out. The points after the last whole stretch are left out too, except the last.
     """
     is_finite = np.isfinite(values)
     times = times[is_finite]
     values = values[is_finite]
     if len(values) <= _POINTS:
         return times, values
-    # Each stretch consists of two points.
+    # Two points of each stretch are kept.
     stretch_size = ceil(len(values) / (_POINTS // 2))
     whole_size = len(values) // stretch_size * stretch_size
     stretches = values[:whole_size].reshape(-1, stretch_size)

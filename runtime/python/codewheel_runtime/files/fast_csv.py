@@ -24,7 +24,15 @@ for _digit in range(16):
 
 
 class Block(NamedTuple):
-    """Rows of a block: the frames, the cells of other columns, the first and the last frame as text, and all lines."""
+    """Rows of a block.
+
+    Attributes:
+        frames: The frames.
+        other_columns: Cells of the other columns, by name.
+        first: Cells of the first frames, at most 1000.
+        last: Cell of the last frame, or an empty string if there is none.
+        lines: Number of lines.
+    """
 
     frames: Any
     other_columns: dict[str, Any]
@@ -51,9 +59,10 @@ def split_into_blocks(data: bytes, file: BinaryIO) -> Iterator[bytes]:
 
 
 def has_a_row_per_line(block: bytes) -> bool:
-    """Return whether each line of a block is a row, without comments. Cells can have quotes.
+    """Return whether a block has no comments, and ends its lines only with LF or CRLF.
 
-    With an odd number of quotes, the last row of the block can continue in the next block.
+    With an odd number of quotes, the last row of the block can continue in the next one, so the answer is False.
+    ``ends_with_row`` examines the quotes of other blocks.
     """
     if b"#" in block or (b'"' in block and block.count(b'"') % 2):
         return False
@@ -103,9 +112,9 @@ def make_block_reader(
 ) -> Callable[[bytes], Block | None] | None:
     """Return a function that reads a block, or None if pyarrow is not installed.
 
-    The function returns None if a cell is missing, or is not a frame in the usual form. ``names`` are the names of all
-    columns. ``place`` is the index of the column of frames, and ``kept_columns`` contains the index and the name of
-    each other column to keep. ``digits`` is the base of numbers without ``0x``.
+    The function returns None if a cell is missing, has a line end in quotes, or is not a frame in the usual form.
+    ``names`` are those of all columns. ``place`` is the index of the column of frames, and ``kept_columns`` have the
+    index and the name of each other column to keep. ``digits`` is the base of numbers without ``0x``.
     """
     try:
         pa: Any = load("pyarrow")
@@ -172,7 +181,7 @@ def _read_words(cells: Any, digits: DigitKind | None, pa: Any, pc: Any) -> Any:
 
 
 def _read_bytes(cells: Any, length: int, pc: Any) -> Any:
-    """Return rows of bytes, or None if a cell has a different length or is not hexadecimal."""
+    """Return rows of bytes, or None if there is no cell, or if one has a different length or is not hexadecimal."""
     packed_cells = pc.replace_substring(cells, " ", "")
     count = len(packed_cells)
     # Arrow stores the cells one after another in ``data``, and the start of each in ``offsets``, followed by the end of

@@ -20,7 +20,11 @@ _BUFFER: Final = 1 << 20
 
 
 def read_parquet_batches(file: BinaryIO, name: str, stored: Stored, shape: Shape) -> Source:
-    """Return the frames and the other columns of a Parquet file. Raises InputError if it is not a Parquet file."""
+    """Open a Parquet file, and return a source that reads the frames and the other columns later.
+
+    Raises InputError if the file is not Parquet, or has no such columns, and UsageError if two columns to keep have the
+    same name.
+    """
     with _convert_to_readable(name):
         # Without a buffer, a whole column is read at once.
         opened_file = load("pyarrow.parquet").ParquetFile(file, buffer_size=_BUFFER, pre_buffer=False)
@@ -29,9 +33,12 @@ def read_parquet_batches(file: BinaryIO, name: str, stored: Stored, shape: Shape
         total = int(opened_file.metadata.num_rows)
     other_names = tuple(column_name for column_name in schema.names if column_name != column)
     pa: Any = load("pyarrow")
-    empty_columns = select_columns(
-        other_names, stored, lambda column_name: pa.array([], schema.field(column_name).type), name
-    )
+
+    def make_empty_column(column_name: str) -> Any:
+        return pa.array([], schema.field(column_name).type)
+
+    # The keys are those of the other columns that the user wants.
+    empty_columns = select_columns(other_names, stored, make_empty_column, name)
     kept_names = tuple(empty_columns)
     parts = _read_batches(opened_file, column, kept_names, name, stored, shape)
     return Source(parts, total, other_names, empty_columns)

@@ -39,7 +39,13 @@ class PartitionDecoder(NamedTuple):
     raw: bool
 
     def decode(self, partition: Any) -> Any:
-        """Return the partition with the fields instead of the column of frames. Raises TypeError for other objects."""
+        """Return the partition without the column of frames, and with the fields after the other columns.
+
+        Raises:
+            TypeError: ``partition`` is not a table.
+            InputError: There is no column of frames.
+            UsageError: Another column has the name of a field.
+        """
         library = type(partition).__module__.partition(".")[0]
         class_name = type(partition).__name__
         if library == "pyarrow" and class_name in ("Table", "RecordBatch"):
@@ -86,7 +92,8 @@ class PartitionDecoder(NamedTuple):
 def _read_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
     """Convert a pandas column to the form that ``decode_many`` expects. Missing items are None or NaN.
 
-    Numbers stay an array. Other columns become a list of cells. ``digits`` is the base of numbers in text.
+    Integers stay an array, as do floats for frames of bits. Other columns become a list of cells. ``digits`` is the
+    base of numbers in text.
 
     Raises:
         ValueError: Most cells of text contain no frame.

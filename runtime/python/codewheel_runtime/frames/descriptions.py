@@ -16,20 +16,27 @@ if TYPE_CHECKING:
 
 
 def shape_of(kind: type, *arguments: object) -> Shape:
-    """Return the description of a class. ``arguments`` are the encoder and the answers that it needs, in this order.
+    """Return the description of the frames of a class.
+
+    Args:
+        kind: A class of frames.
+        arguments: The encoder, if encoders of the family have different frames, and then the answers to the questions
+            that the manual leaves open for these frames. An answer is a member of the enumeration of its question.
 
     Raises:
-        TypeError: An argument is not an encoder, or not an answer to the question.
+        TypeError: An argument is missing or not an encoder, or an answer is not a member of the enumeration.
         FamilyError, InterfaceError: The encoder belongs to another family, or has another interface.
     """
-    make, needed = find_description(kind)
-    # There can be fewer arguments. The call of ``make`` then raises the error.
-    for wanted, value in zip(needed, arguments, strict=False):
-        if not isinstance(value, wanted):
-            if issubclass(wanted, Encoder):
-                raise wrong_encoder_error(value, wanted.__base__ or Encoder, wanted.interface)
-            # This raises the error, because the value is not an answer.
-            require_answer(cast(Any, wanted), cast(Any, value))
+    make, argument_types = find_description(kind)
+    # There can be fewer arguments. The call of ``make`` then raises TypeError.
+    for argument_type, argument in zip(argument_types, arguments, strict=False):
+        if isinstance(argument, argument_type):
+            continue
+        if issubclass(argument_type, Encoder):
+            # The base of the class for an interface is the class for the family.
+            raise wrong_encoder_error(argument, argument_type.__base__ or Encoder, argument_type.interface)
+        # Always raises TypeError here, because the argument is not an answer.
+        require_answer(cast(Any, argument_type), cast(Any, argument))
     return make(*arguments)
 
 
@@ -81,7 +88,8 @@ def module_of(kind: type, folder: str) -> Any:
 def decoding_arguments(kind: type, /, **arguments: object) -> tuple[object, ...]:
     """Return the ``arguments`` that a class of frames needs, in the order of its first fields.
 
-    They are ``variant``, which is the encoder, and the answers to open questions. Other arguments are ignored.
+    They are ``variant``, which is the encoder, and the answers to open questions. Others are ignored. Raises KeyError
+    if one that the class needs is missing.
     """
     fields: tuple[str, ...] = cast(Any, kind)._fields
     # The first fields of a class are the arguments of the function for its description.

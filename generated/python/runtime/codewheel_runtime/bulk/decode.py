@@ -112,7 +112,11 @@ class ReadFrames(NamedTuple):
 def read_rows(frames: Any, length: int) -> ReadFrames:
     """Return frames as rows of bytes.
 
-    A missing frame counts as one of 0 bytes. Arrays contain frames of one length only.
+    A missing frame counts as one of 0 bytes. Arrays and buffers have frames of one length only.
+
+    Raises:
+        TypeError: The frames are not bytes.
+        ValueError: An array or a buffer does not have complete frames of this length.
     """
     if isinstance(frames, (list, tuple)):
         return _read_list_of_rows(cast(Iterable[Any], frames), length)
@@ -144,7 +148,14 @@ def _read_list_of_rows(frames: Iterable[Any], length: int) -> ReadFrames:
 
 
 def _read_words(frames: Any, bits: int) -> ReadFrames:
-    """Return frames as 64-bit numbers. A missing frame counts as a frame of the wrong length."""
+    """Return frames as 64-bit numbers. A missing frame has a wrong length.
+
+    A buffer has eight bytes per frame, least significant first. ``bits`` is the length of a frame.
+
+    Raises:
+        TypeError: The frames are not integers or a buffer.
+        ValueError: The length of a buffer is not a multiple of eight bytes.
+    """
     if isinstance(frames, (bytes, bytearray, memoryview)):
         data = cast(Any, frames)
         if len(data) % 8:
@@ -158,7 +169,10 @@ def _read_words(frames: Any, bits: int) -> ReadFrames:
 
 
 def _read_array_of_words(frames: Any, bits: int) -> ReadFrames:
-    """Return an array of integers, or of floating-point numbers without fractions, as 64-bit numbers."""
+    """Return an array of integers, or of floating-point numbers without fractions, as 64-bit numbers.
+
+    Negative integers become those modulo 2**64. Raises TypeError for other arrays.
+    """
     if frames.dtype.kind == "f" and frames.ndim == 1:
         frames = read_floats(frames, bits)
     if frames.dtype.kind not in "ui" or frames.ndim != 1:
@@ -170,7 +184,10 @@ def _read_array_of_words(frames: Any, bits: int) -> ReadFrames:
 
 
 def _read_list_of_words(frames: Iterable[Any]) -> ReadFrames:
-    """Return a list of numbers as 64-bit numbers."""
+    """Return a list of numbers as 64-bit numbers. Negative and longer ones have a wrong length.
+
+    Raises TypeError for items that are neither integers nor missing.
+    """
     words: list[int] = []
     wrong_rows: list[int] = []
     for index, frame in enumerate(frames):

@@ -85,7 +85,7 @@ def encode_many(columns: Mapping[str, Any] | Table, shape: Shape) -> Any:
 
 
 def _read_arrays(columns: Mapping[str, Any], shape: Shape, other_names: Iterable[str]) -> dict[str, Any]:
-    """Return the required columns as arrays of equal length. A single value applies to all rows.
+    """Return the columns of the frame that are present as arrays of equal length. A single value applies to all rows.
 
     ``other_names`` are the names of columns that do not belong to the frame and are ignored.
 
@@ -225,8 +225,9 @@ def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstE
     A string has one piece for each character, and any other field has one piece. ``arrays`` contains the columns by
     name.
     """
-    # Only decimal digits have several columns, which ``_encode_digits`` takes from ``arrays``.
-    values = arrays[list_names(column)[0]]
+    # Only a field of decimal digits has several columns, which ``_encode_digits`` takes from ``arrays``.
+    first_name = list_names(column)[0]
+    values = arrays[first_name]
     match column.kind:
         case "flag" | "not_flag":
             bits = _encode_flag(values, column, first_error)
@@ -259,7 +260,10 @@ def _encode_flag(values: Any, column: Column, first_error: FirstError) -> Any:
 
 
 def _encode_digits(arrays: Mapping[str, Any], column: Column, first_error: FirstError) -> Any:
-    """Return the number that groups of decimal digits form. Each group has a separate column."""
+    """Return the number that groups of decimal digits form. Each group has a column of its own.
+
+    Groups and numbers that are too large are added to ``first_error``.
+    """
     number = np.zeros(len(next(iter(arrays.values()))), np.uint64)
     for name, divisor, modulus in column.runs:
         digits = _check_unsigned(arrays[name], first_error, name, modulus - 1)

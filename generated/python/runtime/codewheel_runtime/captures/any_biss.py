@@ -72,7 +72,10 @@ class BissLayout(NamedTuple):
         return PositionRange(0, self.modulus - 1, self.modulus)
 
     def from_turns(self, turns: float) -> int:
-        """Return the count nearest to ``turns`` revolutions. Raises ValueError if the layout does not specify them."""
+        """Return the count nearest to ``turns`` revolutions.
+
+        Raises ValueError if the layout does not specify the counts per turn.
+        """
         if not self.counts_per_turn:
             raise ValueError(self._no_size)
         return round(turns * self.counts_per_turn)
@@ -131,7 +134,10 @@ def biss_layout(text: str) -> BissLayout:
 
 
 def _check_fields(fields: Sequence[_Field]) -> None:
-    """Raise UsageError if the fields together are not a frame: wrong length, names used twice, or a misplaced CRC."""
+    """Raise UsageError if the fields together are not a frame.
+
+    This is for a wrong length, names that are used twice or reserved, and a misplaced CRC.
+    """
     bits = sum(field.width for field in fields)
     names = [field.name for field in fields if field.name not in _FILLERS]
     if not 0 < bits <= 64:
@@ -218,7 +224,8 @@ def _parse_crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
     ``crc=6:0x43`` has the numbers ``[0x43]``, and its field the polynomial ``0x03``: the highest bit is left out.
 
     Raises:
-        UsageError: A number does not fit the width, the polynomial is even, or there are more numbers.
+        UsageError: A number does not fit the width, the polynomial is missing or even, there are more numbers, or the
+            CRC has more than 32 bits.
     """
     top_bit = 1 << width
     poly = numbers[0] if numbers else 0
@@ -237,7 +244,7 @@ def _parse_crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
 
 def _parse_number(text: str) -> int:
     """Return a number that is not negative, such as ``6`` or ``0x43``. Raises ValueError for other texts."""
-    # ``int`` also accepts spaces around the digits, digits of other scripts, and underscores between digits.
+    # Spaces around the digits are accepted. ``int`` would also accept digits of other scripts, and underscores.
     if len(text) > _LONGEST_NUMBER or not text.strip().isascii() or "_" in text:
         raise ValueError
     number = int(text, 0)

@@ -61,9 +61,10 @@ class Probes(NamedTuple):
         clock: Channel of the clock (MA), by name or by number from 1. By default, a channel with a common name.
         data: Channel of the data line (SLO), or of the serial line.
         rate: Sample rate in Hz, needed if the file does not specify it.
-        rest: Shortest pause of the clock between two cycles, in seconds. The default is 1.4 periods. Use a longer one
-            if the master pauses within a frame.
-        baud: Bits per second on a serial line, if they differ from the manual.
+        rest: Shortest pause of the clock between two cycles, in seconds, or in samples if the sample rate is unknown.
+            The default is 1.4 periods. Use a longer one if the master pauses within a frame.
+        baud: Bits per second on a serial line, if they differ from the manual, or bits per sample if the sample rate is
+            unknown.
         threshold: Voltage above which the level is 1, for a table of voltages. The default is the middle of their
             range.
     """
@@ -76,7 +77,7 @@ class Probes(NamedTuple):
     threshold: float | None = None
 
     def check(self) -> None:
-        """Raise UsageError unless the rates and the rest are above 0, and the threshold is a number."""
+        """Raise UsageError unless the rates and the rest are above 0 and the threshold is finite, if they are given."""
         for name in ("rate", "rest", "baud"):
             number = getattr(self, name)
             if number is not None and not (_is_finite(number) and number > 0):
@@ -85,7 +86,10 @@ class Probes(NamedTuple):
             raise UsageError(f"threshold must be a number, got {self.threshold!r}")
 
     def names(self, is_serial: bool) -> Names:
-        """Return the choice of the channels. A serial line has no clock."""
+        """Return the choice of the channels. A serial line has no clock.
+
+        Raises UsageError if a channel is neither a name nor a number.
+        """
         for channel in (self.clock, self.data):
             if not isinstance(channel, (str, int)) or isinstance(channel, bool):
                 raise UsageError(f"a channel is a name or a number from 1, got {channel!r}")
@@ -103,7 +107,7 @@ class Capture(NamedTuple):
 
     Attributes:
         table: Columns of the frames, with ``time`` in seconds, or ``sample`` if the sample rate is unknown. The time
-            of a frame is the time of the first falling edge of the clock, or of the start bit of its first byte.
+            of a frame is that of the first falling edge of the clock, or of the start bit of its first byte.
         lost: Cycles or bytes that contain no frame, with the reason.
         accesses: Accesses to registers over BiSS.
         others: Number of frames of other kinds, by name.
@@ -120,7 +124,7 @@ class CaptureSummary(NamedTuple):
 
     Attributes:
         frames: Counts of the frames.
-        lost: Number of lost cycles by reason.
+        lost: Number of lost cycles by reason. Only the part of the reason in front of a colon counts.
         first_lost: The first lost cycles, at most 1000.
         accesses: The first accesses to registers, at most 1000.
         access_count: Number of accesses.
@@ -229,7 +233,8 @@ def _open_capture(
     timing.
 
     Raises:
-        UsageError: Captures of this encoder are not read, or an argument such as a rate is not a number.
+        UsageError: Captures of this encoder are not read, or an argument is invalid.
+        InputError: The source is not a capture, or has no such signals.
     """
     if isinstance(encoder, Encoder) and encoder.interface is Interface.SPI:
         how = "let the analyser's own SPI decoder export the words, and decode them as a file of frames"
@@ -274,7 +279,7 @@ def _find_replies(
     name of the file, for errors. For the other arguments, see ``read_capture``.
 
     Raises:
-        InputError: There is no valid reply.
+        InputError: No byte was sent. Or ``layout`` is empty, and there is no valid reply with a position.
     """
     kinds = _find_frame_kinds(encoder, layout, answers)
     stretches = find_replies(line, name, _find_baud_rate(encoder, probes), kinds)
@@ -299,13 +304,17 @@ def _find_frames(
 ) -> _CaptureFrames:
     """Return the frames in the signals of a capture, with the column ``time``, or ``sample`` without a sample rate.
 
-    ``name`` is the name of the file, for errors. For the other arguments, see ``read_capture``.
+    ``name`` is that of the file, for errors. ``probes`` has the arguments about the connection and the timing. For
+    the other arguments, see ``read_capture``.
+
+    Raises:
+        UsageError: A frame has more than 64 bits.
     """
     time_column = "sample" if signals.seconds is None else "time"
     if isinstance(encoder, Encoder) and encoder.interface is Interface.RS485:
         line = read_serial_bytes(signals, _find_baud_rate(encoder, probes))
-        opened = _find_replies(encoder, line, name, probes, layout, answers)
-        return opened._replace(time_column=time_column, total=signals.total)
+        frames = _find_replies(encoder, line, name, probes, layout, answers)
+        return frames._replace(time_column=time_column, total=signals.total)
     is_ssi = isinstance(encoder, Encoder) and encoder.interface is Interface.SSI
     interface_name: Literal["biss", "ssi"] = "ssi" if is_ssi else "biss"
     shape = find_shape(encoder, layout, answers) if isinstance(encoder, Encoder) else encoder.shape
@@ -379,10 +388,13 @@ class Captures(NamedTuple):
                 array of samples: one row per sample with one column of 0 and 1 per channel, or one number per sample
                 whose bits are the channels.
             clock: Channel of the clock (MA), by name or by number from 1.
-            data: Channel of the data line (SLO), or of the serial line.
+            data: Channel of the data line (SLO), or of the serial line. By default, both are channels with common
+                names.
             rate: Sample rate in Hz, needed if the source does not specify it.
-            rest: Shortest pause of the clock between two cycles, in seconds. The default is 1.4 periods of the clock.
-            baud: Bits per second on a serial line, if they differ from the manual.
+            rest: Shortest pause of the clock between two cycles, in seconds, or in samples if the sample rate is
+                unknown. The default is 1.4 periods of the clock.
+            baud: Bits per second on a serial line, if they differ from the manual, or bits per sample if the sample
+                rate is unknown.
             threshold: Voltage above which the level is 1, for a table of voltages. The default is the middle of their
                 range.
             layout: Kind of the replies, if there are several. The default is the most frequent one with a position.
@@ -455,12 +467,12 @@ class Captures(NamedTuple):
 def _read_capture(
     encoder: Encoder | BissLayout, source: Captured, probes: Probes, layout: str, answers: Mapping[str, Enum | str]
 ) -> Capture:
-    """Decode a capture into one table. Raises InputError if no frame is valid because the lines are exchanged."""
+    """Decode a capture into one table. Raises InputError also if no frame is valid because the lines are exchanged."""
     log = _Log(None)
     frames: list[Any] = []
     times: list[Any] = []
     with _open_capture(encoder, source, probes, layout, answers) as opened:
-        # If no frame is found, or none is valid, the lines may be exchanged. That error is then raised instead.
+        # If no frame is found, or none is valid, the lines may be exchanged. If so, that error is raised instead.
         try:
             for stretch in opened.stretches:
                 log.add(stretch)
@@ -515,6 +527,7 @@ def _decode_capture(
     """Decode a capture into a file. If no frame is valid, ``report_exchanged_lines`` can raise InputError.
 
     ``opening`` opens the capture, and ``sources`` are its files. For ``limit`` and ``progress``, see ``decode_file``.
+    Raises UsageError if the frames have a field with the name of the column of times.
     """
     log = _Log(_SHOWN)
     with opening as opened, open_for_writing(output.target, sources, output.force) as file:
@@ -551,7 +564,7 @@ def _decode_capture(
 
 
 def _list_paths(source: str | os.PathLike[str] | Sequence[str]) -> list[str]:
-    """Return the paths of one or more files. Raises UsageError if no file exists."""
+    """Return the paths of one or more files. Raises UsageError if the sequence is empty."""
     if isinstance(source, (str, os.PathLike)):
         return [os.fspath(source)]
     if not source:

@@ -22,7 +22,7 @@ class Edges(NamedTuple):
     Attributes:
         levels: Level of each signal at the beginning of the stretch.
         times: Times at which each signal changes, in ascending order, as an array of float64 for each signal.
-        begin: Beginning of the stretch.
+        begin: Beginning of the stretch. Minus infinity if it is not known.
         end: End of the stretch.
         done: Amount of the file that has been read so far.
     """
@@ -66,12 +66,13 @@ class Names(NamedTuple):
 
         Raises:
             InputError: There is no such channel, or it is not clear which one to use.
+            UsageError: Both signals have the same channel.
         """
         places = self._places(channels, file)
         return places[::-1] if self.exchanged else places
 
     def _places(self, channels: Sequence[str], file: str) -> tuple[int, ...]:
-        """Return the index of each signal, the clock first, without an exchange of them.
+        """Return the index of each signal, the clock first, without an exchange of them. Raises as ``places`` does.
 
         A signal without a chosen name uses the channel with a usual name. If no name is chosen, a usual name is
         missing, and there are as many channels as signals, they are taken in order. If only one of two signals has a
@@ -126,7 +127,10 @@ _SERIAL: Final = ("rx", "data", "rxd", "a", "d+", "tx", "txd", "dat")
 
 
 def _find_place(channels: Sequence[str], name: str) -> int | None:
-    """Return the index of a channel with a unique name, or with this number from 1. None if there is none."""
+    """Return the index of the only channel with this name, or of the one with this number from 1.
+
+    Return None if there is none.
+    """
     if channels.count(name) == 1:
         return channels.index(name)
     is_number = name.isascii() and name.isdigit() and len(name) < 4
@@ -138,7 +142,7 @@ def _find_place(channels: Sequence[str], name: str) -> int | None:
 def _find_usual_place(channels: Sequence[str], names: Iterable[str]) -> int | None:
     """Return the index of the channel with the first of these names that is unique. None if there is none.
 
-    A single channel is taken, whatever its name.
+    Case is ignored. A single channel is taken, whatever its name.
     """
     if len(channels) == 1:
         return 0
@@ -193,7 +197,10 @@ def read_samples(parts: Iterable[tuple[Any, int, Any]], masks: tuple[int, ...]) 
 
 
 def pack_bits(columns: Any) -> Any:
-    """Return rows of levels as one number per sample, the first column in the lowest bit. Any number but 0 is 1."""
+    """Return rows of levels as one number per sample, the first column in the lowest bit. Any number but 0 is 1.
+
+    There are at most 8 columns, because the numbers are bytes.
+    """
     columns = np.asarray(columns)
     levels = np.zeros(len(columns), np.uint8)
     for column_index in range(columns.shape[1]):
@@ -212,6 +219,7 @@ def read_array(samples: Any, names: Names, rate: float | None = None) -> Signals
 
     Raises:
         TypeError: ``samples`` is not such an array.
+        InputError, UsageError: See ``Names.places``.
     """
     array = np.asarray(samples)
     has_rows = array.ndim == 2
@@ -228,9 +236,9 @@ def read_array(samples: Any, names: Names, rate: float | None = None) -> Signals
 
 
 def _split_array(array: Any, places: tuple[int, ...]) -> Generator[tuple[Any, int, Any], None, None]:
-    """Yield some samples as unsigned numbers, the number of samples so far, and None, because they have no times.
+    """Yield the samples part by part: unsigned numbers, the number of samples so far, and None instead of times.
 
-    ``places`` are the columns of the signals. Only these are kept, if the array has rows.
+    ``places`` are the columns of the signals. If the array has rows, only these columns are kept.
     """
     for start in range(0, len(array), SAMPLES):
         part = array[start : start + SAMPLES]
@@ -249,9 +257,9 @@ def merge_edges(
 ) -> Generator[Edges, None, None]:
     """Yield the edges of signals that are stored separately.
 
-    Each generator yields the level before some edges, their times, and the amount read so far. ``end`` returns the end
-    of the capture once all of them are exhausted. ``waiting_times`` holds the edges of each signal that were read but
-    not yielded yet, because another signal's edges at the same time are not known yet.
+    Each generator yields the level before some edges, their times, and the amount read so far, at least once. ``end``
+    returns the end of the capture once all of them are exhausted. ``waiting_times`` holds the edges of each signal that
+    were read but not yielded yet, because those of another signal at the same time are not known.
     """
     first_parts = [next(signal) for signal in signals]
     levels = [level for level, _, _ in first_parts]

@@ -120,19 +120,21 @@ def find_table_form(path: str, head: bytes) -> TableForm:
 
 
 def _find_delimiter(lines: Sequence[str]) -> str | None:
-    """Return the separator of the cells. A comma counts only if there is no other separator, since it can be decimal.
+    """Return the separator of the cells, or None for white space.
 
-    The last line may be cut off, and the first lines can be titles, so the second-to-last line is examined.
+    A comma counts only if there is no other one, since it can be decimal. The last line may be cut off, and the first
+    lines can be titles, so the second-to-last line is examined, or the first of at most two lines.
     """
     sample_line = lines[-2] if len(lines) > 2 else lines[0]
     return next((mark for mark in ";\t," if mark in sample_line), None)
 
 
 def _find_headers(cells_by_line: Sequence[list[str]]) -> _Headers | None:
-    """Return the headers of a table, or None if it has no rows after them.
+    """Return the headers of a table, or None if the lines are not a table.
 
-    A line of units can follow the names of the columns. Oscilloscopes also write settings, line by line, before the
-    names.
+    A line of units can follow the names of the columns. Oscilloscopes also write settings, line by line, in front of
+    the names. The lines are not a table if several of them have no row after them, or if the last header has fewer
+    cells than the first row.
     """
     line_count = next((index for index, cells in enumerate(cells_by_line) if _is_row(cells)), len(cells_by_line))
     if not line_count:
@@ -145,6 +147,7 @@ def _find_headers(cells_by_line: Sequence[list[str]]) -> _Headers | None:
     last_header = cells_by_line[line_count - 1]
     if len(last_header) < columns:
         return None
+    # A line that begins with the name of a time column has names, so the line in front of it is a setting.
     has_units = line_count > 1 and len(cells_by_line[line_count - 2]) >= columns and not _is_time(last_header[0])
     if has_units:
         return _Headers(names=cells_by_line[line_count - 2], units=last_header, line_count=line_count)
@@ -161,8 +164,9 @@ def _name_channels(
 ) -> list[str]:
     """Return the names of the channels: from a comment of sigrok, from the header, or numbers from 1.
 
-    ``comments`` are lines without the mark of the comment. ``first_rows`` are the cells of some rows, which show the
-    number of channels. ``has_times`` is True if a column of times or of numbers is before the channels.
+    The names of a comment count only if there is one for each channel. ``comments`` are lines without the mark of the
+    comment. ``first_rows`` are the cells of some rows, the first of which shows the number of channels. ``has_times``
+    is True if a column of times or of numbers is in front of the channels.
     """
     first_channel = int(has_times)
     column_count = len(first_rows[0])
@@ -230,7 +234,10 @@ def _is_number(text: str) -> bool:
 
 
 def _are_numbered(rows: Sequence[list[str]]) -> bool:
-    """Return whether the first cells of four or more rows are successive numbers, such as sample numbers."""
+    """Return whether the first cells of four or more rows are successive numbers, such as those of samples.
+
+    Rows of a single cell do not count.
+    """
     first_cells = [row[0] for row in rows if len(row) > 1]
     if len(first_cells) < _FIRST_ROWS or not all(cell.isascii() and cell.isdigit() for cell in first_cells):
         return False
@@ -251,7 +258,10 @@ def _find_comment(comments: Sequence[str], name: str) -> str:
 
 
 def _find_first_row(head: bytes, header_count: int) -> int:
-    """Return the offset in bytes of the first row of a table, after its headers, comments and empty lines."""
+    """Return the offset in bytes of the first row of a table, after its headers, comments and empty lines.
+
+    Without a row, this is the length of ``head``.
+    """
     offset = 0
     headers_left = header_count
     for line in io.BytesIO(head):
@@ -266,7 +276,7 @@ def _find_first_row(head: bytes, header_count: int) -> int:
 
 
 def _split_cells(line: str, delimiter: str | None) -> list[str]:
-    """Return the cells of a line. Empty ones at its end are left out."""
+    """Return the cells of a line without spaces and quotes around them. Empty ones at its end are left out."""
     cells = [cell.strip().strip('"') for cell in line.split(delimiter)]
     while cells and not cells[-1]:
         cells.pop()

@@ -70,9 +70,9 @@ def read_serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, 
         # with an odd index fall.
         falls = edges[1 - level :: 2]
         # Falling edges whose byte is complete. At the end of the capture (None), all are used.
-        complete_count = (
-            int(np.searchsorted(falls, end - _BITS * bit_time, "right")) if part is not None else len(falls)
-        )
+        complete_count = len(falls)
+        if part is not None:
+            complete_count = int(np.searchsorted(falls, end - _BITS * bit_time, "right"))
         falls = falls[:complete_count]
         if not len(falls):
             continue
@@ -126,7 +126,7 @@ def read_exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> 
     """Yield the bytes of a table with one byte a row, as Saleae's serial analyser exports them.
 
     Raises:
-        InputError: A cell is not a byte, or a time is not a number.
+        InputError: A cell is not a byte, a time is not a number, or a row ends before these cells.
     """
     time_column, byte_column = columns
     text = io.TextIOWrapper(file, "utf-8-sig", "replace", newline="")
@@ -185,17 +185,17 @@ def find_replies(
 ) -> Generator[CapturedFrames, None, None]:
     """Yield the replies of one kind.
 
-    The line may also carry requests and other kinds of replies. If no kind is requested, the most frequent kind
-    with a position is used.
+    The line may also carry requests and other kinds of replies. If no kind is requested, the kind with a position that
+    is most frequent in the first stretch with such replies is used, and nothing is yielded before that was read.
 
     Args:
         line: The bytes on the line.
         name: Name of the file, for errors.
-        baud: Bits per second.
+        baud: Bits per second, or per sample if times are in samples.
         kinds: Kinds of frames.
 
     Raises:
-        InputError: The line never changes.
+        InputError: There is no byte on the line.
     """
     finder = _Replies(kinds, _BITS / baud)
     # Frames wait here until their kind is known.
@@ -293,7 +293,10 @@ class _Replies:
         return is_valid
 
     def _take_replies(self, until: int) -> CapturedFrames:
-        """Return the replies that begin before the byte ``until``, and forget their bytes."""
+        """Return the replies that begin before the byte ``until``, and forget the bytes up to their end.
+
+        If no kind of reply is wanted yet, these replies choose it.
+        """
         shapes = self._kinds.replies
         # If several kinds of reply begin at a byte, the longest one counts.
         names = sorted(shapes, key=lambda name: (-shapes[name].length, name))

@@ -46,7 +46,8 @@ def _select_encoder(package: str, chosen: argparse.Namespace) -> Encoder:
     """Return the encoder for the arguments: order code, interface, registers and answers.
 
     Raises:
-        ValueError: The encoder has another interface, or no registers that affect its frames.
+        ValueError: The label is not an order code, the encoder has another interface, no registers affect its frames,
+            or a register or an answer is not valid.
     """
     encoder: Encoder = import_module(package).lookup(str(chosen.order_code))
     if chosen.interface is not None and encoder.interface.value != chosen.interface:
@@ -63,8 +64,9 @@ def _select_encoder(package: str, chosen: argparse.Namespace) -> Encoder:
 def _add_optional_answers(encoder: Encoder, chosen: argparse.Namespace) -> Encoder:
     """Return the encoder with those answers of ``chosen.choose`` that it keeps, and remove them from there.
 
-    These are the parameters of ``with_answers``, if the encoder has this method. Answers that are not chosen get their
-    first value. The remaining answers of ``chosen.choose`` are for the decoder of the frames.
+    These are the parameters of ``with_answers``, if the encoder has this method. If any of them is chosen, those that
+    are not chosen get their first value. If none is, the encoder is returned unchanged. The remaining answers of
+    ``chosen.choose`` are for the decoder of the frames.
 
     Raises:
         ValueError: A parameter does not have the chosen value.

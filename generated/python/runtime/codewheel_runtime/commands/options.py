@@ -113,7 +113,8 @@ def add_encoder(parser: argparse.ArgumentParser) -> None:
         type=_parse_answer,
         default=[],
         metavar="NAME=ANSWER",
-        help="answer to a question that the manual leaves open; repeatable",
+        help="answer to a question about frames that the manual leaves open. Without it, the command lists the answers "
+        "if a frame needs one; repeatable",
     )
 
 

@@ -23,12 +23,13 @@ _LONGEST: Final = 1 << 20
 
 
 def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, shape: Shape, share: Share) -> Source:
-    """Return the frames and the other columns of a CSV file.
+    """Read the first rows of a CSV file, and return a source that reads the frames and the other columns later.
 
     ``name`` and ``size`` in bytes describe the file. ``share`` returns the fraction of valid frames.
 
     Raises:
-        InputError: The text is UTF-16, the column does not exist, or the first row cannot be read.
+        InputError: The text is UTF-16, there is no such column, or the first row cannot be read.
+        UsageError: Two of the other columns to keep have the same name.
     """
     blocks = split_into_blocks(b"", file)
     head = next(blocks, b"")
@@ -117,7 +118,10 @@ class _SlowReader:
             self._skips_header = False
 
     def read_batch(self) -> _Batch:
-        """Return the cells of the next rows. At the end of the blocks, the batch is empty."""
+        """Return the cells of the next rows. At the end of the blocks, there are none.
+
+        A cell that the row does not have is empty. So is the frame at the end of the file if it may be cut off.
+        """
         cells: list[str] = []
         line_numbers: list[int] = []
         # Only cells are kept, because rows are lists, which the garbage collector would traverse repeatedly.
@@ -202,8 +206,9 @@ def _read_parts(
 def _check_first_cells(cells: Cells, texts: list[str], csv_file: _CsvFile) -> None:
     """Raise InputError if most of the first cells are not frames, or if they fit the other base much better.
 
-    The base is checked only if ``--digits`` chose one: ``check_form`` compares the fraction of valid frames, which
-    ``share`` returns, in both bases. ``cells`` has read the cells already, and ``texts`` are up to 1000 of them.
+    The base is checked only for frames of bits, and only if ``--digits`` chose one: ``check_form`` compares the
+    fraction of valid frames, which ``share`` returns, in both bases. ``cells`` has read the cells already, and
+    ``texts`` are up to 1000 of them.
     """
     name, stored, shape, share = csv_file
     if cells.are_mostly_unread:
@@ -224,7 +229,8 @@ def _read_frames(texts: list[str], shape: Shape, digits: DigitKind) -> list[int 
 class _Lines:
     """Lines of a text, counted and limited in length. ``is_cut`` is True if the last one is not terminated.
 
-    ``number`` is the number of the line, from 1, and ``read`` the number of characters so far.
+    ``number`` is the number of the last line, from 1. ``read`` is the amount read so far: the bytes before these lines,
+    and the characters of these.
     """
 
     def __init__(self, file: io.TextIOWrapper, name: str, number: int = 0, read: int = 0) -> None:
@@ -269,9 +275,11 @@ def _split_rows(lines: _Lines, texts: Iterable[str], delimiter: str) -> Iterator
     """Yield rows, without empty ones and # comments. ``texts`` are the lines, and ``lines`` counts them for errors."""
     try:
         for row in csv.reader(texts, delimiter=delimiter):
-            # The row counts if its first cell is not empty and no comment, or if any other cell is not empty.
             start = row[0].lstrip() if row else ""
-            if start[:1] != "#" and (start or any(cell.strip() for cell in row)):
+            is_comment = start.startswith("#")
+            # The first cell is tested by itself, because it alone decides for most rows.
+            is_empty = not start and not any(cell.strip() for cell in row)
+            if not is_comment and not is_empty:
                 yield row
     except csv.Error as error:
         raise lines.make_error(str(error)) from None
@@ -292,7 +300,7 @@ def _find_frame_column(first_row: list[str], name: str, stored: Stored, shape: S
     ``name`` is the name of the file, for errors, and ``stored.column`` is the requested column.
 
     Raises:
-        InputError: There is no such column.
+        InputError: There is no such column, or none is requested and it is not clear which one to use.
     """
     names = [cell.strip() for cell in first_row]
     chosen = stored.column

@@ -115,7 +115,7 @@ def find_column(names: list[str], wanted: str, file: str) -> str:
 
 
 def find_usual_column(names: list[str]) -> int | None:
-    """Return the index of the only column, or of the only one named ``frame`` or ``word``. None if there is none."""
+    """Return the index of the only column, or of the only one named ``frame`` or ``word``, otherwise None."""
     named = [index for index, name in enumerate(names) if len(names) == 1 or name.lower() in _NAMES]
     return named[0] if len(named) == 1 else None
 
@@ -142,12 +142,12 @@ def check_form(name: str, chosen_frames: Any, other_forms: Iterable[tuple[str, A
 
 
 def read_seconds(cells: Any, source: str) -> Any:
-    """Return the cells of a column of times as an array of seconds. An empty cell becomes NaN.
+    """Return the cells of a column of times as an array of seconds. An empty cell becomes NaN. Arrays stay as they are.
 
     Raises:
         InputError: A cell is not a number.
     """
-    # It is a NumPy array already. Other columns are lists or Arrow arrays.
+    # Only a NumPy array has a ``dtype``. Other columns are lists or Arrow arrays.
     if hasattr(cells, "dtype"):
         return cells
     cells = cells.to_pylist() if hasattr(cells, "to_pylist") else cells

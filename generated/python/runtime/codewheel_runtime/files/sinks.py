@@ -34,7 +34,7 @@ _FEW_ROWS: Final = 1000
 
 
 def find_target_kind(path: str) -> TargetKind:
-    """Return the format of a file according to its extension."""
+    """Return the format of a file according to its extension. Other extensions, or none, stand for CSV."""
     return _SUFFIXES.get(PurePath(path).suffix.lower(), "csv")
 
 
@@ -91,7 +91,10 @@ class Texts:
         self.lost = 0
 
     def array(self, cells: Any) -> Any:
-        """Return the cells as an array. Empty cells become null, as do cells that should be numbers but are not."""
+        """Return the cells as an array, after fixing ``kind`` if they are the first, and count lost cells in ``lost``.
+
+        Empty cells become null, as do cells that should be numbers but are not.
+        """
         if isinstance(cells, self._pa.Array):
             if self.kind is not None and self.kind != self._pa.string():
                 try:
@@ -169,12 +172,12 @@ class ArrowSink:
         arrays = arrow_columns(table, self._plan.decoded, self._plan.raw)
         for name in self._plan.source_columns:
             column = other_columns[name]
-            # A column is a NumPy array (with a ``dtype``), which must be converted, an Arrow array, or a list of texts,
-            # for which there is a converter.
-            is_array = hasattr(column, "dtype")
             if name in self._texts:
                 column = self._texts[name].array(column)
-            arrays[name] = self._pa.array(column, from_pandas=True) if is_array else column
+            elif hasattr(column, "dtype"):
+                # A NumPy array. The only other columns are Arrow arrays, which need no conversion.
+                column = self._pa.array(column, from_pandas=True)
+            arrays[name] = column
         columns = {name: arrays[name] for name in self._plan.names}
         if self._writer is None:
             # The first cells of other columns determine their types.

@@ -32,7 +32,7 @@ _SUFFIXES: Final[dict[str, FileKind]] = {
 
 
 def find_kind(path: str) -> FileKind:
-    """Return the format of a file according to its extension."""
+    """Return the format of a file according to its extension. Other extensions, or none, stand for binary files."""
     return _SUFFIXES.get(PurePath(path).suffix.lower(), "binary")
 
 
@@ -42,6 +42,8 @@ def open_source(path: str, stored: Stored, shape: Shape, share: Share) -> Genera
 
     Raises:
         UsageError: The frames do not fit into the words of the file, or the format cannot be read from standard input.
+        InputError: The file does not have this format, or no column of frames.
+        OSError: The file cannot be opened.
     """
     kind = stored.kind or find_kind(path)
     _check_words(kind, stored.words, shape)
@@ -64,7 +66,7 @@ def open_source(path: str, stored: Stored, shape: Shape, share: Share) -> Genera
 
 
 def _check_words(kind: FileKind, words: WordKind, shape: Shape) -> None:
-    """Raise UsageError if the frames do not fit into the words of a file of this kind."""
+    """Raise UsageError if the frames do not fit into the words of a file of this kind, or consist of bytes."""
     has_bytes = bool(shape.length)
     if has_bytes:
         if words != "packed" and kind == "binary":
@@ -139,7 +141,7 @@ def _read_binary(
 
 
 def _check_first_words(data: bytes, name: str, words: WordKind, shape: Shape, share: Share) -> None:
-    """Raise InputError if the first frames are valid in another form of words, but not in the chosen form."""
+    """Raise InputError if far more of the first frames are valid in another form of words. See ``check_form``."""
     # This is enough for the first frames in every form, because no word has more than eight bytes.
     head = data[: 8 * FIRST]
     other_forms = ((f"--words {form}", _find_first(head, form, shape)) for form in _list_other_forms(words, shape))

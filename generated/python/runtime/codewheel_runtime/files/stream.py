@@ -118,10 +118,11 @@ class Files(NamedTuple):
     ) -> Summary:
         """Decode a file of frames into a file of columns, in bounded memory.
 
-        Each frame becomes a row. The other columns of the file come first, unchanged. The position is empty if it is
-        not usable, or if the frame has an error. The error is in ``fault``. A cell without a frame becomes a row with a
-        length error. The target appears when it is complete. On error, no file is created and an existing file is left
-        unchanged.
+        Each frame becomes a row. The other columns of the file come first. They are unchanged, except that a column of
+        CSV becomes numbers in Parquet and Arrow if its first cells are numbers. Later cells that are not are left
+        empty, and counted as ``lost``. The position is empty if it is not usable, or if the frame has an error. The
+        error is in ``fault``. A cell without a frame becomes a row with a length error. The target appears when it is
+        complete. On error, no file is created and an existing file is left unchanged.
 
         Args:
             encoder: The encoder, or its label.
@@ -257,7 +258,9 @@ def _decode_file(
     """Decode a file into a file of columns, part by part. For ``limit`` and ``progress``, see ``decode_file``.
 
     Raises:
-        UsageError: Speeds are requested, but the source has no column ``time``, or has a column of the same name.
+        UsageError: Speeds are requested, but the source has no column ``time``, or has a column with the name of an
+            added one. Or see ``open_source``, ``open_for_writing`` and ``make_plan``.
+        InputError: The source does not contain such frames.
     """
     # A table without frames shows which columns the result has.
     empty = decode_many([], shape, encoder)
@@ -303,6 +306,7 @@ def decode_parts(
 
     Raises:
         UsageError: ``limit`` is negative.
+        InputError: A part of the source cannot be read.
     """
     if limit is not None and whole_number("limit", limit) < 0:
         raise UsageError(f"limit must be at least 0, got {limit}")
@@ -366,7 +370,7 @@ class Derived:
 
 
 class _Counts:
-    """Running counts of frames, by error and by the index of the verdict in ``Verdict``."""
+    """Running counts of frames, by error, and of valid frames by the index of the verdict in ``Verdict``."""
 
     def __init__(self) -> None:
         self.frames = 0

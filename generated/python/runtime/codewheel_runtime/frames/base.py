@@ -181,6 +181,9 @@ class FixedFrame(Fixed):
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+
+        Raises:
+            TypeError, ValueError: ``frames`` are not in this form.
         """
         return decode_many(frames, cls, variant=None)
 
@@ -196,7 +199,8 @@ class FixedFrame(Fixed):
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
-            TypeError: A column is missing or unknown.
+            TypeError: A column is missing or unknown, or its type does not fit the field.
+            ValueError: The columns have different lengths.
         """
         return encode_many(columns, cls, variant=None)
 
@@ -272,6 +276,10 @@ class FrameOf(ByEncoder[_Encoder]):
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+
+        Raises:
+            TypeError, ValueError: ``frames`` are not in this form.
+            TypeError, FamilyError, InterfaceError: ``variant`` is not an encoder that sends such frames.
         """
         return decode_many(frames, cls, variant=variant)
 
@@ -288,7 +296,9 @@ class FrameOf(ByEncoder[_Encoder]):
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
-            TypeError: A column is missing or unknown.
+            TypeError: A column is missing or unknown, or its type does not fit the field.
+            ValueError: The columns have different lengths.
+            TypeError, FamilyError, InterfaceError: ``variant`` is not an encoder that sends such frames.
         """
         return encode_many(columns, cls, variant=variant)
 

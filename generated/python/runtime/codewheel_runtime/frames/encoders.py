@@ -60,7 +60,7 @@ def find_class_encoder(frame: Any) -> Encode:
 def make_encoder(kind: type, arguments: tuple[Any, ...]) -> Encode:
     """Return a function that encodes frames of a class. ``arguments`` are the encoder and the answers that it needs.
 
-    The function is compiled for this class. A field without a fast path, or with limits of the encoder, uses
+    The function is compiled for this class. If a field has no fast path, or limits that depend on the encoder, it is
     ``encode_any`` instead, which reads the description of the frame each time.
     """
     shape = shape_of(kind, *arguments)
@@ -94,8 +94,8 @@ class _Bits(NamedTuple):
 def _describe_usual_bits(column: Column) -> _Bits | None:
     """Return the condition and the bits of a field, or None if ``encode_number`` must handle it.
 
-    ``encode_number`` handles strings, decimal digits, numbers with a list of values, powers of two, numbers whose value
-    0 has another meaning, and signed numbers without bits.
+    ``encode_number`` handles strings, decimal digits, numbers and choices with a list of values, powers of two, numbers
+    whose value 0 has another meaning, and signed numbers without bits.
     """
     width = column.width
     if column.zero_means or column.power_of_two:

@@ -1,0 +1,80 @@
+"""Examples of frames with several data channels in the README."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from ...model import ChannelFrame, Device, Interface, Sample, channel_frame
+from ...model.record import dataclass
+from .codec import Coder
+from .names import Context
+from .readme import numbers_by_name
+
+
+@dataclass(frozen=True)
+class ChannelExample:
+    """Example of a frame with several data channels: the call that decodes it, and its result.
+
+    ``kinds`` are the classes of its channels, and ``position_kind`` is the one with the position. ``frame`` is the
+    frame as a number of ``bits`` bits. ``shown`` are the expressions that the example prints, and ``result`` has their
+    values.
+    """
+
+    order_code: str
+    module: str
+    interface: str
+    kinds: tuple[str, ...]
+    position_kind: str
+    frame: str
+    bits: int
+    shown: str
+    result: str
+
+
+def channel_example(context: Context, interface: Interface, coders: Sequence[Coder]) -> ChannelExample | None:
+    """Return an example made of the samples of all channels, or None if they do not form a usable frame.
+
+    ``coders`` are the classes of the frames of the interface.
+    """
+    frame = channel_frame(interface)
+    samples = _samples_of_channels(context.device, frame) if frame is not None else []
+    if frame is None or not samples:
+        return None
+    order_code = samples[0].order_code
+    placed = frame.place(context.device.variant(order_code).parameters)
+    if frame.compared and not placed.agree([sample.values for sample in samples]):
+        return None
+    coder_by_layout = {coder.layout.name: coder for coder in coders}
+    channels = [(coder_by_layout[sample.layout], sample) for sample in samples]
+    position_kinds = [coder.name for coder, _ in channels if coder.position_attribute]
+    expressions_and_values = list(_printed_numbers(context, channels))
+    return ChannelExample(
+        order_code=order_code,
+        module=context.module,
+        interface=interface.title,
+        kinds=tuple(coder.name for coder, _ in channels),
+        position_kind=position_kinds[0],
+        frame=f"{placed.join([sample.frame for sample in samples]):#x}",
+        bits=placed.bits,
+        shown=", ".join(expression for expression, _ in expressions_and_values),
+        result=" ".join(value for _, value in expressions_and_values),
+    )
+
+
+def _samples_of_channels(device: Device, frame: ChannelFrame) -> list[Sample]:
+    """Return the sample of each channel, or none if they are not samples of one order code."""
+    samples = [sample for layout in frame.layouts if (sample := device.sample_of(layout)) is not None]
+    order_codes = {sample.order_code for sample in samples}
+    is_complete = len(samples) == len(frame.layouts) and len(order_codes) == 1
+    return samples if is_complete else []
+
+
+def _printed_numbers(context: Context, channels: Sequence[tuple[Coder, Sample]]) -> Iterator[tuple[str, str]]:
+    """Yield the expression and the value of the position, and of the first number in each other channel."""
+    for coder, sample in channels:
+        numbers = {coder.names.attribute(name): number for name, number in numbers_by_name(coder, sample).items()}
+        if coder.position_attribute:
+            yield "frame.position", str(numbers[coder.position_attribute])
+        elif numbers:
+            attribute, number = next(iter(numbers.items()))
+            yield f"frame.of({context.module}.{coder.name}).{attribute}", str(number)

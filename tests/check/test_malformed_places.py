@@ -1,0 +1,41 @@
+"""Texts that are not the place of a field are reported, and no rule fails at them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from codewheel.language.check import check_document
+from codewheel.language.problems import Report
+from codewheel.language.read import read_document
+from codewheel.loading.library import load_library
+
+BROKEN = Path(__file__).parent / "broken"
+#: More digits than Python converts to a number by default.
+DIGITS = "1" * 5000
+
+
+@pytest.mark.parametrize("place", ["6:x", "x", "²", "-1", f"{DIGITS}", f"{DIGITS}:0", f"7:{DIGITS}"])
+def test_a_malformed_place_next_to_a_note_on_unused_bits(tmp_path: Path, place: str) -> None:
+    text = (BROKEN / "unused_bits.yaml").read_text(encoding="utf-8")
+    assert "at: 6:5" in text
+    (tmp_path / "unused_bits.yaml").write_text(text.replace("at: 6:5", f'at: "{place}"'), encoding="utf-8")
+    (tmp_path / "manufacturer.yaml").write_text("codewheel: 1\nmanufacturer: acme\ntitle: Acme\n", encoding="utf-8")
+    _, report = load_library([tmp_path])
+    problems = [(problem.rule, problem.path) for problem in report.problems]
+    assert ("unused-bits", "registers.status.fields.warm.at") in problems
+    assert ("unused-bits", "registers.status.fields.mode.at") not in problems
+
+
+def test_a_place_with_too_many_digits_in_a_layout_of_bytes(tmp_path: Path) -> None:
+    text = (BROKEN / "unused_bits.yaml").read_text(encoding="utf-8")
+    fields = "        fields:\n          - {name: position, bits: position_bits}\n"
+    assert fields in text
+    layout = f'        carried_as: bytes\n        fields:\n          - {{name: lone, at: "{DIGITS}"}}\n'
+    file = tmp_path / "unused_bits.yaml"
+    file.write_text(text.replace(fields, layout), encoding="utf-8")
+    report = Report()
+    document = read_document(file, report)
+    assert document is not None
+    check_document(document, report)
+    assert "layout-keys" in {problem.rule for problem in report.problems}
