@@ -244,7 +244,8 @@ def smooth_cost(values: Sequence[int], width: int) -> float:
 def _spread_cost(numbers: Sequence[float], width: int) -> float:
     """Return the bits that describe numbers around zero with a common scale, from 0.5 to ``width`` each."""
     mean = sum(map(abs, numbers)) / len(numbers)
-    # The entropy of a Laplace distribution with this mean deviation. The 0.25 keeps that of equal numbers finite.
+    # The entropy of a Laplace distribution with this mean deviation. The 0.25 keeps the entropy of equal numbers
+    # finite.
     bits_each = min(log2(2 * e * (mean + 0.25)), float(width))
     return len(numbers) * max(bits_each, 0.5) + _SCALE_BITS
 

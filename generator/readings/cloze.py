@@ -291,7 +291,7 @@ class ClozeText(NamedTuple):
 
 
 class Vocabulary:
-    """The turning words of a family: those of the language, and the signals on its connectors."""
+    """The turning words of a family: the turning words of the language, and the signals on its connectors."""
 
     def __init__(self, signals: Iterable[str]) -> None:
         #: The kind of each word, and the first word of its sense.

@@ -186,7 +186,7 @@ def check_serial_port(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         "stop_bits": (_STOP_BITS, str(port.stop_bits)),
         "parity": (_PARITY, port.parity.replace("none", "no")),
     }
-    # Only if the note counts the start bit, its number of bits is that of the whole character.
+    # Only if the note counts the start bit, its number of bits is the number of the whole character.
     if "start bit" in rs485.note:
         bits_of_character = 1 + port.data_bits + parity_bits + port.stop_bits
         words_by_key["data_bits"] = (_CHARACTER, str(bits_of_character))
