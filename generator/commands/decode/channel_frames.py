@@ -42,7 +42,7 @@ class ChannelResult:
 
     @property
     def all_problems(self) -> Iterator[codec.Problem]:
-        """The problem with the length, or those of the channels, each with the name of its channel in the message."""
+        """The problem with the length, or the channels' problems, each with the name of its channel in the message."""
         yield from self.problems
         for decoded in self.channels:
             assert decoded.layout is not None
@@ -74,8 +74,8 @@ class ChannelDecoder:
     def read(self, frame_text: str) -> TypedFrame | None:
         """Return the frame in a text, or None if it is a single channel.
 
-        It is one if it has all digits of a channel, in hex digits or in bytes. Fewer digits may be those of a whole
-        frame without its leading zeros. Exact bits are one if they are no more than the longest channel has.
+        It is one if it has all digits of a channel, in hex digits or in bytes. Fewer digits may belong to a whole frame
+        without its leading zeros. Exact bits are one if they are no more than the longest channel has.
 
         Raises:
             FrameTextError: The text cannot be read as a number.
