@@ -1,6 +1,6 @@
 """Decide which outputs ``generate`` may remove: outputs of families that it has read.
 
-Others are refused or need --prune.
+Other files are refused or need --prune.
 
 The list of each target's folder records them. An output contains pages and tables of all families, so it is written
 from all of its families or not at all. The lists of earlier versions contain no record. In that case, a file belongs to

@@ -142,7 +142,7 @@ def _as_given(paths: Sequence[Path] | None) -> tuple[Path, ...]:
 
 
 def _spec_files(paths: Sequence[Path] | None) -> tuple[Path, ...]:
-    """Return the files of folders, so that ``specs`` is the same as all folders in it. Masters are no families."""
+    """Return the files of folders, apart from masters, so that ``specs`` is the same as all folders in it."""
     all_paths = loading.packaged_families() if paths is None else paths
     return tuple(chain.from_iterable(_files_in(path.resolve()) for path in all_paths))
 

@@ -256,8 +256,8 @@ def compare_supply(
 ) -> Iterator[Change]:
     """Yield changes of the supply of a family, or of an order code value that ``codes`` have.
 
-    A supply that only the new version states narrows the accepted voltage. One that only the old version states widens
-    it.
+    A supply that only the new version states narrows the accepted voltage. A supply that only the old version states
+    widens it.
     """
     supply_label = f"{subject.label} supply".strip()  # The family itself has no label.
     supply_subject = subject.inside("supply", supply_label)

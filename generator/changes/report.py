@@ -317,7 +317,7 @@ def files_of_release(findings: DiffResult, families: Sequence[Family]) -> Iterat
     """Yield the files to write with their new texts: histories of families, and the manufacturer's file.
 
     Manufacturers without changed families are left out. The version is only replaced if the spec states another one.
-    Special models have no history of their own. Their changes are in that of their family.
+    Special models have no history of their own. Their changes are in the file of their family.
 
     Raises:
         NotRecorded: A manufacturer's file has no version to replace.
@@ -364,7 +364,7 @@ def _files_with_new_version(package: Package, files: set[str]) -> Iterator[tuple
 def _release_of(families: Sequence[Family], package: Package, findings: DiffResult) -> Release:
     """Return the release for the history of a spec, with the manual, all changes and the changed names.
 
-    ``families`` are those with this spec that changed: the family and its special models. A change of several of them
+    ``families`` are the changed families of this spec: the family and its special models. A change of several of them
     is listed once.
     """
     manual = families[0].device.manual

@@ -92,7 +92,7 @@ def _add_record_options(parser: Parser) -> None:
 
 @dataclass(frozen=True)
 class _Side:
-    """One side of the comparison: the families that were read, and the names of those that could not be.
+    """One side of the comparison: the families that were read, and the names of families that could not be read.
 
     ``file_names`` contains the original names of files from a git revision, by the names of the files that were read.
     """

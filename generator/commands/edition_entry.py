@@ -254,7 +254,7 @@ def _removed_nodes(old_node: Any, new_node: Any, place: str) -> Iterator[tuple[s
 
     For a named item of a list, the place is its list: ``registers``. For a key of a map whose keys are names, it is the
     key: ``parameters.bits``. Other keys may be left out freely, so a missing one does not count. Nor does an item
-    without a label, which cannot be found in the new list. ``place`` is that of both nodes, which is empty for the
+    without a label, which cannot be found in the new list. ``place`` is the place of both nodes, and is empty for the
     whole specs.
     """
     if isinstance(old_node, dict) and isinstance(new_node, dict):

@@ -31,6 +31,8 @@ _ABOUT = (
 #: Bits of the longest frame, by interface. All other interfaces share the second limit.
 _LONGEST = {"rs485": 1024}
 _LONGEST_IN_BITS = 64
+#: Bits of the shortest frame, by interface. All others have at least one bit.
+_SHORTEST = {"rs485": 8, "spi": 8}
 #: Greatest position that ``--positions`` accepts, either side of zero. It has more than the counts of 64 bits.
 _MOST_POSITION = 1e20
 #: Characters of an invalid text that a message shows.
@@ -98,8 +100,11 @@ def _read_recording(arguments: argparse.Namespace) -> Recording:
     if arguments.interface == "rs485" and common_length % 8:
         raise Stop(f"the frames have {common_length} bits; over RS-485, they are whole bytes", 2)
     longest = _LONGEST.get(arguments.interface, _LONGEST_IN_BITS)
-    if not 0 < common_length <= longest:
+    shortest = _SHORTEST.get(arguments.interface, 1)
+    if common_length > longest:
         raise Stop(f"the frames have {common_length} bits; a line has at most {longest}", 2)
+    if common_length < shortest:
+        raise Stop(f"the frames have {counted(common_length, 'bit')}; a line has at least {shortest}", 2)
     positions: tuple[float, ...] = ()
     if arguments.positions is not None:
         positions = _read_positions(arguments.positions, len(frame_texts))

@@ -179,7 +179,7 @@ def _write_new_files(text_by_path: dict[Path, str]) -> Iterator[Path]:
 
 
 def _is_reserved(name: str) -> bool:
-    """Return whether a name is a keyword of Python, or that of the file that describes the manufacturer."""
+    """Return whether a name is a keyword of Python, or the name of the file that describes the manufacturer."""
     return iskeyword(name) or name == "manufacturer"
 
 

@@ -103,7 +103,7 @@ def _check_device(checked: SchemaResult, document: Document, report: Report) -> 
     """Check a device with every rule, and return its data without the broken parts.
 
     An error of a rule in ``FOUNDATIONS`` about order codes or parameters empties the order codes or parameters. An
-    error of a rule in ``SHAPES`` removes the part that contains its place. Others remove nothing.
+    error of a rule in ``SHAPES`` removes the part that contains its place. Other errors remove nothing.
 
     Raises:
         _TooManyProblems: It has too many problems.

@@ -197,7 +197,9 @@ def _has_parts_of_a_device(keys: frozenset[str]) -> bool:
 
 
 def top_keys(path: Path) -> frozenset[str] | None:
-    """Return the keys at the top level of a YAML file, or None if it cannot be read. Those of JSON are of all levels.
+    """Return the keys at the top level of a YAML file, or None if it cannot be read.
+
+    In JSON, keys of all levels are returned.
 
     The keys are found in the text, because a spec with a syntax error is still a spec, and other files need no parsing.
     Only the first mebibyte is read.

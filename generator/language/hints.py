@@ -271,7 +271,7 @@ def _bytes_hint(listed_bytes: bytes) -> str:
 def _fraction_hint(key: str, fraction: float) -> str:
     """Return the hint for ``at_least_us: 0.03``. Bounds are rounded to the safe side of the manual's value.
 
-    A lower bound is rounded up and an upper bound down, unless it would be 0. Others are not rounded.
+    A lower bound is rounded up and an upper bound down, unless it would be 0. Other fractions are not rounded.
     """
     unit = _unit_of_key(key)
     # A small frequency or baud rate is probably in a larger unit.
@@ -303,7 +303,7 @@ def _larger_unit_hint(unit: str, fraction: float) -> str:
 
 
 def _step_hint(micrometres: float) -> str:
-    """Return the hint for ``step_um: 0.5``: the same length in nanometres, or that of several steps."""
+    """Return the hint for ``step_um: 0.5``: the same length in nanometres, or the length of several steps."""
     nanometres = Fraction(str(micrometres)) * 1000
     if nanometres.denominator == 1:
         return f"; write 'step_nm: {nanometres}'"

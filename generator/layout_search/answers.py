@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from ..say.plain_text import counted
 from .checks import CrcForm, FoundCrc
-from .fields import Field, is_all_ones
+from .fields import MOST_BITS, Field, is_all_ones
 from .frames import Recording
 from .search import FoundLayout
 
@@ -67,8 +67,8 @@ def _parts_of_line(recording: Recording, layout: FoundLayout) -> _Parts:
     options = ["gray"] if split.is_gray else []
     if split.byte_order:
         options.append(split.byte_order)
-    front = [_field_text(field, "before") for field in split.front]
-    behind = [_field_text(field, "after") for field in split.behind]
+    front = [text for field in split.front for text in _field_texts(field, "before")]
+    behind = [text for field in split.behind for text in _field_texts(field, "after")]
     if layout.parity is not None:
         parity = "parity=odd" if layout.parity.is_odd else "parity=even"
         is_first_bit = layout.parity.place == 0
@@ -89,9 +89,14 @@ def _parts_of_line(recording: Recording, layout: FoundLayout) -> _Parts:
     )
 
 
-def _field_text(field: Field, name: str) -> str:
-    """Return a field as in a line, such as ``before=3``. Bits that never change are ``unused``."""
-    return f"{name}={field.width}" if field.changes else f"unused={field.width}"
+def _field_texts(field: Field, name: str) -> Iterator[str]:
+    """Yield a field as in a line, such as ``before=3``. Bits that never change are ``unused``.
+
+    A field of more than 64 bits, which a line cannot have, becomes several.
+    """
+    for bits_before in range(0, field.width, MOST_BITS):
+        width = min(field.width - bits_before, MOST_BITS)
+        yield f"{name}={width}" if field.changes else f"unused={width}"
 
 
 def _with_distinct_names(fields: Sequence[str]) -> list[str]:
@@ -157,9 +162,12 @@ def _constant_bits_in_position(recording: Recording, layout: FoundLayout) -> int
 
 
 def _line_with_wider_position(recording: Recording, layout: FoundLayout, line_parts: _Parts) -> Iterator[EqualLine]:
-    """Yield the line in which constant bits in front of the position are its highest bits, if there are any."""
+    """Yield the line in which constant bits in front of the position are its highest bits, if there are any.
+
+    A position has at most 64 bits.
+    """
     front = layout.split.front
-    if front and not front[-1].changes:
+    if front and not front[-1].changes and layout.split.width + front[-1].width <= MOST_BITS:
         width = layout.split.width + front[-1].width
         # The last field in front becomes part of the position.
         wider_parts = replace(line_parts, front=line_parts.front[:-1], position=f"position={width}")

@@ -19,7 +19,8 @@ _NUMBER_BITS, _CONSTANT_BITS = 8.0, 3.0
 _MOST_FLAGS = 2
 #: Bits that describe that a position is in Gray code, by interface.
 _GRAY_BITS = {"ssi": 0.5}
-_MOST_POSITION_BITS = 64
+#: Most bits of a field of a line, and so of a position.
+MOST_BITS = 64
 #: Bits that describe the scale of the steps of a number.
 _SCALE_BITS = 4.0
 
@@ -109,7 +110,7 @@ def _places_of_position(recording: Recording, first: int, end: int, step: int) -
         can_start = start == first or changes_before or changes_at_start
         if not can_start:
             continue
-        furthest_end = min(end, start + _MOST_POSITION_BITS)
+        furthest_end = min(end, start + MOST_BITS)
         for position_end in range(start + step, furthest_end + 1, step):
             if any(changing[position_end - step : position_end]):
                 yield start, position_end
@@ -244,20 +245,21 @@ def smooth_cost(values: Sequence[int], width: int) -> float:
 def _spread_cost(numbers: Sequence[float], width: int) -> float:
     """Return the bits that describe numbers around zero with a common scale, from 0.5 to ``width`` each."""
     mean = sum(map(abs, numbers)) / len(numbers)
-    # The entropy of a Laplace distribution with this mean deviation. The 0.25 keeps that of equal numbers finite.
+    # The entropy of a Laplace distribution with this mean deviation. The 0.25 keeps the entropy of equal numbers
+    # finite.
     bits_each = min(log2(2 * e * (mean + 0.25)), float(width))
     return len(numbers) * max(bits_each, 0.5) + _SCALE_BITS
 
 
 def signed(number: int, width: int) -> int:
-    """Return a number modulo 2^width as one from -2^(width-1) to 2^(width-1) - 1: -1 for 7 with 3 bits."""
+    """Return a number modulo 2^width as a number from -2^(width-1) to 2^(width-1) - 1: -1 for 7 with 3 bits."""
     half = 1 << (width - 1)
     mask = (1 << width) - 1
     return ((number + half) & mask) - half
 
 
 def cost_beside_positions(values: Sequence[int], width: int, positions: Sequence[float]) -> float:
-    """Return the bits that describe values of which the user knows the positions, in any unit and from any zero.
+    """Return the bits that describe values whose positions the user knows, in any unit and from any zero.
 
     The values are the positions times any factor, without a wrap, or else times one of four factors, across the wrap:
     counts or degrees, in either direction. The best of these counts.

@@ -23,7 +23,7 @@ _NOT_COMPARED = PROSE | {"printed_name", "only", "erratum"}
 _ABSENT = "nothing"
 #: Facts at a place, by their relative paths: ``{(0, "below_hz"): 400000}``.
 _Facts = Mapping[Path, object]
-#: A supply or ground line, such as ``0vdc`` or ``+5vdc ±5%``, but not that of a battery, ``+vb``.
+#: A supply or ground line, such as ``0vdc`` or ``+5vdc ±5%``, but not a battery line, ``+vb``.
 _SUPPLY = re.compile(r"(?P<ground>0\s?v(?:dc)?)|\+\s?[\d.,]*\s?v(?!b).*")
 _SHIELDS = frozenset(("shield", "screen"))
 #: Any voltage, such as ``+vb``.
@@ -34,8 +34,8 @@ def compare_facts(places: Sequence[str], documents: Sequence[Document], report: 
     """Report each device whose facts at a place such as ``interfaces.ssi.cable_lengths`` differ from most devices.
 
     All devices with the interface are compared, so one that lacks the facts is reported, too. Among equally common
-    facts, those of the first device without an erratum about the place apply. An erratum that only one of two devices
-    has about it explains a difference.
+    facts, the facts of the first device without an erratum about the place apply. An erratum that only one of two
+    devices has about it explains a difference.
     """
     for place in places:
         steps = place.split(".")
@@ -163,7 +163,7 @@ def _compare_wires(cables: Sequence[_Cable], report: Report) -> None:
         return
     first_cable, *other_cables = cables
     for cable in other_cables:
-        different_wires = sorted(cable.wires ^ first_cable.wires)  # Those that only one of the two has.
+        different_wires = sorted(cable.wires ^ first_cable.wires)  # Wires that only one of the two has.
         if different_wires and not _has_erratum(first_cable) and not _has_erratum(cable):
             line_number, _ = first_cable.document.position(first_cable.path)
             message = (

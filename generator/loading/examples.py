@@ -80,7 +80,10 @@ def check_examples(device: Device, report: DocumentReport) -> None:
 
 
 def _is_built(device: Device, example: Example) -> bool:
-    """Return True if the parts that the example names, and all interfaces, were built. Others have been reported."""
+    """Return True if the parts that the example names, and all interfaces, were built.
+
+    Parts that were not built have been reported.
+    """
     register_names = {register.name for register in device.registers}
     match example:
         case FrameExample():

@@ -157,8 +157,8 @@ def _apply_overlays(
     """Return the family that results from applying overlays to another, or None if it cannot be built.
 
     ``special`` is the special model, such as ``S123``, or empty if the overlays replace the family itself. The errata
-    of the result are those of the spec and of its editions, and those of the applied changes. The counts of readings
-    and the releases are those of the family.
+    of the result are the errata of the spec, of its editions, and of the applied changes. The counts of readings and
+    the releases come from the family.
     """
     layered_spec = LayeredSpec(family.document, report)
     problems_before = len(report)

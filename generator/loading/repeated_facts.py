@@ -378,7 +378,9 @@ def _frame_and_position_widths(device: Device, variant: Variant) -> set[int]:
     widths: set[int] = set()
     if measurement is None:
         return widths
-    for layout in device.interface(variant.interface).layouts:
+    for interface, layout in device.layouts():
+        if interface.name != variant.interface:
+            continue
         placed = layout.place(variant.parameters)
         # The position is one field, or a join of several ones. There are none if this frame lacks it.
         position_names = layout.names_in(measurement.of)

@@ -51,7 +51,9 @@ class GroupSheets:
 
 
 def sheets_of(device: Device, masters: Sequence[Master]) -> tuple[GroupSheets, ...]:
-    """Return the sheets of each interface whose position masters can read. Those of the last families are remembered.
+    """Return the sheets of each interface whose position masters can read.
+
+    The sheets of the last families are remembered.
 
     The pages and the files of the masters both need them.
     """

@@ -216,10 +216,10 @@ def _listed_clock(rule: Raw, record: Record) -> ValueOfSetting:
 def best_listed_clock(rule: Raw, record: Record) -> Raw:
     """Return the fastest of the master's clocks that the encoder supports: ``{"hz": 5000000, "set": 3}``.
 
-    If the highest clock of the encoder is not known, return the fastest of those in use.
+    If the highest clock of the encoder is not known, return the fastest clock in use.
 
     Raises:
-        UnknownValue: The highest clock is not known, and the master has none of those in use.
+        UnknownValue: The highest clock is not known, and the master has none of the clocks in use.
         UnsupportedFeature: The master has no clock within the limits of the encoder.
     """
     used_clocks = [clock for clock in rule["clocks"] if clock["hz"] in record.used_hz]
@@ -278,7 +278,7 @@ def best_selectable_clock(clock_rule: Raw, record: Record) -> int:
     If the highest clock of the encoder is not known, return the fastest in use that the master supports.
 
     Raises:
-        UnknownValue: The highest clock is not known, and the master supports none of those in use.
+        UnknownValue: The highest clock is not known, and the master supports none of the clocks in use.
         UnsupportedFeature: No clock is within the limits of both.
     """
     lowest_of_master = clock_rule.get("at_least_hz", 0)

@@ -28,7 +28,7 @@ class ComparedField:
 class ChannelFrame:
     """A frame with several data channels. ``layouts`` are the layouts of the channels, in the order sent.
 
-    The highest ``compared_bits`` bits of the ``compared`` fields must not differ from those of the first of them by
+    The highest ``compared_bits`` bits of the ``compared`` fields must not differ from the bits of the first field by
     more than ``tolerance``. Their highest and lowest number are adjacent.
     """
 

@@ -64,9 +64,9 @@ def narrower_range(
 ) -> PositionRange | None:
     """Return the range of a position if it is narrower than the width of its field for some order code, or None.
 
-    Parts of one revolution in several fields have no range, and signed positions have none without ``highest``. Nor
-    have decimal digits, and a number whose bits 0 stand for another number. ``parameter_sets`` are the parameters of
-    the order codes.
+    Parts of one revolution in several fields have no range, and signed positions have none without ``highest``. Decimal
+    digits have none either, nor does a number whose bits 0 represent another number. ``parameter_sets`` are the
+    parameters of the order codes.
     """
     fields_by_name = {field.name: field for field in layout.fields}
     position_fields = [fields_by_name[name] for name in layout.names_in(measurement.of) if name in fields_by_name]
@@ -309,7 +309,7 @@ class Device:
     def limits(self, register: Register, meant_as: str = "") -> tuple[Expression | None, Expression | None]:
         """Return the lowest and highest value of a register, or of its meaning ``meant_as``. None is unlimited.
 
-        If no meaning has this name, the limits are those of the register.
+        If no meaning has this name, the limits belong to the register.
         """
         meaning = next((meaning for meaning in register.meanings if meaning.name == meant_as), None)
         return (meaning.min, meaning.max) if meaning is not None else (register.min, register.max)
@@ -321,8 +321,12 @@ class Device:
         return tuple((register, field) for register, field in fields if field.equals is not None)
 
     def measurement_of(self, interface: str) -> Measurement | None:
-        """Return the measurement of the position on this interface."""
-        return self.interface(interface).measurement or self.measurement
+        """Return the measurement of the position on this interface, or else that of the device, if there is one.
+
+        An interface can be missing while a spec with problems is checked.
+        """
+        own_measurements = (known.measurement for known in self.interfaces if known.name == interface)
+        return next(own_measurements, None) or self.measurement
 
     def measurement_in(self, interface: str, layout: Layout) -> Measurement | None:
         """Return the measurement of the position in frames of this layout, or None if the interface has none.
@@ -386,7 +390,7 @@ class Device:
     def range_in(self, layout: Layout) -> PositionRange | None:
         """Return the range of valid positions in a frame of the encoder, or None if its field holds no others.
 
-        The result is also None for a layout that belongs to no interface, such as that of a register.
+        The result is also None for a layout that belongs to no interface, such as the layout of a register.
         """
         # The device holds its layouts, so no other layout can have the identity of one of them.
         if id(layout) not in self._ranges_by_layout:

@@ -20,6 +20,8 @@ _OPERATOR = re.compile(r"[-+*]")
 
 #: Limit far above the widths, positions and limits of any encoder. It prevents huge numbers in a hostile spec.
 LARGEST_EXPONENT = 128
+#: Most characters of a number. It is more than 2^128 has, and fewer than Python refuses to convert.
+_MOST_DIGITS = 100
 
 
 def is_power_of_two(number: int) -> bool:
@@ -222,12 +224,15 @@ def _parse_atom(match: re.Match[str]) -> Expression:
     """Parse a number, a parameter, or two to the power of either.
 
     Raises:
-        ExpressionError: The power is out of range.
+        ExpressionError: The number or the power is out of range.
     """
     is_power = match["power"] is not None
     if match["name"] is not None:
         factor = Factor(match["name"], is_power)
         return Expression(0, (Term(1, (factor,)),))
+    digits = match["hex"] or match["number"]
+    if len(digits) > _MOST_DIGITS:
+        raise ExpressionError(f"a number of {len(digits)} characters is larger than any field can hold")
     number = int(match["hex"], 16) if match["hex"] else int(match["number"])
     if is_power and number > LARGEST_EXPONENT:
         raise ExpressionError(f"2^{number} is larger than any field can hold")

@@ -106,8 +106,8 @@ class Signals:
 class Exchange:
     """A request with the frame that answers it. ``reply`` is empty if the encoder does not answer.
 
-    ``purpose`` is ``position``, ``read``, ``write`` or ``other``. Those that read or write access a register over SPI,
-    with their fields ``address`` and ``data``. Several exchanges that write are the words of one write, in order.
+    ``purpose`` is ``position``, ``read``, ``write`` or ``other``. Exchanges that read or write access a register over
+    SPI, with their fields ``address`` and ``data``. Several exchanges that write are the words of one write, in order.
     ``word_bits`` is the length of both words over SPI, or None if the length of the interface applies.
     """
 

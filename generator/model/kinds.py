@@ -102,7 +102,7 @@ class Number:
 
     @property
     def value_at_rest(self) -> int:
-        """The number that the bits 0 stand for, or 1 if only powers of two are valid, because 0 is not one."""
+        """The number that the bits 0 represent, or 1 if only powers of two are valid, since 0 is not one of them."""
         return 1 if self.power_of_two else self.zero_means
 
 

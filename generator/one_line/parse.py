@@ -174,7 +174,7 @@ _SETTINGS: Mapping[str, tuple[tuple[str, ...], str, Callable[[str], Any], str]] 
 
 
 def with_option(options: Options, text: str, interface: str) -> Options:
-    """Return the options with one more, such as ``gray`` or ``clock=1MHz``. Without an interface, each one is valid.
+    """Return the options with one more, such as ``gray`` or ``clock=1MHz``. Without an interface, each option is valid.
 
     Raises:
         FieldError: There is no such option, or not for this interface, or its value is wrong.

@@ -84,7 +84,7 @@ class Match:
     """An order code as read from a label.
 
     ``variant`` is the matching listed code. If a part has a value that the manual does not list, the code has this
-    value, and its interface and parameters are those of the first listed code that fits. ``unlisted`` names such parts,
+    value, and its interface and parameters come from the first listed code that fits. ``unlisted`` names such parts,
     ``tail`` is the text after the code on the label, and ``special`` is set for codes that end in /Sxxx.
     ``written_as_in`` is where codes are written like this label, if the manual lists order codes in another notation.
     """

@@ -177,7 +177,7 @@ def _exchange_with_frames(exchange: Exchange, request: Layout, reply: Layout | N
 class _ContentOfBits:
     """Bits of a byte from ``lowest_bit`` on, as many as the ones in ``mask``.
 
-    They are those of ``content``, a constant or the field with this name, from its bit ``low_in_number`` on.
+    They are the bits of ``content``, a constant or the field with this name, from its bit ``low_in_number`` on.
     """
 
     lowest_bit: int

@@ -48,7 +48,8 @@ class AlwaysIs:
 class ZerosAbove:
     """The constant ``padding``, all bits of the container above the field, is 0.
 
-    ``bits`` are those of the field, in the bytes that it can occupy. ``beyond`` are the bytes that it never occupies.
+    ``bits`` are the bits of the field, in the bytes that it can occupy. ``beyond`` are the bytes that it never
+    occupies.
     """
 
     field: Field

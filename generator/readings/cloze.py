@@ -25,7 +25,7 @@ OUTDATED_RULE = "words-outdated"
 #: Parts whose texts no reader can fill in from the manual, because they are about other documents.
 _LEFT_OUT = frozenset("documents editions evidence lost_figures".split())
 #: Kinds of words. Each line has the senses of a kind, separated by bars, and each sense has words, separated by commas.
-#: Words of one sense can replace each other. A reader fills in the first one.
+#: Words of one sense can replace each other. A reader fills in the first word.
 _WORDS = """\
 negation: not, no, never, none, nothing, neither, nor, without, non, no longer | always
 modal: must, should, shall, has to, have to | may, can, could, might | must not, should not, may not | cannot, can not
@@ -51,7 +51,7 @@ colour: white | black | brown | green | yellow | grey | pink | blue | red | viol
 """
 #: Kind of the signals of the connectors, which differ between families.
 SIGNAL = "signal"
-#: Words that are turning words only after one of these. Elsewhere they are prepositions.
+#: Words that are turning words only after one of these words. Elsewhere they are prepositions.
 _ONLY_AFTER = {
     "on": "power- switch- power turn turned switch switched powered lit is are stays remains".split(),
     "up": ["count", "counts", "counting"],
@@ -291,7 +291,7 @@ class ClozeText(NamedTuple):
 
 
 class Vocabulary:
-    """The turning words of a family: those of the language, and the signals on its connectors."""
+    """The turning words of a family: the turning words of the language, and the signals on its connectors."""
 
     def __init__(self, signals: Iterable[str]) -> None:
         #: The kind of each word, and the first word of its sense.
@@ -301,7 +301,7 @@ class Vocabulary:
         for line in _WORDS.splitlines():
             kind, _, senses = line.partition(": ")
             self._add_kind(kind, [sense.split(", ") for sense in senses.split(" | ")])
-        # Signals of one or two characters are left out. Each other one is a sense of its own.
+        # Signals of one or two characters are left out. Each other word is a separate sense.
         self._add_kind(SIGNAL, [[signal] for signal in sorted(set(signals)) if len(signal) > 2])
         # The regular expression takes the first alternative that matches, so "no longer" must come before "no".
         spellings = sorted(self._senses, key=len, reverse=True)
@@ -310,7 +310,7 @@ class Vocabulary:
         )
 
     def _add_kind(self, kind_of_turn: str, senses: Sequence[Sequence[str]]) -> None:
-        """Add the words of each sense. A word of several kinds belongs to the first one."""
+        """Add the words of each sense. A word of several kinds belongs to the first kind."""
         self.choices[kind_of_turn] = [words[0] for words in senses]
         for words in senses:
             for word in words:

@@ -315,8 +315,8 @@ def _problems_of_value(field: Field, raw: int) -> Iterator[Problem]:
 def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
     """Encode these values.
 
-    Constants, parity and CRC are filled in. A join is a number made of several fields, and its value can replace those
-    of its fields. Unused bits are as in the manual. The bits that are 1 in the value ``unused`` are inverted.
+    Constants, parity and CRC are filled in. A join is a number formed by several fields, and its value can replace the
+    values of its fields. Unused bits are as in the manual. The bits that are 1 in the value ``unused`` are inverted.
 
     Raises:
         EncodeError: A value is missing, unknown, or does not fit.

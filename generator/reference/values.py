@@ -71,7 +71,7 @@ def signed_or_plain(number: Number, raw: int, width: int) -> int:
 
 
 def encode_value(kind: DataKind, placed_field: PlacedField, value: int | str | bool) -> int:
-    """Return the number that stands for a value of a field. Named values and texts may also be given as numbers.
+    """Return the number that represents a value of a field. Named values and texts may also be given as numbers.
 
     Raises:
         EncodeError: A number is a text or does not fit, or no value has this name. Named values and texts that are

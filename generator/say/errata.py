@@ -156,7 +156,7 @@ def errata(
 ) -> tuple[Erratum, ...]:
     """Return the errata about the parts ``paths`` of the spec or anything inside them, except the parts ``without``.
 
-    Errata about a part in ``exactly`` as a whole are included even if it is in ``without``. Those about wording are
+    Errata about a part in ``exactly`` as a whole are included even if it is in ``without``. Errata about wording are
     included only on request, for pages that show the text of a manual.
     """
 

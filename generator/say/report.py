@@ -341,6 +341,20 @@ def own_requests(names: str) -> str:
     return f"each of these words is also your own request, as if MISO were connected to MOSI: {names}"
 
 
+def no_position(channels: str) -> str:
+    """Return the words about a whole frame with an error in the channels with these names."""
+    return f"error in {channels}, so the frame has no position"
+
+
+def disturbed(bits: str, *, has_crc: bool) -> str:
+    """Return the sentences about one bit that noise may have inverted, or one of several."""
+    proof = "the CRC matches" if has_crc else "the frame is valid"
+    return (
+        f"If only some frames fail, one bit may have been disturbed on the line: {proof} with {bits} inverted. "
+        "In that case, no change is needed."
+    )
+
+
 #: Words about explanations of a frame.
 ANOTHER_FRAME = (
     "Another frame would help: decode several frames at other positions together, one per line, to see which "

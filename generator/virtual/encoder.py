@@ -156,8 +156,8 @@ class VirtualEncoder:
     def parts_now(self, layout: Layout | None = None) -> dict[str, int]:
         """Return the bits of each field of the current position: ``{"multiturn": 3, "singleturn": 1024}``.
 
-        They are those in frames with ``layout`` if it has the position, and else in the first frame with one. They are
-        0 while the encoder reports that it is not ready.
+        They are the bits in frames with ``layout`` if it has the position, and else in the first frame with one. They
+        are 0 while the encoder reports that it is not ready.
         """
         if layout is None or not self._carries_position(layout):
             layout = self._position_layout

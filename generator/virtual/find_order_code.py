@@ -41,7 +41,7 @@ def find_order_code(text: str, specs: tuple[Path, ...], edition: str) -> tuple[D
 
     Raises:
         ValueError: There is no such order code or edition, no spec is valid, or the line has a problem. For an unknown
-            order code, the message is that of the last family that is ``close``, or else of the first family.
+            order code, the message comes from the last family that is ``close``, or else from the first family.
     """
     if is_line(text):
         if edition:

@@ -14,11 +14,11 @@ from .recordings import FRAME_INSIDE
 from .texts import TEXTS
 
 #: A mistake that matches more than one random frame in eight explains nothing.
-_LEAST_BITS = 3
+LEAST_BITS = 3
 #: Frames with fewer bits may have equal bits by chance.
 LEAST_EQUAL_BITS = 12
 #: An explanation that matches fewer random frames than one in this many is as good as certain.
-_CERTAIN = 1 << 16
+CERTAIN = 1 << 16
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +89,7 @@ class Diagnosis:
         """True if other frames with the same mistake would decide between the explanations."""
         if any(explanation.kind in ("line_stuck", "echo") for explanation in self.explanations):
             return False
-        is_doubtful = bool(self.explanations) and self.explanations[0].one_in < _CERTAIN
+        is_doubtful = bool(self.explanations) and self.explanations[0].one_in < CERTAIN
         return is_doubtful or len(self.explanations) > 1
 
 
@@ -252,7 +252,7 @@ def is_significant(hypothesis: Hypothesis) -> bool:
         all_ones = (1 << frame_layout.bits) - 1
         if hypothesis.frame in (0, all_ones):
             return False
-    return hypothesis.received_crc_bits + hypothesis.determined_bits >= _LEAST_BITS
+    return hypothesis.received_crc_bits + hypothesis.determined_bits >= LEAST_BITS
 
 
 def significant_hypotheses(hypotheses: Iterable[Hypothesis], refuted: Sequence[Hypothesis]) -> list[Hypothesis]:

@@ -87,7 +87,7 @@ def _recorded_frames(
 def _frames_without_mistake(placed_layout: PlacedLayout, position_name: str, frame: int) -> Iterator[int | None]:
     """Yield the frame without each mistake in ``READINGS``, in this order, or None if the mistake is impossible.
 
-    A frame that was read early has an additional first bit and lacks its last bit. One that was read late is the
+    A frame that was read early has an additional first bit and lacks its last bit. A frame that was read late is the
     reverse.
     """
     # One item for each text of ``READINGS``, in the same order.

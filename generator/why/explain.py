@@ -105,11 +105,11 @@ def _doubt_about_dead_line(placed_layout: PlacedLayout | None, crc: Crc | None, 
     The text continues a sentence: ``and the CRC is correct too``. Without a CRC, the length alone proves nothing.
     """
     if crc is not None:
-        return "and the CRC is correct too" if is_valid else ""
+        return TEXTS["crc_is_correct"] if is_valid else ""
     if placed_layout is None:
         return ""
     _, are_constants_right = check_constant_bits(placed_layout, frame)
-    return "and there is no CRC to distinguish it" if are_constants_right else ""
+    return TEXTS["has_no_crc"] if are_constants_right else ""
 
 
 def _only_missing(missing: str) -> Diagnosis:
@@ -294,15 +294,12 @@ def _diagnose_equal_bits(variant: Variant, number: int, bit_count: int, doubt: s
         return None
     level = 1 if number == all_ones else 0
     if doubt:
-        explanation_text = f"every bit is {level}. A dead line looks the same, {doubt}"
+        explanation_text = TEXTS["line_may_be_stuck"].format(level, doubt)
     else:
         cause = "a broken wire" if level else "a short circuit"
         other_causes = "wires A and B" if variant.interface == Rs485.name else "the clock"
-        explanation_text = (
-            f"every bit is {level}: the line never changes. Check for {cause}, the supply and {other_causes}"
-        )
-    # The first bit can be either level, and all other bits must be equal to it. A chance of 1 in 2^62 is certain
-    # enough.
+        explanation_text = TEXTS["line_stuck"].format(level, cause, other_causes)
+    # The first bit can be either level, and the others must have the same. One in 2^62 is enough to be certain.
     bits_that_agree = min(bit_count - 1, 62)
     one_in = 1 << bits_that_agree
     score = MISTAKES["line_stuck"] * one_in

@@ -23,7 +23,7 @@ from .other_crcs import hypothesis_without_mistake, other_crcs_over_bytes
 from .texts import TEXTS
 
 #: More extra bytes than this do not come from an echoed request.
-_MOST_ECHOED_BYTES = 4
+MOST_ECHOED_BYTES = 4
 
 
 def byte_hypotheses(
@@ -90,7 +90,7 @@ def _displaced_byte_hypotheses(
     """
     frame_length = placed_layout.bits // 8
     extra_bytes = len(received_bytes) - frame_length
-    if 0 < extra_bytes <= _MOST_ECHOED_BYTES:
+    if 0 < extra_bytes <= MOST_ECHOED_BYTES:
         counted_bytes = TEXTS["extra_bytes" if extra_bytes > 1 else "extra_byte"].format(extra_bytes)
         text_in_front, text_behind = TEXTS["before"].format(counted_bytes), TEXTS["after"].format(counted_bytes)
         last_bytes, leading_bytes = received_bytes[extra_bytes:], received_bytes[:frame_length]

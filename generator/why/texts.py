@@ -37,6 +37,10 @@ TEXTS: Mapping[str, str] = MappingProxyType(
         "bytes_missing": "the text has {0} of the {1} bytes of the frame. Missing: {2}",
         "read_as_zeros": "{0}, read as zeros in front",
         "first_byte_left_out": "the CRC does not cover the first byte",
+        "line_stuck": "every bit is {0}: the line never changes. Check for {1}, the supply and {2}",
+        "line_may_be_stuck": "every bit is {0}. A dead line looks the same, {1}",
+        "crc_is_correct": "and the CRC is correct too",
+        "has_no_crc": "and there is no CRC to distinguish it",
     }
 )
 #: Bits that BiSS sends before the frame, which a CRC may also cover, with the text.

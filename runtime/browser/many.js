@@ -93,7 +93,7 @@ function listCommonMistakes(rows) {
 /** List the doubts that all lines have in common although they are valid: a dead line, own requests, other readings. */
 function listCommonDoubts(rows, measure) {
   const frames = rows.flatMap((row) => (row.decoded ? [row.decoded] : [])).slice(-TABLE.likely.frames);
-  const deadLineTexts = new Set(frames.map(deadLine));
+  const [deadLineText, ...otherTexts] = new Set(frames.map(deadLine));
   const requestNames = new Set(frames.map(ownRequest));
   const isOwnRequest = requestNames.size > 0 && !requestNames.has("");
   const requestsText = messageFor("own_requests", [...requestNames].join(", "));
@@ -103,7 +103,7 @@ function listCommonDoubts(rows, measure) {
   const readingsText = commonTexts.map(
     (text) => `${readingsOfFrames.map((positionByText) => positionByText.get(text)).join(" ")} ${text}`).join(", ");
   return [
-    ...(deadLineTexts.size === 1 && !deadLineTexts.has("") ? [createElement("p", {}, [...deadLineTexts][0])] : []),
+    ...(deadLineText && !otherTexts.length ? [createSentence(capitalize(deadLineText))] : []),
     ...(isOwnRequest ? [createSentence(capitalize(requestsText))] : []),
     ...(readingsText ? [foldDoubt(measure, readingsText)] : []),
   ];

@@ -189,7 +189,7 @@ function foldDoubt(measure, readings) {
 /** Create the lines about the mistakes that could explain a wrong frame. */
 function createExplanations(decoded, hasOtherFrames) {
   const deadLineText = deadLine(decoded);
-  if (deadLineText) return [createElement("p", {}, deadLineText)];
+  if (deadLineText) return [createSentence(capitalize(deadLineText))];
   if (!decoded.problems.length) return [];
   const noiseText = describeNoise(decoded);
   const explanations = explained(decoded);
@@ -219,10 +219,8 @@ function describeNoise(decoded) {
   if (!disturbedBits.length) return "";
   const bitText = disturbedBits.length === 1
     ? nameBit(decoded.placedLayout, disturbedBits[0]) : `one of ${disturbedBits.length} bits`;
-  const proofText = decoded.placedLayout.crc ? "the CRC matches" : "the frame is valid";
-  return "If only some frames fail, one bit may have been disturbed on the line: "
-    + `${proofText} with ${bitText} inverted. `
-    + "In that case, no change is needed.";
+  const hasCrc = Boolean(decoded.placedLayout.crc);
+  return messageFor(hasCrc ? "disturbed" : "disturbed_without_crc", bitText);
 }
 
 /** Return the words before the explanations, which are another cause if noise is a cause (``hasNoise``). */
@@ -285,13 +283,17 @@ function createResult(decoded, measure, otherLayouts) {
 
 /** Create all output about a frame with several data channels: its verdict, and then each channel. */
 function createWholeResult(decoded, measure) {
-  const comparisonLines = decoded.compared
-    ? [createSentence(capitalize(decoded.compared.words))] : [];
-  const channelLines = decoded.channels.flatMap((channel) => [
+  const wrongChannels = decoded.channels.filter(({ problems }) => problems.length);
+  const wrongNames = wrongChannels.map(({ placedLayout }) => placedLayout.name).join(" and ");
+  const summaryText = wrongNames ? messageFor("no_position", wrongNames) : decoded.compared?.words;
+  const summaryLines = summaryText ? [createSentence(capitalize(summaryText))] : [];
+  // Some order codes do not send every channel.
+  const sentChannels = decoded.channels.filter(({ placedLayout }) => placedLayout.bits > 0);
+  const channelLines = sentChannels.flatMap((channel) => [
     createElement("h3", {}, capitalize(channel.placedLayout.layout.title)),
     ...createResult({ ...channel, verdict: channel.verdict && decoded.verdict }, measure, []),
   ]);
-  return [createHeadline({ ...decoded, crc: true }), ...comparisonLines, ...channelLines];
+  return [createHeadline({ ...decoded, crc: true }), ...summaryLines, ...channelLines];
 }
 
 /** Create a button for each order code, which calls ``pick`` with it. */

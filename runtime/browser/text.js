@@ -16,18 +16,13 @@ const LONGEST_QUOTE = TABLE.limits.quote;
 const quoteText = (text) =>
   (text.length <= LONGEST_QUOTE ? `'${text}'` : `'${text.slice(0, LONGEST_QUOTE - 3)}...'`);
 
-/** Spellings of programs and logs, and their replacement. The command line has the same list. */
-const PASTED_SPELLINGS = [
-  [/\bb(?=['"])/g, ""],
-  [/\\x([0-9A-Fa-f]{2})/g, " 0x$1 "],
-  [/[[\](){}<>"',;:]/g, " "],
-  [/(?<![0-9A-Za-z])([0-9A-Fa-f]{2})-(?=[0-9A-Fa-f]{2}(?![0-9A-Za-z]))/g, "$1 "],
-  [/(?<![0-9A-Za-z])(?:0[xX])?([0-9A-Fa-f]+)[hH](?![0-9A-Za-z])/g, "0x$1"],
-  [/(?<![0-9A-Za-z])(0[xXbB][0-9A-Fa-f_]+)[uUlL]+(?![0-9A-Za-z])/g, "$1"],
-];
-/** A time in front of a frame: with a decimal point, a unit, or hours, minutes and seconds. */
-const LEADING_TIME = new RegExp("^\\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"
-  + "|[0-9]+[.][0-9]+(?: ?(?:s|ms|us|µs))?|[0-9]+ ?(?:s|ms|us|µs))\\]?[ \\t,;]+(?=[^ \\t])");
+/** Spellings of programs and logs, and their replacement. */
+const PASTED_SPELLINGS = TABLE.notations.pasted.map(
+  ([pattern, replacement]) => [new RegExp(pattern, "g"), replacement]);
+/** A time in front of a frame. */
+const LEADING_TIME = new RegExp(`^${TABLE.notations.time}`);
+/** Return whether a text has a notation of the table, such as "decimal". */
+const hasNotation = (name, text) => new RegExp(`^(?:${TABLE.notations[name]})$`).test(text);
 
 /**
  * Return the frames in a text, one per line, as {number, time, text, offset} with the ``offset`` of the text in its
@@ -68,7 +63,7 @@ function withPrefix(text, bitCount) {
     const digits = binaryDigits(pieces, bitCount);
     return digits ? `0b${digits}` : text;
   }
-  if (pieces.length === 1) return /^(0|[1-9][0-9]{0,39})$/.test(pieces[0]) ? text : `0x${pieces[0]}`;
+  if (pieces.length === 1) return hasNotation("decimal", pieces[0]) ? text : `0x${pieces[0]}`;
   const bytePieces = withLeadingZeros(pieces);
   return bytePieces.every((piece) => piece.length % 2 === 0) ? bytePieces.map((piece) => `0x${piece}`).join(" ") : text;
 }
@@ -140,7 +135,7 @@ function numberIn(text, bitCount, areBytesExact) {
     return areBits ? makeTypedFrame(`0b${compactText}`, compactText.length, true)
       : { ...makeTypedFrame(compactText, bitLength(BigInt(compactText)), false), written: 0 };
   }
-  const isLongNumber = pieces.length === 1 && /^[1-9][0-9]{0,19}$/.test(compactText);
+  const isLongNumber = pieces.length === 1 && hasNotation("long_number", compactText);
   const remedies = meanings.length || !isLongNumber ? meanings
     : [messageFor("if_decimal", `0x${hexDigits(BigInt(compactText))}`), messageFor("if_hex", compactText)];
   const remedy = remedies.length ? messageFor("write_one_of", remedies.join(", ")) : messageFor("write_number", bitCount);
@@ -162,12 +157,12 @@ const makeTypedFrame = (text, bitCount, isExact) => ({
  */
 function listMeanings(digits, bitCount) {
   const fits = (number) => number >> BigInt(bitCount) === 0n;
-  const isDecimal = /^(0|[1-9][0-9]{0,39})$/.test(digits) && fits(BigInt(digits));
-  const isHexadecimal = /^[0-9a-f]{1,40}$/i.test(digits) && fits(BigInt(`0x${digits}`));
+  const isDecimal = hasNotation("decimal", digits) && fits(BigInt(digits));
+  const isHexadecimal = hasNotation("hexadecimal", digits) && fits(BigInt(`0x${digits}`));
   return [
     ...(isDecimal ? [messageFor("if_decimal", `0x${hexDigits(BigInt(digits))}`)] : []),
     ...(isHexadecimal ? [messageFor("if_hex", digits)] : []),
-    ...(/^[01]{1,160}$/.test(digits) ? [messageFor("if_bits", digits)] : []),
+    ...(hasNotation("bits", digits) ? [messageFor("if_bits", digits)] : []),
   ];
 }
 

@@ -1,13 +1,6 @@
 // Licence 0BSD: use, modify and distribute this file without any condition.
 // The mistakes in the table that would explain a wrong frame, with the same order as on the command line.
 
-// A hypothesis that fewer bits can contradict matches too many random frames.
-const LEAST_BITS = 3;
-// Frames with fewer bits may be all zeros or all ones by coincidence.
-const LEAST_EQUAL_BITS = 12;
-// An explanation that matches less than one in this many random frames is as good as certain.
-const CERTAIN_ONE_IN = 65536n;
-
 /** Return {receivedNumber, bitCount}: what was received as a number, first byte or bit highest, and its bits. */
 function measureReceived({ placedLayout, typedFrame, number, receivedBytes }) {
   if (receivedBytes) return { receivedNumber: joinBytes(receivedBytes), bitCount: 8 * receivedBytes.length };
@@ -25,19 +18,19 @@ function isValidWithEqualBits(placedLayout, problems, level) {
 /** Return the text about a dead line, or "" if the line changes. */
 function deadLine(decoded) {
   const { placedLayout, problems, interface: interface_ } = decoded;
+  const { texts } = TABLE;
   const isRegister = placedLayout?.layout.length !== undefined;
   if (isRegister) return "";
   const { receivedNumber, bitCount } = measureReceived(decoded);
   const hasEqualBits = receivedNumber === 0n || receivedNumber === ones(bitCount);
-  if (bitCount < LEAST_EQUAL_BITS || !hasEqualBits) return "";
+  if (bitCount < TABLE.likely.equal_bits || !hasEqualBits) return "";
   const level = receivedNumber ? 1 : 0;
   if (isValidWithEqualBits(placedLayout, problems, level)) {
-    const doubt = placedLayout.crc ? "and the CRC is correct too" : "and there is no CRC to distinguish it";
-    return `Every bit is ${level}. A dead line looks the same, ${doubt}.`;
+    return fillTemplate(texts.line_may_be_stuck, level, placedLayout.crc ? texts.crc_is_correct : texts.has_no_crc);
   }
   const lineFault = level ? "a broken wire" : "a short circuit";
   const otherCause = interface_?.name === "rs485" ? "wires A and B" : "the clock";
-  return `Every bit is ${level}: the line never changes. Check for ${lineFault}, the supply and ${otherCause}.`;
+  return fillTemplate(texts.line_stuck, level, lineFault, otherCause);
 }
 
 /** Return the bits that make the frame valid if one of them is inverted: the usual cause if only some frames fail. */
@@ -163,7 +156,7 @@ function findMissingPart(placedLayout, receivedText) {
 
 /** Return whether other frames with the same mistake would decide between these explanations. */
 const anotherHelps = (explanations) => explanations.every((explanation) => explanation.kind !== "echo")
-  && (explanations.length > 1 || (explanations.length === 1 && explanations[0].oneIn < CERTAIN_ONE_IN));
+  && (explanations.length > 1 || (explanations.length === 1 && explanations[0].oneIn < TABLE.likely.certain));
 
 /** Return the mistakes that explain most of several wrong frames, most likely first: single, or else in pairs. */
 function judgedTogether(decodedFrames) {
@@ -278,9 +271,9 @@ function matchKeyOf({
 
 /** Return whether a hypothesis has enough bits to contradict it, so that few random frames match. */
 const isSignificantWithCrc = ({ crcBitsReceived, otherBitsRequired }) => (
-  crcBitsReceived + otherBitsRequired >= LEAST_BITS);
+  crcBitsReceived + otherBitsRequired >= TABLE.likely.bits);
 /** Return whether all bits of the resulting frame are equal, as on an idle line. */
-const isIdleLine = ({ placedLayout, number }) => Boolean(placedLayout) && placedLayout.bits >= LEAST_EQUAL_BITS
+const isIdleLine = ({ placedLayout, number }) => Boolean(placedLayout) && placedLayout.bits >= TABLE.likely.equal_bits
   && (number === 0n || number === ones(placedLayout.bits));
 
 /** The tries that do not match too many random frames, without those known to fail. */
@@ -742,9 +735,6 @@ function tryRecording(placedLayout, crc, receivedText, [kind, text, pattern, det
 
 // -- frames of bytes
 
-/** The most extra bytes that come from an echoed request. */
-const MOST_ECHOED_BYTES = 4;
-
 /** Try every single mistake that could have turned a valid frame into these bytes. */
 function tryMistakesInBytes(decoded) {
   const { placedLayout: expectedLayout, receivedBytes: data, orderCode, interface: interface_, sender } = decoded;
@@ -800,7 +790,7 @@ function tryMovedBytes(placedLayout, crc, data) {
   };
   const extraBytes = data.length - byteCount;
   const hypotheses = [];
-  if (extraBytes > 0 && extraBytes <= MOST_ECHOED_BYTES) {
+  if (extraBytes > 0 && extraBytes <= TABLE.exchanges.echoed) {
     const extraText = extraBytes > 1 ? fillTemplate(texts.extra_bytes, extraBytes) : texts.extra_byte;
     hypotheses.push(assumeFrame("bytes_in_front", fillTemplate(texts.before, extraText), data.slice(extraBytes)),
       assumeFrame("bytes_behind", fillTemplate(texts.after, extraText), data.slice(0, byteCount)));

@@ -78,6 +78,7 @@ def frames(library: Library, count: int) -> list[dict[str, Any]]:
 
 
 def test_frames_and_registers_in_node(node: Asker, library: Library) -> None:
+    """Fields, CRC, checks, verdict and reports, all of frames.js, are those of the reference."""
     items = frames(library, FRAMES)
     assert sum(len(argument["frames"]) for argument in items) > 40 * FRAMES
     assert [difference for differing in node("compared", items) for difference in differing] == []
@@ -176,8 +177,8 @@ def test_a_dead_line_over_spi(ask: Ask) -> None:
     texts = ("0x0", "0b" + "1" * 48, "0x1")
     items = [{"code": "MT6835", "sender": "encoder:angle", "text": text, "answers": {}} for text in texts]
     assert [answer["dead"] for answer in node("values", items)] == [
-        "Every bit is 0. A dead line looks the same, and the CRC is correct too.",
-        "Every bit is 1: the line never changes. Check for a broken wire, the supply and the clock.",
+        "every bit is 0. A dead line looks the same, and the CRC is correct too",
+        "every bit is 1: the line never changes. Check for a broken wire, the supply and the clock",
         "",
     ]
 
@@ -187,7 +188,7 @@ def test_a_dead_line_over_rs_485(ask: Ask) -> None:
     node = ask(library_of("../specs/sick/skm36"), "node")
     items = [{"code": "SKM36", "sender": "encoder:position_reply", "text": "FF " * 7, "answers": {}}]
     assert [answer["dead"] for answer in node("values", items)] == [
-        "Every bit is 1: the line never changes. Check for a broken wire, the supply and wires A and B."
+        "every bit is 1: the line never changes. Check for a broken wire, the supply and wires A and B"
     ]
 
 

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.targets import Library
 from codewheel.targets.browser.files import generate
@@ -52,6 +53,28 @@ def test_both_words_and_their_verdict(chromium: str, tmp_path: Path) -> None:
     assert "crc error: safety_word: expected CRC" in results["wrong"]
     message = "control_word (32 bits) and safety_word (40 bits) have 72 bits together, got 73: 1 bit is too many."
     assert message in results["long"]
+    assert "Error in safety_word, so the frame has no position." in results["wrong"]
     assert "safety_word: expected CRC" in results["many"]
     assert "highest 13 bits" not in results["alone"]
     assert "usable" in results["alone"]
+
+
+def test_a_channel_that_is_not_sent_is_left_out(
+    chromium: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The order code has no temperature channel, on the page and in the command."""
+    folder = SPECS.parents[1] / "specs" / "ichaus"
+    devices, report = load_library([folder / "icmr.yaml", folder / "manufacturer.yaml"])
+    assert not report
+    (tmp_path / "decode.js").write_text(generate(Library(devices))["browser/decode.js"], encoding="utf-8")
+    script = """
+      const [box] = boxes, text = box.querySelector("textarea"), code = named(box, "Order code, as on the label");
+      type(code, "iC-MR-12-N6S");
+      type(text, "0x4D2D4");
+      return said(box);
+    """
+    result = run_in_page(chromium, tmp_path, script)
+    assert main(["decode", "iC-MR-12-N6S", "0x4D2D4", "--specs", str(folder)]) == 0
+    for text in (result, capsys.readouterr().out):
+        assert "1234" in text
+        assert "TMP" not in text

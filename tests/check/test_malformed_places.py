@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from codewheel.commands.new import write_spec
 from codewheel.language.check import check_document
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document
@@ -39,3 +40,20 @@ def test_a_place_with_too_many_digits_in_a_layout_of_bytes(tmp_path: Path) -> No
     assert document is not None
     check_document(document, report)
     assert "layout-keys" in {problem.rule for problem in report.problems}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("\n  biss:\n", "\n  biss: []\n  ignored:\n", "wrong-type"),
+        ("turns: 2^multiturn_bits", f'turns: "{DIGITS}"', "too-long"),
+    ],
+)
+def test_a_part_with_problems_is_only_reported(tmp_path: Path, old: str, new: str, message: str) -> None:
+    """An interface that cannot be read is missing where the preset is compared with the position."""
+    write_spec("my_encoder", tmp_path / "my_encoder.yaml", like="biss")
+    text = (tmp_path / "my_encoder.yaml").read_text(encoding="utf-8")
+    assert old in text
+    (tmp_path / "my_encoder.yaml").write_text(text.replace(old, new, 1), encoding="utf-8")
+    _, report = load_library([tmp_path])
+    assert message in {problem.rule for problem in report.problems}

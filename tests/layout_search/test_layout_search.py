@@ -206,5 +206,20 @@ def test_a_part_of_a_byte_is_no_frame_over_rs485(run: Run) -> None:
     assert "the frames have 12 bits; over RS-485, they are whole bytes" in err
 
 
+def test_a_frame_of_spi_has_at_least_a_byte(run: Run) -> None:
+    code, out, err = run("find", "spi", "0b1010", "0b1011")
+    assert (code, out) == (2, "")
+    assert "the frames have 4 bits; a line has at least 8" in err
+
+
 def test_great_positions_are_compared(run: Run) -> None:
     assert run("find", "ssi", f"0b{'01' * 32}", f"0b{'10' * 32}", "--positions=1e20,-1e20")[0] == 0
+
+
+def test_a_wide_field_is_several_fields_of_the_line(run: Run) -> None:
+    """A field of a line has at most 64 bits, and so has a position with constant bits in front of it."""
+    frames = [bytes([*range(1, 18), position]).hex(" ") for position in (1, 2, 4, 5)]
+    out = run("find", "rs485", *frames)[1]
+    assert "\n1. rs485:unused=64,unused=64,unused=8,position=8\n" in out
+    assert "position=144" not in out
+    assert run("decode", "rs485:unused=64,unused=64,unused=8,position=8", frames[0])[0] == 0

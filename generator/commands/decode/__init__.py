@@ -85,7 +85,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _request_of(arguments: argparse.Namespace) -> Request:
     """Return the encoder as ``--edition``, ``--register`` and ``--choose`` determine it, with the options.
 
-    Register bytes that identify the order code do not change it. Those that contradict it become differences.
+    Register bytes that identify the order code do not change it. Values that contradict it become differences.
 
     Raises:
         Stop: As for ``run``.

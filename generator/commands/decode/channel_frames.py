@@ -42,7 +42,7 @@ class ChannelResult:
 
     @property
     def all_problems(self) -> Iterator[codec.Problem]:
-        """The problem with the length, or those of the channels, each with the name of its channel in the message."""
+        """The problem with the length, or the channels' problems, each with the name of its channel in the message."""
         yield from self.problems
         for decoded in self.channels:
             assert decoded.layout is not None
@@ -74,8 +74,8 @@ class ChannelDecoder:
     def read(self, frame_text: str) -> TypedFrame | None:
         """Return the frame in a text, or None if it is a single channel.
 
-        It is one if it has all digits of a channel, in hex digits or in bytes. Fewer digits may be those of a whole
-        frame without its leading zeros. Exact bits are one if they are no more than the longest channel has.
+        It is one if it has all digits of a channel, in hex digits or in bytes. Fewer digits may belong to a whole frame
+        without its leading zeros. Exact bits are one if they are no more than the longest channel has.
 
         Raises:
             FrameTextError: The text cannot be read as a number.
@@ -145,6 +145,9 @@ def described_channels(device: Device, variant: Variant, frame: PlacedChannels, 
     """Yield the lines about each channel, and then about all of them together."""
     channels = zip(result.channels, result.findings_with_verdict, result.whys, strict=True)
     for decoded, findings, why in channels:
+        is_sent = decoded.layout is not None and decoded.layout.bits > 0
+        if not is_sent:  # Some order codes do not send every channel.
+            continue
         yield from described_frame(device, variant, decoded, findings, why)
         yield ""
     yield from (wrapped(line, WIDTH, prefix="  ", first="") for line in _summary_lines(frame, result))
@@ -157,7 +160,7 @@ def _summary_lines(frame: PlacedChannels, result: ChannelResult) -> Iterator[str
         yield f"{problem.fault.value} error: {problem.message}"
     wrong_channels = [decoded.layout.name for decoded in result.channels if decoded.problems and decoded.layout]
     if wrong_channels:
-        yield f"error in {' and '.join(wrong_channels)}, so the frame has no position"
+        yield say_report.no_position(" and ".join(wrong_channels))
     for reading in result.readings:
         yield f"All CRCs are correct {reading}."
     if result.findings.agree is not None:

@@ -1,6 +1,6 @@
 """Digits without a prefix, as programs and logs print them: find the only meaning that they can have.
 
-The page follows the same rules.
+The page follows the same rules, in text.js.
 """
 
 from __future__ import annotations
@@ -9,10 +9,10 @@ import re
 from collections.abc import Iterator, Sequence
 
 from ...say import report as say
+from ...say.notations import DIGITS
 
 _DIGITS = re.compile(r"[0-9A-Fa-f]+")
-#: A decimal number has no leading zero. More than 40 digits are not read as a number.
-_DECIMAL = re.compile(r"0|[1-9][0-9]{0,39}")
+_DECIMAL = re.compile(DIGITS["decimal"])
 _ZEROS_AND_ONES = re.compile(r"[01]+")
 _BITS = re.compile(r"0[bB][01]+")
 #: Bits with a prefix, which may be misspelt as b, although all of it are hex digits.
@@ -116,9 +116,9 @@ def possible_meanings(digits: str, bits: int) -> Iterator[str]:
     largest = (1 << bits) - 1
     if _DECIMAL.fullmatch(digits) and int(digits) <= largest:
         yield say.if_decimal(f"0x{int(digits):X}")
-    if re.fullmatch(r"[0-9A-Fa-f]{1,40}", digits) and int(digits, 16) <= largest:
+    if re.fullmatch(DIGITS["hexadecimal"], digits) and int(digits, 16) <= largest:
         yield say.if_hex(digits)
-    if re.fullmatch(r"[01]{1,160}", digits):
+    if re.fullmatch(DIGITS["bits"], digits):
         yield say.if_bits(digits)
 
 
@@ -127,6 +127,6 @@ def meanings_of_long_number(digits: str) -> Iterator[str]:
 
     It may have further bits, as a register of a program or a raw buffer.
     """
-    if re.fullmatch(r"[1-9][0-9]{0,19}", digits):
+    if re.fullmatch(DIGITS["long_number"], digits):
         yield say.if_decimal(f"0x{int(digits):X}")
         yield say.if_hex(digits)

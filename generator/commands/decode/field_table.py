@@ -56,7 +56,7 @@ def field_table(decoded: codec.Decoded) -> list[str]:
 def _field_row(placed_layout: PlacedLayout, field: codec.DecodedField) -> _FieldRow:
     """Return the row of a field: its place, name, raw number and value, such as ``bit 3``, ``error``, ``1``, ``yes``.
 
-    The raw number of a single bit is in decimal, and that of other fields in hexadecimal.
+    The raw number of a single bit is in decimal, and the number of other fields in hexadecimal.
     """
     has_place = field.high >= 0  # A joined number has no place.
     place = bit_place(placed_layout.layout, placed_layout.bits, field.high, field.low) if has_place else ""

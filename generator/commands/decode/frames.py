@@ -26,6 +26,7 @@ from ...model import (
 from ...model.layout import have_lengths
 from ...reference import codec
 from ...reference.registers import decode_register
+from ...say import notations
 from ...say import report as say_report
 from ...why.hypotheses import TypedFrame
 from .digits import bits_of_bytes, meanings_of_long_number, possible_meanings, with_leading_zeros, with_prefix
@@ -40,21 +41,8 @@ _NUMBER = re.compile(r"0[xX][0-9A-Fa-f]+")
 _WHOLE_BYTES = re.compile(r"(?:0x)?((?:[0-9A-F]{2})+)", re.IGNORECASE)
 #: Only a number with its prefix, such as ``0x1F``.
 _BARE = re.compile(r"0[xXbB][0-9A-Fa-f]+")
-#: Spellings of programs and logs, and their replacement. The page uses the same list. In this order: ``b'..'`` of
-#: Python, ``\x1F``, brackets and quotes, ``1F-2A``, ``1Fh``, and ``0x1FUL`` of C.
-_PASTED = (
-    (re.compile(r"\bb(?=['\"])"), ""),
-    (re.compile(r"\\x([0-9A-Fa-f]{2})"), r" 0x\1 "),
-    (re.compile(r"[\[\](){}<>\"',;:]"), " "),
-    (re.compile(r"(?<![0-9A-Za-z])([0-9A-Fa-f]{2})-(?=[0-9A-Fa-f]{2}(?![0-9A-Za-z]))"), r"\1 "),
-    (re.compile(r"(?<![0-9A-Za-z])(?:0[xX])?([0-9A-Fa-f]+)[hH](?![0-9A-Za-z])"), r"0x\1"),
-    (re.compile(r"(?<![0-9A-Za-z])(0[xXbB][0-9A-Fa-f_]+)[uUlL]+(?![0-9A-Za-z])"), r"\1"),
-)
-#: A time in front of a frame: with a decimal point, a unit, or hours, minutes and seconds.
-_TIME = re.compile(
-    r"\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"
-    r"|[0-9]+[.][0-9]+(?: ?(?:s|ms|us|µs))?|[0-9]+ ?(?:s|ms|us|µs))\]?[ \t,;]+(?=[^ \t])"
-)
+_PASTED = tuple((re.compile(pattern), replacement) for pattern, replacement in notations.PASTED)
+_TIME = re.compile(notations.TIME)
 #: Faults that a mistake in reading the line, or in the computation of the CRC, may explain.
 _TRANSMISSION_FAULTS = frozenset((Fault.CRC, Fault.LENGTH))
 

@@ -57,7 +57,7 @@ def decoded_data(
 def channel_data(device: Device, variant: Variant, sender: str, result: ChannelResult, line: Line) -> dict[str, Any]:
     """Return a frame with several data channels as plain data, with the errors and reports of all channels.
 
-    Each channel also has those of its frame, and its fields. ``agree`` is null if nothing is compared.
+    Each channel also has the errors and reports of its frame, and its fields. ``agree`` is null if nothing is compared.
     """
     whole_frame = codec.Decoded(layout=None, number=0, fields=(), crc=None, problems=tuple(result.all_problems))
     data = decoded_data(device, variant, sender, whole_frame, result.all_findings, line=line)

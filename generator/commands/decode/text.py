@@ -336,11 +336,8 @@ def _disturbed_lines(disturbed: Sequence[int], placed_layout: PlacedLayout | Non
     if not disturbed or placed_layout is None:
         return []
     bits = _bit_name(disturbed[0], placed_layout) if len(disturbed) == 1 else f"one of {len(disturbed)} bits"
-    proof = "the CRC matches" if placed_layout.crc_field else "the frame is valid"
-    explanation = (
-        f"If only some frames fail, one bit may have been disturbed on the line: {proof} with {bits} inverted. "
-        "In that case, no change is needed. If all frames fail, read on."
-    )
+    has_crc = placed_layout.crc_field is not None
+    explanation = f"{say_report.disturbed(bits, has_crc=has_crc)} If all frames fail, read on."
     return ["", wrapped(explanation, WIDTH, prefix="  ", first="")]
 
 

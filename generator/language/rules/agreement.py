@@ -97,7 +97,7 @@ def _compare_with_contents(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
 
 
 def _misspells(printed_name: str, correct_name: str) -> bool:
-    """Return True if two names differ in one word, which is a typo of that of the correct name.
+    """Return True if two names differ in one word, which is a typo of the word in the correct name.
 
     A word that is short in the correct name, or differs only in a plural s, is not counted as misspelt.
     """

@@ -118,7 +118,7 @@ def check_alarm_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
 
 
 def _with_groups(fields: FieldList, spec: WrittenSpec) -> Iterator[WrittenField]:
-    """Yield the fields. Those of a group have their path inside the group."""
+    """Yield the fields. Fields of a group have their path inside the group."""
     groups = {group.name: group for group in spec.field_groups}
     for field in fields.fields:
         if field.use in groups:

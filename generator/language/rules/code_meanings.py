@@ -48,7 +48,7 @@ def check_value_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 def _check_code(code_value: WrittenCodeValue, says: str, spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a value whose meaning names Gray or binary code sets the parameters that decide the code.
 
-    ``says`` is the beginning of the message, and that of the next two functions.
+    ``says`` is the beginning of the message, also in the next two functions.
     """
     for name, required_number in _codes_named(spec, code_value).items():
         if code_value.sets[name] != required_number:

@@ -243,11 +243,11 @@ def check_contact_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 
     A cable whose wires all have numbers is likely a connector, unless its note says that they are numbered.
     """
-    if is_second(report.document.file) or report.document.family:  # The note is that of the newest edition.
+    if is_second(report.document.file) or report.document.family:  # The note belongs to the newest edition.
         return
     for connector in spec.connectors:
         names = [contact.contact for contact in connector.part.contacts]
-        # Each with its index, because contacts such as the case have names.
+        # With their index, because contacts such as the case have names.
         numbered_contacts = [(index, int(name)) for index, name in enumerate(names) if name.isdecimal()]
         if not numbered_contacts:
             continue
@@ -262,7 +262,7 @@ def check_contact_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 
 
 def _check_order(connector: Located[Connector], numbered: Numbered, report: DocumentReport) -> None:
-    """Report the first contact that does not have the number after that of the one before it, or has a leading zero.
+    """Report the first contact whose number does not follow the number of the contact before it, or has a leading zero.
 
     The number may repeat. A note that contains the expected number explains a gap.
     """

@@ -137,7 +137,7 @@ def _selected_ids(sent_layouts: Sequence[WrittenLayout]) -> Iterator[int]:
 def _report_missing_frame(
     data_id: Located[DataId], requested_ids: set[int], replied_ids: set[int], report: DocumentReport
 ) -> None:
-    """Report a data ID with a request but no reply, or with a reply but no request, except those of memory accesses."""
+    """Report a data ID that has only a request or only a reply, except data IDs of memory accesses."""
     number = data_id.part.id
     has_request = number in requested_ids
     has_reply = number in replied_ids

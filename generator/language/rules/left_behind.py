@@ -208,7 +208,7 @@ _SECTIONS_WITH_OTHER_CODES = frozenset(("documents", "manual", "order_code", "ed
 
 
 def _is_text_about_own_codes(path: Path) -> bool:
-    """Return True if the value at a path is a text whose order codes must be those of the spec."""
+    """Return True if the value at a path is a text that must use the order codes of the spec."""
     section, key = path[0], path[-1]
     if section in _SECTIONS_WITH_OTHER_CODES:
         return False

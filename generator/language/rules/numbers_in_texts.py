@@ -201,7 +201,7 @@ def _own_texts(spec: WrittenSpec, report: DocumentReport) -> Iterator[tuple[Path
 def check_standards(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a text names a usual standard of lines, such as RS-485. Printed texts of errata may name any.
 
-    Others are accepted by their full names, such as TIA-899.
+    Other standards are accepted by their full names, such as TIA-899.
     """
     for path, text in leaves_of(spec.data, report):
         if not isinstance(text, str) or path[-1] == "printed" or path[0] in _ELSEWHERE:

@@ -314,7 +314,8 @@ def _check_answers(alternative: WrittenAlternative, own_parameters: Sequence[str
 def check_alternative_use(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that alternatives affect only the places of fields, because generated code can use them only there.
 
-    Those with a default affect only verdicts, which do not need a choice. So their parameters are in no expression.
+    Alternatives with a default affect only verdicts, which do not need a choice. So their parameters are in no
+    expression.
     """
     alternatives = by_name(as_read.alternatives)  # Including invalid parts, which ``spec`` lacks.
     set_by_alternative = {name: parameter for name, parameter in as_read.parameters.items() if parameter.alternative}

@@ -346,7 +346,7 @@ def bank_select(spec: WrittenSpec) -> str:
 def as_affected_name(path: str) -> str:
     """Return a path of names in the form used by errata: ``interfaces.ssi.monoflop`` for a timing.
 
-    Errata omit keys such as ``timings`` between two names. A last one stands for all parts under it.
+    Errata omit keys such as ``timings`` between two names. A key at the end represents all parts under it.
     """
     *steps, last_step = path.split(".")
     named_steps = [step for step in steps if step not in LEFT_OUT]

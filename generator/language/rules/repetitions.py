@@ -155,7 +155,7 @@ def check_description_file(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
 
 
 def check_alignment(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the SSI word has the alignment that the contents and the order code name, if these name only one."""
+    """Check that the SSI word has the alignment that the contents and the order code name, if they name only one."""
     ssi = spec.interfaces.ssi
     texts = [section.title for section in spec.manual.contents.values()]
     for part in spec.order_code.parts:
@@ -186,7 +186,7 @@ def check_serial_port(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         "stop_bits": (_STOP_BITS, str(port.stop_bits)),
         "parity": (_PARITY, port.parity.replace("none", "no")),
     }
-    # Only if the note counts the start bit, its number of bits is that of the whole character.
+    # Only if the note counts the start bit, its number of bits is the number of the whole character.
     if "start bit" in rs485.note:
         bits_of_character = 1 + port.data_bits + parity_bits + port.stop_bits
         words_by_key["data_bits"] = (_CHARACTER, str(bits_of_character))
@@ -201,7 +201,7 @@ def _compare_with_port(
 ) -> None:
     """Report the first words of the note of an interface that contradict a setting of its port.
 
-    ``numbers`` has for each key the pattern of its words and the number or word that is right: ``"1"`` or ``"even"``.
+    ``numbers`` contains for each key the pattern of its words and the right number or word: ``"1"`` or ``"even"``.
     """
     for key, (pattern, expected) in numbers.items():
         for word in pattern.findall(port_text):
@@ -243,7 +243,7 @@ _HEX_CELL = re.compile(r"(?:0x)?([0-9A-F]+)h?")
 def check_address_tables(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a table with first and last addresses has ranges in ascending order, with equally many digits.
 
-    Rows in which one of the two is not a hexadecimal number are skipped.
+    Rows in which the first or last address is not a hexadecimal number are skipped.
     """
     for table in spec.tables:
         address_columns: list[int] = []

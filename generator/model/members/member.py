@@ -133,7 +133,7 @@ def described_part(part_class: Any, *additional: Member, after: str = "", name: 
     """Return the part that a class describes.
 
     ``additional`` members, which only the data have, follow the member ``after``. ``name`` is the name of the part, if
-    it differs from that of the class.
+    it differs from the name of the class.
     """
     description = description_of(part_class)
     members = []

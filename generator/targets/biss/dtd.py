@@ -29,7 +29,7 @@ class _OneFile(etree.Resolver):
         self.answered = False
 
     def resolve(self, *request: Any, **_: Any) -> Any:
-        """Return the DTD for the first request, that of our DOCTYPE, and an empty text for any other.
+        """Return the DTD for the first request, which comes from our DOCTYPE, and an empty text for any other request.
 
         The address of the first of the others is noted in ``refused``.
 

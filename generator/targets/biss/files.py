@@ -100,7 +100,7 @@ def _order_code_xml(device: Device, variant: Variant) -> str:
 def _identified_nodes(devices: Sequence[Device]) -> tuple[list[Node], str]:
     """Return the elements of the encoders that a master can identify, and a sentence about encoders without an ID.
 
-    The sentence is empty if all have one. Families without single cycle data are left out of both.
+    The sentence is empty if all have an ID. Families without single cycle data are left out of both.
     """
     # A master cannot distinguish a special model or another edition from its family.
     families = [device for device in devices if device.find_interface(Biss) is not None and not device.base]

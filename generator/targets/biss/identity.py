@@ -158,7 +158,7 @@ def single_cycle_data(device: Device) -> Layout | None:
 
 
 def only_crc(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> Crc | None:
-    """Return the CRC of the single cycle data, or None if order codes differ in it, or if none of them has one."""
+    """Return the CRC of the single cycle data, or None if order codes differ in it, or if none has a CRC."""
     if layout.always_has_crc:
         return device.crcs_of(layout)[0]
     crcs = {length.crc for length in lengths}

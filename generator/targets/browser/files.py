@@ -36,7 +36,7 @@ from ...plan.crcs import Carrier, carriers
 from ...plan.frames import Dispatch, HeldParameter, dispatches, held_parameters
 from ...plan.verdicts import reportings
 from ...render import Templates, our_templates
-from ...say import report
+from ...say import notations, report
 from ...say.evidence import GRADES, grade, lowest_grade, mark_in_lists, origin
 from ...say.layout import as_one_number
 from ...say.markdown import escape
@@ -45,6 +45,7 @@ from ...say.order_code import not_on_label
 from ...say.plain_text import plain
 from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES
 from ...why import MOST_FRAMES
+from ...why.diagnosis import CERTAIN, LEAST_BITS, LEAST_EQUAL_BITS
 from ...why.doubts import READINGS
 from ...why.exchanges import (
     ECHO_TEXT,
@@ -55,6 +56,7 @@ from ...why.exchanges import (
     WORD_ECHO_TEXT,
 )
 from ...why.hypotheses import ACTIVE, IDLE, INVERTED_WITHOUT_PAIR, MISTAKES
+from ...why.in_bytes import MOST_ECHOED_BYTES
 from ...why.other_crcs import POLYNOMIALS, OtherCrc, other_crcs_over_bits, other_crcs_over_bytes
 from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, Line, line_name
 from ...why.texts import START_BITS, TEXTS
@@ -336,13 +338,18 @@ _MESSAGES = {
     "own_requests": report.own_requests("{0}"),
     "another_frame": report.ANOTHER_FRAME,
     "uncertain": report.UNCERTAIN_READINGS,
+    "disturbed": report.disturbed("{0}", has_crc=True),
+    "disturbed_without_crc": report.disturbed("{0}", has_crc=False),
     "hidden_shift": report.HIDDEN_SHIFT,
     "no_explanation": report.NO_EXPLANATION,
     "equal_readings": report.equal_readings("{0}"),
+    "no_position": report.no_position("{0}"),
     "compared": report.compared("{0}", "{1}", agree=True),
     "compared_not": report.compared("{0}", "{1}", agree=False),
     "nearest": labels.nearest_codes_hint("{0}"),
 }
+#: Spellings of programs and logs, and their replacement in the notation of JavaScript.
+_PASTED = [(pattern, replacement.replace("\\", "$")) for pattern, replacement in notations.PASTED]
 
 
 class Page(TypedDict):
@@ -386,22 +393,18 @@ def script_table(library: Library) -> Data:
         "worth": {verdict.value: VERDICT_CLAUSES[verdict] for verdict in Verdict},
         "unexplained": UNEXPLAINED,
         "said": _MESSAGES,
+        "notations": {"pasted": _PASTED, "time": notations.TIME, **notations.DIGITS},
         "limits": {"text": report.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
         "lines": {name: _line_data(line) for name, line in LINES.items()},
         "exchanges": {"most": MOST_BYTES, "least": LEAST_EVIDENCE, "echo": ECHO_TEXT, "frames": FRAMES_TEXT}
-        | {"least_in_word": LEAST_BITS_OF_ECHO, "word_echo": WORD_ECHO_TEXT},
+        | {"least_in_word": LEAST_BITS_OF_ECHO, "word_echo": WORD_ECHO_TEXT, "echoed": MOST_ECHOED_BYTES},
         "doubts": READINGS,
         "inside": [FRAME_INSIDE, FRAME_INSIDE_TEXT],
         "texts": dict(TEXTS),
         "start_bits": START_BITS,
         "polynomials": POLYNOMIALS,
-        "likely": {
-            "kinds": dict(MISTAKES),
-            "idle": IDLE,
-            "active": ACTIVE,
-            "without_pair": INVERTED_WITHOUT_PAIR,
-            "frames": MOST_FRAMES,
-        },
+        "likely": {"kinds": dict(MISTAKES), "idle": IDLE, "active": ACTIVE, "without_pair": INVERTED_WITHOUT_PAIR}
+        | {"frames": MOST_FRAMES, "bits": LEAST_BITS, "equal_bits": LEAST_EQUAL_BITS, "certain": CERTAIN},
         "line": {"mark": GRADES[-1], "evidence": f"Evidence: {lowest_grade()}."},
         "known_crcs": [[json_number(known.polynomial), known.init, known.use] for known in KNOWN_CRCS],
         "byte_polynomials": [polynomial for polynomial in POLYNOMIALS if polynomial.bit_length() == 9],

@@ -175,7 +175,7 @@ def frame_data(device: Device, interface: str, layout: Layout, reporting: Report
     reports = []
     for described_cause, cause in zip(description.report_causes, causes, strict=True):
         reports.append(_report_data(device, described_cause, cause))
-    # The reports have the order of the fields in the frame. Those about several fields with a verdict come last.
+    # The reports have the order of the fields in the frame. Reports about several fields with a verdict come last.
     flags = (*layout.fields, *(sign.flag for sign in layout.signs))
     flag_names = [flag.name for flag in flags]
     return _layout_data(device, codec, description) | without_empty(

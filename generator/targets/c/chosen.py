@@ -101,7 +101,10 @@ class Chosen:
 
     @property
     def registers(self) -> Mapping[str, tuple[Register, RegisterExample]]:
-        """The registers with an example, by name, each with its first example. Those in banks cannot be simulated."""
+        """The registers with an example, by name, each with its first example.
+
+        Registers in banks cannot be simulated.
+        """
         registers: dict[str, tuple[Register, RegisterExample]] = {}
         for example in self.examples:
             if isinstance(example, RegisterExample):

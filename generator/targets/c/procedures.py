@@ -306,7 +306,7 @@ class ProcedureCode:
     ) -> Iterator[Row | FilledRows]:
         """Yield the steps on the bytes of a register. Only the first has a note.
 
-        If a struct is filled for the register, one item stands for all its bytes, unless it reads back only some bits.
+        If a struct is filled for the register, one item represents all its bytes, unless it reads back only some bits.
 
         Raises:
             TargetError: The bytes depend on the order code, or would be polled one after the other.

@@ -366,7 +366,7 @@ class Coder:
 
     @cached_property
     def limits(self) -> Limits | None:
-        """Limits of the register, or None without any. Those of its meanings are in ``limits_functions``."""
+        """Limits of the register, or None without any. The functions of its meanings are in ``limits_functions``."""
         register = self.register
         if register is None or (register.min is None and register.max is None):
             return None

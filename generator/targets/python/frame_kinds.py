@@ -106,9 +106,9 @@ class FrameKind:
 
 @dataclass(frozen=True)
 class ChannelCode:
-    """Frame with several data channels: the classes of its channels, and the index of the one with the position.
+    """Frame with several data channels: the classes of its channels, and the index of the channel with the position.
 
-    ``compared`` has the index of the channel, the attribute and the width of each compared field. The highest
+    ``compared`` contains the index of the channel, the attribute and the width of each compared field. The highest
     ``compared_bits`` bits of these fields must not differ by more than ``tolerance``.
     """
 
@@ -122,7 +122,7 @@ class ChannelCode:
 def channel_code(context: Context, interface: Interface, scope: Scope) -> ChannelCode | None:
     """Return the code for the frame with all data channels of an interface, or None if it has no such frame.
 
-    ``scope`` has the expressions of the parameters, such as ``self.bits``, in which widths are written.
+    ``scope`` contains the expressions of the parameters, such as ``self.bits``, in which widths are written.
     """
     frame = channel_frame(interface)
     if frame is None:

@@ -255,7 +255,7 @@ class Module:
 
     @property
     def channel_examples(self) -> list[ChannelExample]:
-        """Example of a frame with several data channels over each interface that has one."""
+        """Example of a frame with several data channels over each interface with such a frame."""
         examples = [channel_example(self.context, section.interface, section.coders) for section in self.sections]
         return [example for example in examples if example is not None]
 

@@ -371,7 +371,7 @@ class Readme:
     def identified(self) -> list[ReadmeExample]:
         """Call that identifies an order code from the worked examples of its registers, as a list of at most one.
 
-        The order code is that of the first example of an identifying register. Its examples become the items of a dict:
+        The order code belongs to the first example of an identifying register. Its examples become the items of a dict:
         ``"model": bytes.fromhex("1B")``. The list is empty if the spec does not list the order code.
         """
         identity_registers = {register.name for register, _ in self.device.identity}

@@ -298,8 +298,8 @@ class Request:
 
     def _check_echo(self, answers: int) -> Outcome:
         """Return the outcome of 18 answers, from IDL0 in bit 17 to W in bit 0. RUNNING if the slave accepts."""
-        # With all answers 1, CDS never changes. IDL0 is the first answer, followed by those of the other IDs: a 1 shows
-        # that a slave has taken the ID.
+        # With all answers 1, CDS never changes. IDL0 is the first answer, followed by the answers of the other IDs: a 1
+        # shows that a slave has taken the ID.
         has_taken_id = bit_at(answers, _ECHO_BITS - 1 - self.slave_id)
         if answers == _ALL_ONES or not has_taken_id:
             return Outcome.NO_ANSWER

@@ -32,7 +32,7 @@ _TUPLE: Final[Any] = tuple
 
 
 def by_class(kind: type[_Kind]) -> type[_Kind]:
-    """Make objects of ``kind`` equal only to those of the same class, unlike a plain NamedTuple.
+    """Make objects of ``kind`` equal only to objects of the same class, unlike a plain NamedTuple.
 
     Like the methods of a tuple, the new ones return NotImplemented for objects that are not tuples.
     """
@@ -138,7 +138,8 @@ def as_word(frame: Word, length: int, bits: int | None) -> int:
     The number itself is not checked: it can be negative, or have more than ``length`` bits.
 
     Raises:
-        LengthError: ``bits`` or the number of digits is not ``length``, or the bytes are not those of ``length`` bits.
+        LengthError: ``bits`` or the number of digits is not ``length``, or the number of bytes does not fit ``length``
+            bits.
         RangeError: The text contains characters other than 0 and 1.
         TypeError: ``bits`` is not an integer, or the frame is not a ``Word``.
     """

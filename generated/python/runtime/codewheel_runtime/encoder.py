@@ -447,7 +447,10 @@ return_frame_error: ErrorHandler = cast(ErrorHandler, _return_frame_error)
 
 
 def _with_encoder(error: Exception, frame: object, encoder: Encoder) -> Exception:
-    """Return a frame error after the frame and the encoder are added to it. Others become a TypeError with the code."""
+    """Return a frame error after the frame and the encoder are added to it.
+
+    Other errors become a TypeError with the code.
+    """
     if isinstance(error, FrameError):
         error.add(frame, encoder)
         return error

@@ -179,7 +179,7 @@ class Table(_TableOf[_Name, _Unit]):
     def usable(self) -> Any:
         """True for each valid frame whose verdict is not ``NOT_USABLE``. Without verdicts, for each valid frame.
 
-        This includes positions with a warning, and those with the verdict ``UNKNOWN``.
+        This includes positions with a warning, and positions with the verdict ``UNKNOWN``.
         """
         worst = [*Verdict].index(Verdict.NOT_USABLE)
         return self.ok if self._verdict is None else (self._verdict != worst) & self.ok
@@ -505,8 +505,8 @@ class Table(_TableOf[_Name, _Unit]):
         ``seconds`` is the time between two frames, an array of times, or None for the column ``time``.
 
         Raises:
-            ValueError: There is no such column, the number of times is not that of the frames, or a single time is 0 or
-                negative.
+            ValueError: The column does not exist, the number of times differs from the number of frames, or a single
+                time is 0 or negative.
         """
         np: Any = load("numpy")
         if seconds is None:

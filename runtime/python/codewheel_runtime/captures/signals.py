@@ -259,7 +259,7 @@ def merge_edges(
 
     Each generator yields the level before some edges, their times, and the amount read so far, at least once. ``end``
     returns the end of the capture once all of them are exhausted. ``waiting_times`` holds the edges of each signal that
-    were read but not yielded yet, because those of another signal at the same time are not known.
+    were read but not yielded yet, because another signal's edges at the same time are not known yet.
     """
     first_parts = [next(signal) for signal in signals]
     levels = [level for level, _, _ in first_parts]

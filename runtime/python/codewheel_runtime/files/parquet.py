@@ -37,7 +37,7 @@ def read_parquet_batches(file: BinaryIO, name: str, stored: Stored, shape: Shape
     def make_empty_column(column_name: str) -> Any:
         return pa.array([], schema.field(column_name).type)
 
-    # The keys are those of the other columns that the user wants.
+    # The keys are the names of the other columns that the user wants.
     empty_columns = select_columns(other_names, stored, make_empty_column, name)
     kept_names = tuple(empty_columns)
     parts = _read_batches(opened_file, column, kept_names, name, stored, shape)

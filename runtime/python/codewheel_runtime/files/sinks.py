@@ -34,7 +34,7 @@ _FEW_ROWS: Final = 1000
 
 
 def find_target_kind(path: str) -> TargetKind:
-    """Return the format of a file according to its extension. Other extensions, or none, stand for CSV."""
+    """Return the format of a file according to its extension. Other extensions, or none, mean CSV."""
     return _SUFFIXES.get(PurePath(path).suffix.lower(), "csv")
 
 

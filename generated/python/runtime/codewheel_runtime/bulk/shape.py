@@ -18,11 +18,10 @@ class Column(NamedTuple):
     """Field of ``width`` bits that starts at bit ``low`` of the number that a frame forms.
 
     ``kind`` is the type of value that the bits encode. ``not_flag`` is an active-low flag. If ``zero_means`` is not 0,
-    bits that are all 0 stand for this number. With ``power_of_two``, only such numbers can be encoded. ``runs``
-    contains the name, divisor and modulus of each group of decimal digits: its number is
-    ``bits // divisor % modulus``. ``field`` is the name of the field in messages, if it differs from ``name``.
-    ``values`` lists the only allowed values of the field, if they are limited. ``scale`` has the first members of its
-    ``Scale``.
+    bits that are all 0 represent this number. With ``power_of_two``, only such numbers can be encoded. ``runs``
+    contains the name, divisor and modulus of each group of decimal digits: its number is ``bits // divisor % modulus``.
+    ``field`` is the name of the field in messages, if it differs from ``name``. ``values`` lists the only allowed
+    values of the field, if they are limited. ``scale`` has the first members of its ``Scale``.
     """
 
     name: str
@@ -66,7 +65,7 @@ class Check(NamedTuple):
 
         Without a limit, this is True.
         """
-        # Modulo 2**width, the numbers from ``lowest`` to ``limit`` become those from 0 on.
+        # Modulo 2**width, the numbers from ``lowest`` to ``limit`` become the numbers from 0 on.
         return self.limit is None or (bits - self.lowest) & ((1 << self.width) - 1) <= self.limit - self.lowest
 
 
@@ -260,8 +259,8 @@ def count_unused_bits(shape: Shape) -> int:
 class UnusedGroup(NamedTuple):
     """Unused bits that are shifted together.
 
-    ``low`` is their lowest bit in the frame, and ``place`` that in ``unused``. Bit 0 of ``mask``, and of ``value``,
-    which is that in the manual, is the bit ``low`` of the frame.
+    ``low`` is their lowest bit in the frame, and ``place`` their lowest bit in ``unused``. Bit 0 of ``mask``, and of
+    ``value``, which is that in the manual, is the bit ``low`` of the frame.
     """
 
     low: int

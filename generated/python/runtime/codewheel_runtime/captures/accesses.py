@@ -125,7 +125,7 @@ class Accesses:
         self._time = time
         self._is_free = False
         self._bit_count = self._sent = self._answers = self._head = 0
-        # A header that ends before R and W counts as that of a read.
+        # A header that ends before R and W counts as the header of a read.
         self._is_write = False
         self._state = self._follow_header
 

@@ -304,7 +304,7 @@ def _find_frames(
 ) -> _CaptureFrames:
     """Return the frames in the signals of a capture, with the column ``time``, or ``sample`` without a sample rate.
 
-    ``name`` is that of the file, for errors. ``probes`` has the arguments about the connection and the timing. For
+    ``name`` is the name of the file, for errors. ``probes`` has the arguments about the connection and the timing. For
     the other arguments, see ``read_capture``.
 
     Raises:

@@ -221,7 +221,7 @@ class _RowReader:
         try:
             times = np.array(stamp_texts, "datetime64[ns]")
         except ValueError as error:
-            # Not every text in the form of a time stamp is one, such as that of a 13th month.
+            # Not every text in the form of a time stamp is a time stamp, such as a 13th month.
             raise InputError(self._path, f"from line {line}", str(error)) from None
         if self._first_stamp is None:
             self._first_stamp = times[0]

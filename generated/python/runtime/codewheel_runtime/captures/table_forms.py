@@ -234,7 +234,7 @@ def _is_number(text: str) -> bool:
 
 
 def _are_numbered(rows: Sequence[list[str]]) -> bool:
-    """Return whether the first cells of four or more rows are successive numbers, such as those of samples.
+    """Return whether the first cells of four or more rows are successive numbers, such as sample numbers.
 
     Rows of a single cell do not count.
     """

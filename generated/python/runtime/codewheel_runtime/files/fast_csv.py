@@ -113,8 +113,8 @@ def make_block_reader(
     """Return a function that reads a block, or None if pyarrow is not installed.
 
     The function returns None if a cell is missing, has a line end in quotes, or is not a frame in the usual form.
-    ``names`` are those of all columns. ``place`` is the index of the column of frames, and ``kept_columns`` have the
-    index and the name of each other column to keep. ``digits`` is the base of numbers without ``0x``.
+    ``names`` are the names of all columns. ``place`` is the index of the column of frames, and ``kept_columns`` have
+    the index and the name of each other column to keep. ``digits`` is the base of numbers without ``0x``.
     """
     try:
         pa: Any = load("pyarrow")

@@ -32,7 +32,7 @@ _SUFFIXES: Final[dict[str, FileKind]] = {
 
 
 def find_kind(path: str) -> FileKind:
-    """Return the format of a file according to its extension. Other extensions, or none, stand for binary files."""
+    """Return the format of a file according to its extension. Other extensions, or none, mean binary files."""
     return _SUFFIXES.get(PurePath(path).suffix.lower(), "binary")
 
 

@@ -235,7 +235,7 @@ class Output(NamedTuple):
 def find_target_format(target: str | os.PathLike[str], to: TargetKind | None) -> TargetKind:
     """Return the format to write: the requested format, or the format of the file name.
 
-    ``-`` stands for standard output.
+    ``-`` means standard output.
 
     Raises:
         UsageError: Another format than CSV is requested for standard output.

@@ -88,8 +88,8 @@ def module_of(kind: type, folder: str) -> Any:
 def decoding_arguments(kind: type, /, **arguments: object) -> tuple[object, ...]:
     """Return the ``arguments`` that a class of frames needs, in the order of its first fields.
 
-    They are ``variant``, which is the encoder, and the answers to open questions. Others are ignored. Raises KeyError
-    if one that the class needs is missing.
+    They are ``variant``, which is the encoder, and the answers to open questions. Other arguments are ignored. Raises
+    KeyError if one that the class needs is missing.
     """
     fields: tuple[str, ...] = cast(Any, kind)._fields
     # The first fields of a class are the arguments of the function for its description.

@@ -1,0 +1,35 @@
+"""Notations of frames in programs and logs, which the command and the decode page both read.
+
+The patterns are valid in Python and in JavaScript.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+#: Spellings of programs and logs, and their replacement. In this order: ``b'..'`` of Python, ``\x1F``, brackets and
+#: quotes, ``1F-2A``, ``1Fh``, and ``0x1FUL`` of C.
+PASTED: tuple[tuple[str, str], ...] = (
+    (r"\bb(?=['\"])", ""),
+    (r"\\x([0-9A-Fa-f]{2})", r" 0x\1 "),
+    (r"[\[\](){}<>\"',;:]", " "),
+    (r"(?<![0-9A-Za-z])([0-9A-Fa-f]{2})-(?=[0-9A-Fa-f]{2}(?![0-9A-Za-z]))", r"\1 "),
+    (r"(?<![0-9A-Za-z])(?:0[xX])?([0-9A-Fa-f]+)[hH](?![0-9A-Za-z])", r"0x\1"),
+    (r"(?<![0-9A-Za-z])(0[xXbB][0-9A-Fa-f_]+)[uUlL]+(?![0-9A-Za-z])", r"\1"),
+)
+#: A time in front of a frame: with a decimal point, a unit, or hours, minutes and seconds.
+TIME = (
+    r"\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"
+    r"|[0-9]+[.][0-9]+(?: ?(?:s|ms|us|µs))?|[0-9]+ ?(?:s|ms|us|µs))\]?[ \t,;]+(?=[^ \t])"
+)
+#: Digits without a prefix, by their meaning. A decimal number has no leading zero. A long number is too large for the
+#: frame, since it may have further bits.
+DIGITS: Mapping[str, str] = MappingProxyType(
+    {
+        "decimal": r"0|[1-9][0-9]{0,39}",
+        "hexadecimal": r"[0-9A-Fa-f]{1,40}",
+        "bits": r"[01]{1,160}",
+        "long_number": r"[1-9][0-9]{0,19}",
+    }
+)
