@@ -200,6 +200,7 @@ class Encoder:
         Raises:
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames, or an answer is missing.
+            NotImplementedError: The class of the encoder describes no frames.
         """
         raise NotImplementedError(f"the frames of {self.code} are not documented")
 
@@ -213,7 +214,7 @@ class Encoder:
             The frame, or the error.
 
         Raises:
-            TypeError: See ``decode``.
+            TypeError, NotImplementedError: See ``decode``.
         """
         raise NotImplementedError(f"the frames of {self.code} are not documented")
 
@@ -227,6 +228,9 @@ class Encoder:
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+
+        Raises:
+            NotImplementedError: See ``decode``.
         """
         raise NotImplementedError(f"the frames of {self.code} are not documented")
 
