@@ -222,8 +222,7 @@ def sent_crcs(interfaces: Collection[Interface]) -> set[str]:
 def _with_used_parts(device: Device, all_sent_crcs: Collection[str]) -> Device:
     """Return the device with only the CRCs, groups, alarms and alternatives that its frames and registers use.
 
-    ``all_sent_crcs`` are the CRCs in frames of any interface of the family. Any other CRC, such as a memory's CRC,
-    belongs to all interfaces.
+    ``all_sent_crcs`` are the CRCs in frames of any interface. Any other CRC, such as a memory's, belongs to all.
     """
     removed_crcs = set(all_sent_crcs) - sent_crcs(device.interfaces)
     layouts: list[Layout] = []
@@ -346,8 +345,7 @@ def _without_crcs(device: Device, names: Collection[str]) -> Device:
 def with_output_code(interface: Interface, variant: Variant) -> Interface:
     """Return the interface with the code of an order code: Gray or binary.
 
-    The interface remains as it is if it is not SSI, if its code does not depend on the order code, or if the frames
-    that the encoder sends have different codes.
+    It is unchanged if it is not SSI, if its code is the same for all, or if the encoder's frames have different codes.
     """
     if not isinstance(interface, Ssi) or interface.output_code is None or interface.name != variant.interface:
         return interface
