@@ -222,7 +222,8 @@ def sent_crcs(interfaces: Collection[Interface]) -> set[str]:
 def _with_used_parts(device: Device, all_sent_crcs: Collection[str]) -> Device:
     """Return the device with only the CRCs, groups, alarms and alternatives that its frames and registers use.
 
-    ``all_sent_crcs`` are the CRCs in frames of any interface. Any other CRC, such as a memory's, belongs to all.
+    ``all_sent_crcs`` are the CRCs in frames of any interface of the family. Any other CRC, such as a memory's CRC,
+    belongs to all interfaces.
     """
     removed_crcs = set(all_sent_crcs) - sent_crcs(device.interfaces)
     layouts: list[Layout] = []
@@ -345,7 +346,7 @@ def _without_crcs(device: Device, names: Collection[str]) -> Device:
 def with_output_code(interface: Interface, variant: Variant) -> Interface:
     """Return the interface with the code of an order code: Gray or binary.
 
-    It is unchanged if it is not SSI, if its code is the same for all, or if the encoder's frames have different codes.
+    It is unchanged if it is not SSI, if its code is fixed, or if the encoder's frames have different codes.
     """
     if not isinstance(interface, Ssi) or interface.output_code is None or interface.name != variant.interface:
         return interface
@@ -436,10 +437,7 @@ def _without_fields(join: Join, removed_names: Collection[str]) -> Join:
 
 
 def _with_known_terms_added(expression: Expression, known_parameters: Mapping[str, int]) -> Expression:
-    """Return the expression with the terms of known parameters added to its constant.
-
-    With ``bits`` known as 12, ``bits + turns + 1`` becomes ``turns + 13``.
-    """
+    """Add the known terms to the constant: for 12 ``bits``, ``bits + turns + 1`` becomes ``turns + 13``."""
     if expression.is_constant:
         return expression
     known_terms = tuple(term for term in expression.terms if _is_known(term, known_parameters))

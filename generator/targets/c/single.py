@@ -101,7 +101,7 @@ class SingleCode:
 
     @property
     def request(self) -> StructCodec | None:
-        """The frame of the request for the position, over SPI as named by the macro, or None without a struct."""
+        """The frame of the position request, over SPI the one that the macro names, or None without a struct."""
         usage = self.view.usage
         if usage is not None and usage.request_for_reply is not None:
             return usage.request_for_reply.codec
