@@ -437,7 +437,7 @@ def _without_fields(join: Join, removed_names: Collection[str]) -> Join:
 
 
 def _with_known_terms_added(expression: Expression, known_parameters: Mapping[str, int]) -> Expression:
-    """Add the known terms to the constant: for 12 ``bits``, ``bits + turns + 1`` becomes ``turns + 13``."""
+    """Return the sum with known terms added up: for 12 ``bits``, ``bits + turns + 1`` becomes ``turns + 13``."""
     if expression.is_constant:
         return expression
     known_terms = tuple(term for term in expression.terms if _is_known(term, known_parameters))
