@@ -128,9 +128,8 @@ def find_specs(named: Sequence[Path]) -> Specs:
     """Return the specs that a command reads.
 
     These are the specs named on the command line. Without any, they are those that the settings of the project list, or
-    all in the folder of the settings and below it. Without settings, they are the specs in the current folder and below
-    it. Unless specs were named, the result also contains the packaged specs, which only commands that write or judge
-    discard.
+    all in the folder of the settings and below it. Without settings, they are those in the current folder and below.
+    Unless specs were named, the packaged specs are included, which only commands that write or judge discard.
 
     Raises:
         Stop: A named path does not exist (exit code 2), or there are errors in the settings (exit code 1).

@@ -182,10 +182,7 @@ def _child_at(node: Any, step: str | int) -> Any:
 
 
 def label_of(list_item: Any) -> str | None:
-    """Return the label of a list item, such as its ``name``, or None if it has none.
-
-    Only the first of ``_ITEM_KEYS`` in the item counts.
-    """
+    """Return the label of a list item, from the first of ``_ITEM_KEYS`` in it, such as ``name``, or None."""
     if not isinstance(list_item, dict):
         return None
     for key in _ITEM_KEYS:

@@ -289,10 +289,7 @@ def missing(keys: Iterable[str], owner: str) -> str:
 def suggestion(word: str, known_words: Iterable[str], otherwise: str = "known") -> str:
     """Return the hint after an unknown word: the likely known word, a short list of all known words, or nothing.
 
-    Args:
-        word: The unknown word.
-        known_words: The known words.
-        otherwise: The text before the list of all known words, which is given if there are few.
+    ``otherwise`` is the text before the list of all known words, which is given if there are few.
     """
     choices = [known_word for known_word in dict.fromkeys(known_words) if known_word != word]
     nearest_word = nearest_choice(word, choices)

@@ -305,13 +305,8 @@ def _build_error(event: Any, rule: str, message: str, path: Path = ()) -> Unread
 def read_document(path: pathlib.Path, report: Report, shown_as: str | None = None) -> Document | None:
     """Read one file and add its problems to ``report``.
 
-    Args:
-        path: The file.
-        report: Receives all problems.
-        shown_as: The name to show for the file. Default: its path as given.
-
-    Returns:
-        The document, or None if nothing in the file can be used. A document may have problems.
+    The result is None if nothing in the file can be used. A document may have problems. ``shown_as`` is the name to
+    show for the file, by default its path as given.
     """
     file = shown_as if shown_as is not None else str(path)
     report.files.append(file)

@@ -42,7 +42,7 @@ from ..reference.bits import join_value
 from .crc_rules import check_settings_of_crcs
 from .editions import editions
 from .evidence import with_placeholders
-from .examples import build_examples, check_examples, sample_frames
+from .examples import build_examples, check_examples
 from .facts_by_code import check_facts_by_code
 from .fields import Context, Site
 from .frame_kinds import check_errata, check_frame_kinds
@@ -66,6 +66,7 @@ from .position_rules import check_measurements, check_position_widths
 from .procedure_limits import check_limits_in_procedures
 from .repeated_facts import check_agreement
 from .request_rules import check_control_bytes, check_requests
+from .samples import sample_frames
 from .stated_lengths import check_stated_bits, check_stated_lengths
 from .unused_parameters import check_unused_parameters
 

@@ -211,10 +211,7 @@ def _with_gap_fields(items: Sequence[Item], bits: Expression, gaps: str, site: S
 
 
 def _build_items(raw_fields: Sequence[Raw], path: Path, context: Context, low_first: bool) -> list[Item] | None:
-    """Return the fields and groups as items, or None if a field or group is not valid, which is reported elsewhere.
-
-    ``path`` is the path of the list of fields.
-    """
+    """Return the fields and groups as items, or None if a field or group is not valid, which is reported elsewhere."""
     items = [_build_item(raw, (*path, index), context, low_first) for index, raw in enumerate(raw_fields)]
     valid_items = [field_item for field_item in items if field_item is not None]
     return valid_items if len(valid_items) == len(items) else None

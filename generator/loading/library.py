@@ -22,11 +22,11 @@ from ..order_codes.reduction import for_codes
 from .device import build_device
 from .editions import check_editions, edition_of, errata_of_other_editions
 from .evidence import read_counts, read_history
-from .examples import sample_frames
 from .from_mapping import build_manufacturer
 from .overlays import Family as Family
 from .overlays import apply_overlays, is_overlay, overlays_beside
 from .repeated_facts import check_shared_facts
+from .samples import sample_frames
 from .stored import store_device, stored_device
 
 #: Names of Python packages, and of the folder next to them, that do not belong to a manufacturer.

@@ -353,10 +353,7 @@ def _known_names(rule: Raw, key: str, names: Collection[str]) -> tuple[str, ...]
 def _write_condition(
     rule: Raw, settings: tuple[str, ...], after: tuple[str, ...], devices: Sequence[MasterDevice], standing: str
 ) -> WriteCondition:
-    """Return a condition with its words.
-
-    ``settings`` and ``after`` are the names in the condition that the sheet has.
-    """
+    """Return a condition with its words. ``settings`` and ``after`` are the names in it that the sheet has."""
     needs = _writes_of_rule(rule, "needs", devices, standing)
     then = _writes_of_rule(rule, "then", devices, standing)
     effect = Effect(**rule["takes_effect"]) if "takes_effect" in rule else None
@@ -427,10 +424,7 @@ def _condition_text(
     then: tuple[Write, ...],
     effect: Effect | None,
 ) -> str:
-    """Return a condition as one sentence.
-
-    The condition has values before or after the settings, an order, or an effect.
-    """
+    """Return a condition as one sentence: on values before or after the settings, an order, or an effect."""
     if needs:
         values_text = listed(f"{write.title} must be {write.text}" for write in needs)
         return f"Before writing {listed(settings) or 'any setting'}, {values_text}."

@@ -1,4 +1,4 @@
-"""Range of the numbers that an encoder sends as its position.
+"""Encoder family with all its facts, and the range of the numbers that it sends as its position.
 
 An offset can shift unsigned positions up to the ``highest`` of the measurement, so all of these are valid.
 Signed positions end at ``highest``, and their number is the number of positions.
@@ -11,31 +11,10 @@ from functools import cached_property
 from typing import NamedTuple, TypeVar
 
 from .channels import channel_frame
-from .documents import (
-    Document,
-    Erratum,
-    Evidence,
-    LostFigure,
-    Manual,
-    ManualEdition,
-    Manufacturer,
-    Overlay,
-)
-from .examples import (
-    Example,
-    Sample,
-)
+from .documents import Document, Erratum, Evidence, LostFigure, Manual, ManualEdition, Manufacturer, Overlay
+from .examples import Example, Sample
 from .expressions import Expression
-from .facts import (
-    Alarm,
-    Characteristic,
-    Connector,
-    Input,
-    Led,
-    Supply,
-    Table,
-    Timing,
-)
+from .facts import Alarm, Characteristic, Connector, Input, Led, Supply, Table, Timing
 from .fields import Crc, Field, PlacedField
 from .interfaces import Biss, Interface
 from .kinds import CrcValue, Flag, Number

@@ -1,7 +1,6 @@
 """Layouts: sequences of named fields, and the CRCs at their ends.
 
-Bit 0 is the least significant bit everywhere, and a number of several bytes is one integer whose byte order is in the
-layout.
+Bit 0 is the least significant bit everywhere. A number of several bytes is one integer in the layout's byte order.
 """
 
 from __future__ import annotations
@@ -12,9 +11,7 @@ from enum import Enum
 from functools import cached_property
 from types import MappingProxyType
 
-from .documents import (
-    Sources,
-)
+from .documents import Sources
 from .expressions import Expression
 from .fields import Combination, Field, Join, PlacedField, Sign
 from .kinds import CrcValue, Flag, Kind, Parity, Unused, Value, Verdict
@@ -27,11 +24,10 @@ from .record import dataclass
 class Layout:
     """A sequence of named fields.
 
-    It is transmitted either ``in_bytes``, with the ``byte_order`` ``low_byte_first`` or ``high_byte_first``, or as
-    bits, most significant first. ``fields`` are in transmission order for frames, and start at the most significant bit
-    for registers. ``channel`` is the BiSS data channel if the encoder has several. ``position_range`` is the range of
-    its position, if it differs from the range of the interface. ``gray_excess`` is the number that is sent in Gray code
-    for position 0, if it is not 0.
+    It is sent either ``in_bytes``, with the ``byte_order`` ``low_byte_first`` or ``high_byte_first``, or as bits, most
+    significant first. ``fields`` are in transmission order for frames, and start at the most significant bit for
+    registers. ``channel`` is the BiSS data channel if there are several. ``position_range`` is the range of its
+    position if the interface has another. ``gray_excess`` is the number in Gray code for position 0, if it is not 0.
     """
 
     name: str

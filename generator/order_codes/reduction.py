@@ -346,8 +346,7 @@ def _without_crcs(device: Device, names: Collection[str]) -> Device:
 def with_output_code(interface: Interface, variant: Variant) -> Interface:
     """Return the interface with the code of an order code: Gray or binary.
 
-    The interface remains as it is if it is not SSI, if its code does not depend on the order code, or if the frames
-    that the encoder sends have different codes.
+    It is unchanged if it is not SSI, if its code is fixed, or if the encoder's frames have different codes.
     """
     if not isinstance(interface, Ssi) or interface.output_code is None or interface.name != variant.interface:
         return interface
@@ -438,10 +437,7 @@ def _without_fields(join: Join, removed_names: Collection[str]) -> Join:
 
 
 def _with_known_terms_added(expression: Expression, known_parameters: Mapping[str, int]) -> Expression:
-    """Return the expression with the terms of known parameters added to its constant.
-
-    With ``bits`` known as 12, ``bits + turns + 1`` becomes ``turns + 13``.
-    """
+    """Return the sum with known terms added up: for 12 ``bits``, ``bits + turns + 1`` becomes ``turns + 13``."""
     if expression.is_constant:
         return expression
     known_terms = tuple(term for term in expression.terms if _is_known(term, known_parameters))

@@ -191,10 +191,7 @@ def _locate_bits(
 
 
 def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
-    """Return the check of the CRC in a field.
-
-    It covers the fields from the first to the last in ``of`` or, if ``of`` is empty, everything before it.
-    """
+    """Return the check of a CRC. It covers the fields from the first to the last in ``of``, or else all before it."""
     assert isinstance(field.kind, CrcValue)
     crc = device.crc(field.kind.crc)
     # A CRC that only some order codes have is at the end of their frames.
@@ -242,10 +239,7 @@ def _bits_at_end(layout: Layout, width: int) -> Bits:
 
 
 def _find_gray(layout: Layout) -> Gray | None:
-    """Return the bits in Gray code: the bits of a field, or of the adjacent fields of a join.
-
-    Return None if none are.
-    """
+    """Return the bits in Gray code, those of a field or of the adjacent fields of a join, or None if none are."""
     if not layout.gray_of:
         return None
     fields = [layout.field(name) for name in layout.names_in(layout.gray_of)]

@@ -392,8 +392,7 @@ def _encode_unused(placed: PlacedLayout, inverted_bits: int) -> int:
     """
     frame_bits = 0
     bits_of_no_field = inverted_bits
-    # ``low_in_unused`` is the field's lowest bit in ``inverted_bits``, and ``placed_field.low`` its lowest bit in the
-    # frame.
+    # The lowest bit of a field is ``low_in_unused`` in ``inverted_bits``, and ``placed_field.low`` in the frame.
     for placed_field, low_in_unused in placed.unused:
         inverted_in_field = (inverted_bits >> low_in_unused) & placed_field.mask
         frame_bits |= (documented_bits(placed_field) ^ inverted_in_field) << placed_field.low

@@ -205,20 +205,12 @@ class Rs485Line:
             encoder.restart()
 
     def _put_bytes(self, due: float, data: bytes) -> None:
-        """Add bytes that reach the master at the given time.
-
-        If the master does not read, the first replies are lost.
-        """
+        """Add bytes that reach the master at the given time. If the master does not read, the first are lost."""
         insort(self._arrivals, (due, data), key=itemgetter(0))  # by time
         del self._arrivals[:-_MOST_REPLIES]
 
     def _compute_replies(
-        self,
-        data_id: DataId | None,
-        values: dict[str, int | str | bool],
-        layout: Layout | None,
-        *,
-        is_second: bool,
+        self, data_id: DataId | None, values: dict[str, int | str | bool], layout: Layout | None, *, is_second: bool
     ) -> tuple[bytes, bytes]:
         """Carry out a request. Return the reply of the encoder, and the reply of a second encoder.
 
@@ -327,8 +319,7 @@ class SpiLine:
 
         Args:
             word: The word, whose first bit is the most significant.
-            bits: Number of bits of the word. Default: ``word_bits`` of the interface, or the shortest length if no word
-                has ``word_bits``.
+            bits: Bits of the word. Default: ``word_bits`` of the interface, or the shortest length if no word has it.
 
         Raises:
             ValueError: The encoder has no words of this length, or the word does not fit.
@@ -421,8 +412,7 @@ class SpiLine:
     def _find_request(self, word: int, length: int) -> tuple[Exchange, dict[str, int | str | bool]] | None:
         """Return the request in a word with its values, or None if no possible request fits.
 
-        A write can have several words. If a write has begun, only its later words are possible. Before that, they are
-        not.
+        A write can have several words. Once it has begun, only its later words are possible. Before, all others are.
         """
         later_words_of_write = self._write_exchanges[1:]
         if self._written_fields:

@@ -426,9 +426,8 @@ def _yield_readings(
 ) -> Iterator[tuple[str, ...]]:
     """Yield every way to split a label from ``start`` into the pattern's ``pieces`` from ``index``, as the labels.
 
-    Pieces at even indices are literals, and pieces at odd indices are names of parts. The last piece is a literal. A
-    reading has one label for each part: ``("24", "S")`` for ``X-24S`` with the pieces ``["X-", "bits", "", "output",
-    ""]``.
+    Pieces at even indices, also the last one, are literals, and pieces at odd indices are names of parts. A reading has
+    one label for each part: ``("24", "S")`` for ``X-24S`` with the pieces ``["X-", "bits", "", "output", ""]``.
     """
     literal = pieces[index].upper()
     if not label_text.startswith(literal, start):

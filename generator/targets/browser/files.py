@@ -2,8 +2,7 @@
 
 Regular expressions come from ``order_codes.labels``, in the notation of JavaScript.
 
-The script contains the plan of every frame as a table, and the runtime that interprets it. Other pages can embed the
-decoder box.
+The script contains the plans of all frames as tables, and the runtime. Other pages can embed the decoder box.
 """
 
 from __future__ import annotations

@@ -101,10 +101,7 @@ class SingleCode:
 
     @property
     def request(self) -> StructCodec | None:
-        """The frame of the request for the position, over SPI the request that the macro names.
-
-        None without a struct.
-        """
+        """The frame of the position request, over SPI the one that the macro names, or None without a struct."""
         usage = self.view.usage
         if usage is not None and usage.request_for_reply is not None:
             return usage.request_for_reply.codec
@@ -404,10 +401,7 @@ def _first_paragraph(comment: str) -> str:
 
 
 def _wrap_text(text: str, width: int = _COMMENT_WIDTH, first_margin: str = "", margin: str = "") -> list[str]:
-    """Return the lines of a text with whole words.
-
-    ``first_margin`` begins the first line, ``margin`` the other lines.
-    """
+    """Return the lines of a text with whole words. ``first_margin`` begins the first line, ``margin`` the others."""
     wrapper = textwrap.TextWrapper(width, initial_indent=first_margin, subsequent_indent=margin)
     wrapper.break_long_words = wrapper.break_on_hyphens = False
     return wrapper.wrap(text)

@@ -45,8 +45,7 @@ class ReadmeExample:
     leaves open, ``module`` is the module of their classes. ``interface`` is the interface of the order code,
     ``position`` the position in the frame, ``flag`` the flag of the spec that is active in ``spoilt``, and
     ``flag_attribute`` its name in the frame. ``order_code`` is the order code of a procedure. ``is_position_only`` is
-    True for a frame that has only flags and its position. ``is_rotary`` is True for an encoder whose position is an
-    angle.
+    True for a frame of only flags and its position. ``is_rotary`` is True for an encoder whose position is an angle.
     """
 
     code: str
@@ -221,8 +220,7 @@ class Readme:
     def _example_variant(self, interface_name: str) -> Variant | None:
         """Return an order code with this interface, or None if none is listed.
 
-        If possible, it is the order code of an example in the manual, then the code with the highest sum of its
-        parameters.
+        If possible, it is the code of an example in the manual, then that with the highest sum of its parameters.
         """
         example_codes = [example.order_code for example in self.device.examples if not isinstance(example, CrcExample)]
         parameter_names = [parameter.name for parameter in self.device.set_parameters]

@@ -1,0 +1,160 @@
+"""Make up a sample frame for each layout.
+
+The reference codec encodes it, so that no output shows a frame that it has encoded itself.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import suppress
+
+from ..model import (
+    Choice,
+    CrcExample,
+    Decimal,
+    Device,
+    Field,
+    Flag,
+    Interface,
+    Layout,
+    MeasureExample,
+    Number,
+    PlacedLayout,
+    Sample,
+    Sources,
+    Text,
+    Values,
+    Variant,
+    Verdict,
+)
+from ..order_codes.labels import UnknownOrderCode
+from ..reference.bits import from_gray, join_value
+from ..reference.codec import EncodeError, encode
+from .examples import example_variant
+
+
+def sample_frames(device: Device) -> tuple[Sample, ...]:
+    """Return the sample frames of every interface, or none if an example has an unknown order code."""
+    samples_of_all: list[Sample] = []
+    try:
+        for interface in device.interfaces:
+            samples_of_all += _yield_samples(device, interface)
+    except UnknownOrderCode:  # of an example, which has been reported in the spec that this edition is based on
+        return ()
+    return tuple(samples_of_all)
+
+
+def _yield_samples(device: Device, interface: Interface) -> Iterator[Sample]:
+    """Yield a frame for each layout that the encoder sends and that can be encoded, for one order code."""
+    variant = _most_used_order_code(device, interface.name)
+    if variant is None:
+        return
+    for layout in interface.layouts:
+        if layout.sender == "encoder":
+            with suppress(EncodeError):
+                yield _build_sample(device, variant, layout)
+
+
+def _most_used_order_code(device: Device, interface: str) -> Variant | None:
+    """Return the order code that most examples use, without CRCs and corrected examples, or None if there is none.
+
+    Among several, the code with the largest sum of parameters is used, which usually has the finest resolution.
+    """
+    example_counts: Counter[str] = Counter()
+    for example in device.examples:
+        if not isinstance(example, CrcExample) and not example.erratum:
+            example_counts[example_variant(device, example).code] += 1
+
+    def examples_then_resolution(variant: Variant) -> tuple[int, int]:
+        return example_counts[variant.code], sum(variant.parameters.values())
+
+    return max(device.variants_over(interface), key=examples_then_resolution, default=None)
+
+
+def _build_sample(device: Device, variant: Variant, layout: Layout) -> Sample:
+    """Return a frame with the position of a worked example, if it fits, and made-up values in all other fields.
+
+    Raises an ``EncodeError`` if the made-up values cannot be encoded.
+    """
+    placed = layout.place(variant.parameters)
+    data_fields = [placed_field for placed_field in placed.fields if placed_field.field.carries_data]
+    made_up_values = {field.name: _made_up_value(field.field, field.width, layout) for field in data_fields}
+    measurement = device.measurement_of(variant.interface)
+    worked_example = _worked_example(device, variant)
+    if measurement is not None and worked_example is not None and measurement.of in layout.member_names:
+        position_fields = layout.names_in(measurement.of)
+        # The position is encoded as a whole, instead of its fields.
+        other_values = {name: value for name, value in made_up_values.items() if name not in position_fields}
+        values_with_position = {**other_values, measurement.of: worked_example.counts}
+        with suppress(EncodeError):  # a position that does not fit
+            return _encoded_sample(device, placed, variant, values_with_position, worked_example.source)
+    return _encoded_sample(device, placed, variant, made_up_values)
+
+
+def _worked_example(device: Device, variant: Variant) -> MeasureExample | None:
+    """Return the first example of a measurement with this order code, or None if there is none."""
+    for example in device.examples:
+        if isinstance(example, MeasureExample) and example_variant(device, example) == variant:
+            return example
+    return None
+
+
+def _made_up_value(field: Field, width: int, layout: Layout) -> int | str | bool:
+    """Return a made-up value for a field, or raise an ``EncodeError`` if the field carries no data.
+
+    The values are harmless: flags are inactive, and a named value leaves the position usable if the field has such a
+    value.
+    """
+    if field.name == layout.selector:
+        return layout.selects[0]
+    if not field.carries_data:
+        raise EncodeError(f"'{field.name}' carries no data")
+    match field.kind:
+        case Number(power_of_two=True):
+            # The power of two in the middle of the range.
+            return 1 << (width // 2)
+        case Number(signed=is_signed, zero_means=zero_means):
+            # A signed field has one bit less for positive numbers.
+            number = _made_up_number(width - 1 if is_signed else width)
+            # With 'zero_means', a field never has the value 0.
+            return max(number, 1) if zero_means else number
+        case Flag():
+            return False
+        case Choice(values):
+            harmless_values = [value for value in values if value.makes_position in (None, Verdict.USABLE)]
+            return (harmless_values or values)[0].value
+        case Decimal():
+            return 1
+        case Text():
+            return "A" * (width // 8)
+        case _:
+            return field.kind.value_at_rest
+
+
+def _made_up_number(bits: int) -> int:
+    """Return a made-up number of at most ``bits`` bits: 42 or the highest below it, or more with above 16 bits."""
+    return 123456789 % (1 << bits) if bits > 16 else min(42, (1 << bits) - 1)
+
+
+def _encoded_sample(
+    device: Device, placed: PlacedLayout, variant: Variant, values: Values, source: Sources = ()
+) -> Sample:
+    """Return a frame with these values, and the same frame with a flag that decoders must refuse, if there is one."""
+    frame = encode(device, placed, values)
+    plain_frame = from_gray(placed, frame)
+    decoded_values = {field.name: values[field.name] for field in placed.fields if field.name in values}
+    decoded_values |= {join.name: join_value(placed, join, plain_frame) for join in placed.layout.joins}
+    refused_frame = None
+    if placed.spoiling_flags:
+        # A frame with this flag active must be refused. One such flag is enough.
+        flag = placed.spoiling_flags[0]
+        refused_frame = encode(device, placed, {**values, flag.name: True})
+    return Sample(
+        order_code=variant.code,
+        layout=placed.layout.name,
+        frame=frame,
+        values=decoded_values,
+        spoilt=refused_frame,
+        source=source,
+    )
