@@ -202,10 +202,10 @@ def turn_bits_of_fields(placed_layout: PlacedLayout, measurement: Measurement, v
 
 
 def _turn_bits(measurement: Measurement, position_bits: int, variant: Variant) -> int:
-    """Return the number of the highest bits of the position that count revolutions.
+    """Return how many of the highest bits of the position count revolutions, or 0 if none do or it is not known.
 
-    There are none for a length, for a single revolution, without the counts per revolution, or if these are not a power
-    of two and the number of revolutions is not known.
+    No bits count revolutions in a measurement of length, which has no counts per revolution, and in one of a single
+    revolution. It is not known if the counts are not a power of two and the number of revolutions is not stated.
 
     Raises:
         NoRecord: There are several revolutions, of counts that are not a power of two, so no bits are the revolutions.

@@ -146,8 +146,7 @@ class Layout:
         judging_names = {field.name for field in self.fields if _is_flag_with_verdict(field.kind)}
         for sign in self.signs:
             if _is_flag_with_verdict(sign.flag.kind):
-                # The fields of a combination are in the same frames, because their widths are the same for all order
-                # codes. So the first one is enough.
+                # All fields of a combination of values have the same widths for all order codes, so one is enough.
                 name, _ = sign.conditions[0]
                 judging_names.add(name)
         return tuple(field for field in self.fields if field.name in judging_names)

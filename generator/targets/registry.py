@@ -184,12 +184,11 @@ def names_of_codes(order_codes: Iterable[str], reserved_names: Iterable[str] = (
 
 
 def _unused_file_name(stem: str, used_names: Collection[str]) -> str:
-    """Return ``stem``, with a number at its end if it is empty or used already."""
+    """Return ``stem``, with a number at its end if it is empty or used already. ``used_names`` are in lower case."""
     file_name = stem[:_LONGEST]
-    for number in count(2):
-        if file_name and file_name.casefold() not in used_names:
-            break
-        suffix = f"-{number}"
+    numbers = count(2)
+    while not file_name or file_name.casefold() in used_names:
+        suffix = f"-{next(numbers)}"
         file_name = f"{stem[: _LONGEST - len(suffix)]}{suffix}"
     return file_name
 

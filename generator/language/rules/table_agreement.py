@@ -151,10 +151,11 @@ def check_reserved_addresses(spec: WrittenSpec, as_read: WrittenSpec, report: Do
         for index, row in enumerate(table.part.rows):
             if len(row) < len(headings):
                 continue
-            addresses = [_HEX.fullmatch(row[headings.index(name)]) for name in ("first address", "last address")]
-            if None in addresses:
+            first_match = _HEX.fullmatch(row[headings.index("first address")])
+            last_match = _HEX.fullmatch(row[headings.index("last address")])
+            if first_match is None or last_match is None:
                 continue
-            first, last = (int(address[1], 16) for address in addresses if address is not None)
+            first, last = int(first_match[1], 16), int(last_match[1], 16)
             for register in spec.registers:
                 if not register.reserved and register.bank is None and first <= register.address <= last:
                     message = f"the register {quoted(register.name)} is at {register.address:02X}h"

@@ -218,7 +218,7 @@ def check_dates(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport)
     _check_that_dates_exist(spec.manual, report)
     dated_history = [revision for revision in spec.manual.history if _parse_date(revision.part.date)]
     _check_order_of_revisions(dated_history, report)
-    _check_date_of_transcribed(spec.manual, dated_history, report)
+    _check_date_in_history(spec.manual, dated_history, report)
 
 
 def _check_that_dates_exist(manual: WrittenManual, report: DocumentReport) -> None:
@@ -241,14 +241,15 @@ def _check_order_of_revisions(dated_history: Sequence[Located[Revision]], report
             report.add("date", (*later.path, "date"), f"{problem}; list the oldest first")
 
 
-def _check_date_of_transcribed(
+def _check_date_in_history(
     manual: WrittenManual, dated_history: Sequence[Located[Revision]], report: DocumentReport
 ) -> None:
     """Check that the history gives the revision of the manual the date of the manual, if it has both."""
     date_by_revision = {release.part.revision: release.part.date for release in dated_history}
-    # A revision without a date in the history contradicts nothing.
-    date_in_history = date_by_revision.get(manual.revision, manual.date)
-    if _parse_date(manual.date) and date_in_history != manual.date:
+    date_in_history = date_by_revision.get(manual.revision)
+    if date_in_history is None or not _parse_date(manual.date):
+        return
+    if date_in_history != manual.date:
         problem = f"revision {manual.revision} is dated {manual.date}, but {date_in_history} in 'history'"
         report.add("date", manual.place_of("date"), problem)
 

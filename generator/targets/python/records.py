@@ -138,12 +138,15 @@ def _member_literal(model_part: object, member: RecordMember) -> Literal:
     value = getattr(model_part, member.name)
     if member.name == "source":
         return cite(value)
-    # A type names at most one record or enumeration.
-    for record_name in member.types & runtime_records().members.keys():
+    record_names = member.types & runtime_records().members.keys()
+    if record_names:
+        (record_name,) = record_names  # A type names at most one record.
         if isinstance(value, tuple):
             return records_of(record_name, value)
         return record_of(record_name, value) if value is not None else None
-    for enumeration in member.types & runtime_records().enumerations:
+    enumerations = member.types & runtime_records().enumerations
+    if enumerations:
+        (enumeration,) = enumerations  # A type names at most one enumeration.
         if isinstance(value, tuple):
             return tuple(Member(enumeration, name) for name in value)
         return Member(enumeration, value) if value else None
