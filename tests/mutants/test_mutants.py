@@ -138,7 +138,6 @@ def test_every_value_has_a_class(trial: Trial) -> None:
         "alike.connectors",
         "alike.crcs",
         "alike.facts",
-        "alike.ports",
         "alike.registers",
         "main",
     }
